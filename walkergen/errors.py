@@ -1,0 +1,38 @@
+"""The error tree.
+
+WalkergenError            everything walkergen raises on purpose; the CLI prints it and exits with 2
+├── InputError            a value a person wrote is unusable: says what was seen, allowed, to try
+│   ├── GeometryError     a design whose parts cannot be built as drawn
+│   └── PlateError        parts that do not fit the printer's bed
+├── SolidError            the solid modeller refused or returned an unsound body
+├── TheoryError           a formula has no answer for these numbers
+└── OutputError           a file or folder could not be written
+"""
+
+
+class WalkergenError(Exception):
+    """Base of every error that walkergen raises on purpose; its text is meant for the user."""
+
+
+class InputError(WalkergenError):
+    """A value that a person wrote is unusable; the text says what was seen, allowed, and to try."""
+
+
+class GeometryError(InputError):
+    """A design's parts cannot be built as drawn; the text names the limit that was passed."""
+
+
+class PlateError(InputError):
+    """Parts do not fit the printer's bed; the text says how many would."""
+
+
+class SolidError(WalkergenError):
+    """The solid modeller refused an operation or returned a body that is not sound."""
+
+
+class TheoryError(WalkergenError):
+    """A formula has no answer for the numbers given."""
+
+
+class OutputError(WalkergenError):
+    """A file or folder could not be written."""

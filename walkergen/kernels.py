@@ -1,0 +1,43 @@
+"""The one way walkergen compiles a kernel: numba, cached on disk, without the interpreter lock.
+
+numba's disk cache notices edits in the file of the compiled function but not in the files that
+it imports, and then returns old answers. So the cache lies in a folder named by a hash of all of
+the package's sources: any edit starts a fresh one.
+"""
+
+import hashlib
+import os
+import sys
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any, TypeVar
+
+
+def _cache_folder() -> Path:
+    digest = hashlib.sha256()
+    for source in sorted(Path(__file__).parent.rglob("*.py")):
+        digest.update(source.read_bytes())
+    name = f"numba-{digest.hexdigest()[:16]}"
+    try:
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "walkergen"
+        folder = base / name
+        folder.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=folder):
+            return folder
+    except (OSError, RuntimeError):  # no home, or a read-only one: compile for this process alone
+        return Path(tempfile.mkdtemp(prefix="walkergen-numba-"))
+
+
+if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
+    os.environ["NUMBA_CACHE_DIR"] = str(_cache_folder())
+
+import numba  # noqa: E402  (the cache folder has to be set first)
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+def kernel(function: F) -> F:
+    """Compile `function` with numba on first call; typed as the plain function it is."""
+    compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
+    return compiled

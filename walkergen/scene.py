@@ -1,0 +1,107 @@
+"""Scene: the plate's drive and the contact between foot and plate.
+
+The drive is y_plate = A sin(omega t). Any two of frequency, amplitude, peak speed and gamma (peak
+acceleration over g) determine it; a third and a fourth are accepted when they agree.
+"""
+
+import math
+from typing import Annotated, Literal
+
+from pydantic import Field, model_validator
+
+from walkergen.config import Fraction, Name, Section
+
+GRAVITY = 9806.65
+"""Standard gravity, mm/s^2."""
+
+AGREEMENT = 5e-3
+"""Relative tolerance between redundant drive numbers: people write them to three digits."""
+
+Positive = Annotated[float, Field(gt=0, le=1e9)]
+
+
+class Drive(Section):
+    """Vertical sinusoidal vibration of the plate, from any two of its four numbers."""
+
+    frequency_hz: Positive | None = None
+    amplitude_um: Positive | None = None
+    peak_speed_mm_s: Positive | None = None
+    gamma: Positive | None = None
+
+    @model_validator(mode="after")
+    def _determined(self) -> "Drive":
+        given = self.model_dump(exclude_none=True)
+        if len(given) < 2:
+            raise ValueError(
+                "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
+                f"seen: {', '.join(given) or 'none'}"
+            )
+        implied = {
+            "frequency_hz": self.omega / (2 * math.pi),
+            "amplitude_um": 1e3 * self.amplitude,
+            "peak_speed_mm_s": self.peak_speed,
+            "gamma": self.peak_speed * self.omega / GRAVITY,
+        }
+        for key, value in given.items():
+            if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
+                first, second = list(given)[:2]
+                raise ValueError(
+                    f"{key} = {value:g} contradicts {first} and {second}, which give "
+                    f"{implied[key]:.5g}; remove one of them"
+                )
+        return self
+
+    @property
+    def omega(self) -> float:
+        """Angular frequency, rad/s."""
+        if self.frequency_hz is not None:
+            return 2 * math.pi * self.frequency_hz
+        if self.amplitude_um is not None and self.peak_speed_mm_s is not None:
+            return self.peak_speed_mm_s / (1e-3 * self.amplitude_um)
+        assert self.gamma is not None
+        if self.amplitude_um is not None:
+            return math.sqrt(self.gamma * GRAVITY / (1e-3 * self.amplitude_um))
+        assert self.peak_speed_mm_s is not None
+        return self.gamma * GRAVITY / self.peak_speed_mm_s
+
+    @property
+    def amplitude(self) -> float:
+        """Amplitude of the displacement, mm."""
+        if self.amplitude_um is not None:
+            return 1e-3 * self.amplitude_um
+        if self.peak_speed_mm_s is not None:
+            return self.peak_speed_mm_s / self.omega
+        assert self.gamma is not None
+        return self.gamma * GRAVITY / self.omega**2
+
+    @property
+    def peak_speed(self) -> float:
+        """Largest speed of the plate, mm/s."""
+        return self.amplitude * self.omega
+
+
+class Contact(Section):
+    """Foot on plate: restitution and Coulomb friction, each with its standard deviation."""
+
+    restitution: Fraction = 0.8
+    restitution_sd: Fraction = 0.1
+    friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    friction_sd: Annotated[float, Field(ge=0, le=1e6)] = 0.02
+    law: Literal["poisson", "newton", "stronge"] = "poisson"
+
+
+class Prediction(Section):
+    """How fast feet meet the plate, as a multiple of the plate's peak speed (paper: "same order")."""
+
+    impact_speed_factor: Annotated[float, Field(gt=0, le=1000)] = 1.0
+    impact_speed_factor_sd: Annotated[float, Field(ge=0, le=1000)] = 0.0
+
+
+class Scene(Section):
+    """Everything outside the walker."""
+
+    name: Name = "scene"
+    description: Annotated[str, Field(max_length=2000)] = ""
+    drive: Drive = Drive(frequency_hz=90.0, gamma=1.8)
+    contact: Contact = Contact()
+    prediction: Prediction = Prediction()

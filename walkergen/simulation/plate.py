@@ -1,0 +1,75 @@
+"""The vibrating plate: y_p = A [sin(phase) + ratio sin(2 phase + shift)], phase = omega t.
+
+The phase is kept in 0..2 pi and never the absolute time, so that a run of 1e5 s still resolves
+1e-9 s. A second harmonic that is None leaves nothing in the compiled code.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.kernels import kernel
+
+TWO_PI = 2.0 * math.pi
+
+
+class Harmonic(NamedTuple):
+    """Second harmonic of the drive."""
+
+    ratio: float
+    """Amplitude over that of the fundamental."""
+    shift: float
+    """Phase shift, rad."""
+
+
+class Plate(NamedTuple):
+    """A plate shaken vertically, at rest when `amplitude` is 0."""
+
+    amplitude: float
+    """mm"""
+    omega: float
+    """rad/s, > 0 (also when the amplitude is 0)."""
+    harmonic: Harmonic | None
+
+
+@kernel
+def _harmonic_height(harmonic, phase):  # type: ignore[no-untyped-def]
+    if harmonic is None:
+        return 0.0
+    return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def _harmonic_velocity(harmonic, phase):  # type: ignore[no-untyped-def]
+    if harmonic is None:
+        return 0.0
+    return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def _harmonic_acceleration(harmonic, phase):  # type: ignore[no-untyped-def]
+    if harmonic is None:
+        return 0.0
+    return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
+
+
+@kernel
+def height(plate: Plate, phase: float) -> float:
+    """Height of the plate's surface, mm."""
+    return plate.amplitude * (math.sin(phase) + _harmonic_height(plate.harmonic, phase))
+
+
+@kernel
+def velocity(plate: Plate, phase: float) -> float:
+    """Vertical velocity of the plate, mm/s."""
+    return (
+        plate.amplitude * plate.omega * (math.cos(phase) + _harmonic_velocity(plate.harmonic, phase))
+    )
+
+
+@kernel
+def acceleration(plate: Plate, phase: float) -> float:
+    """Vertical acceleration of the plate, mm/s^2."""
+    squared = plate.omega * plate.omega
+    return (
+        plate.amplitude * squared * (_harmonic_acceleration(plate.harmonic, phase) - math.sin(phase))
+    )

@@ -1,0 +1,1 @@
+"""The analytical theory: inverse-mass tensors, the frictional impact law, stationary speeds."""

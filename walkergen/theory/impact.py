@@ -1,0 +1,215 @@
+"""One planar impact with Coulomb friction (Routh's construction; physics.md section 3).
+
+The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are
+followed along the normal impulse p = F_y, along which they are piecewise linear: a first segment
+in which the foot slides with the sign of v_x, and, once v_x has reached zero, a second one in
+which it sticks or slides on. Compression ends where v_y = 0; the law of restitution says where
+the impact ends. Every simulator and the theory call the same kernel.
+"""
+
+import math
+from enum import IntEnum
+from typing import NamedTuple
+
+from walkergen.errors import TheoryError
+from walkergen.kernels import kernel
+
+
+class Law(IntEnum):
+    """Law of restitution: what ends the impact after the compression phase."""
+
+    POISSON = 0
+    """Normal impulse: F_y = (1 + e) times that of compression (the paper's)."""
+    NEWTON = 1
+    """Normal velocity: v_y after = -e v_y before. May create energy with friction."""
+    STRONGE = 2
+    """Energy: work of restitution = e^2 times that of compression. Never creates energy."""
+
+
+class Kind(IntEnum):
+    """Type of an impact by the sign of the sliding velocity v_x (paper, figure 3)."""
+
+    NONE = 0
+    """Not approaching: no impulse."""
+    I = 1  # noqa: E741  (the paper's own name)
+    """v_x > 0 throughout."""
+    II = 2
+    """v_x > 0 stops during restitution."""
+    III = 3
+    """v_x > 0 stops during compression."""
+    IV = 4
+    """v_x < 0 throughout."""
+    FROM_REST = 5
+    """v_x = 0 before the impact."""
+    II_MIRRORED = -2
+    """v_x < 0 stops during restitution."""
+    III_MIRRORED = -3
+    """v_x < 0 stops during compression."""
+
+
+class Impact(NamedTuple):
+    """Outcome of one impact: impulse (g mm/s), velocity of the foot after (mm/s), its type."""
+
+    F_x: float
+    F_y: float
+    v_x: float
+    v_y: float
+    kind: int
+    """A value of `Kind`."""
+    sticks: bool
+    """True when the foot stops and stays stuck (|H_xy| <= mu H_xx) until it leaves."""
+
+
+@kernel
+def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
+    """H_xx H_yy - H_xy^2 to nearly full precision, also for a tensor of condition 1e12 and more.
+
+    The rounding errors of both products are recovered exactly (Dekker 1971, Veltkamp splitting),
+    valid while entries stay below about 1e150.
+    """
+    splitter = 134217729.0  # 2^27 + 1
+    t = splitter * H_xx
+    xx_high = t - (t - H_xx)
+    xx_low = H_xx - xx_high
+    t = splitter * H_yy
+    yy_high = t - (t - H_yy)
+    yy_low = H_yy - yy_high
+    t = splitter * H_xy
+    xy_high = t - (t - H_xy)
+    xy_low = H_xy - xy_high
+    first = H_xx * H_yy
+    error_1 = ((xx_high * yy_high - first) + xx_high * yy_low + xx_low * yy_high) + xx_low * yy_low
+    second = H_xy * H_xy
+    error_2 = ((xy_high * xy_high - second) + 2.0 * xy_high * xy_low) + xy_low * xy_low
+    return (first - second) + (error_1 - error_2)
+
+
+@kernel
+def impact(
+    H_xx: float,
+    H_xy: float,
+    H_yy: float,
+    v_x: float,
+    v_y: float,
+    restitution: float,
+    friction: float,
+    law: int,
+) -> Impact:
+    """Impulse and outcome of one impact; the kernel of everything that collides.
+
+    H (1/g) positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0, law a value
+    of `Law`: not checked here (`resolve` does). Homogeneous of degree 1 in the velocity. v_y >= 0
+    gives no impulse and `Kind.NONE`.
+    """
+    if v_y >= 0.0:
+        return Impact(0.0, 0.0, v_x, v_y, 0, False)
+
+    # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
+    sticks = abs(H_xy) <= friction * H_xx
+    if sticks:
+        ratio_2 = -H_xy / H_xx
+        slope_x2 = 0.0
+        slope_y2 = determinant(H_xx, H_xy, H_yy) / H_xx
+    else:
+        ratio_2 = -math.copysign(friction, H_xy)
+        slope_x2 = H_xy + ratio_2 * H_xx
+        slope_y2 = H_yy + ratio_2 * H_xy
+
+    # Until then: slide against friction, until the normal impulse `stop` (perhaps for ever).
+    ratio_1 = ratio_2
+    slope_x1 = slope_x2
+    slope_y1 = slope_y2
+    stop = 0.0
+    if v_x != 0.0:
+        ratio_1 = -math.copysign(friction, v_x)
+        slope_x1 = H_xy + ratio_1 * H_xx
+        slope_y1 = H_yy + ratio_1 * H_xy
+        stop = -v_x / slope_x1 if slope_x1 * v_x < 0.0 else math.inf
+
+    # Compression; in the first segment slope_y1 <= 0 is possible (jamming): it goes on beyond it.
+    stops_early = not (slope_y1 > 0.0 and -v_y <= slope_y1 * stop)
+    if stops_early:
+        v_stop = v_y + slope_y1 * stop
+        compression = stop - v_stop / slope_y2
+        work = 0.5 * (v_y + v_stop) * stop - 0.5 * v_stop * v_stop / slope_y2
+    else:
+        compression = -v_y / slope_y1
+        work = 0.5 * v_y * compression
+
+    # Restitution: how much further, by the law, first within the segment where compression ended.
+    left = math.inf if stops_early else stop - compression
+    slope = slope_y2 if stops_early else slope_y1
+    if law == 0:
+        extra = restitution * compression
+    elif law == 1:
+        target = -restitution * v_y
+        extra = target / slope
+        if extra > left:
+            extra = left + (target - slope * left) / slope_y2
+    else:
+        target = -restitution * restitution * work
+        extra = math.sqrt(2.0 * target / slope)
+        if extra > left:
+            v_left = slope * left
+            rest = target - 0.5 * v_left * left
+            extra = left + 2.0 * rest / (v_left + math.sqrt(v_left * v_left + 2.0 * slope_y2 * rest))
+
+    total = compression + extra
+    if total <= stop and v_x != 0.0:
+        return Impact(
+            ratio_1 * total,
+            total,
+            v_x + slope_x1 * total,
+            v_y + slope_y1 * total,
+            1 if v_x > 0.0 else 4,
+            False,
+        )
+    after = total - stop
+    if v_x == 0.0:
+        kind = 5
+    else:
+        kind = 3 if stops_early else 2
+        if v_x < 0.0:
+            kind = -kind
+    return Impact(
+        ratio_1 * stop + ratio_2 * after,
+        total,
+        slope_x2 * after,
+        (v_y + slope_y1 * stop) + slope_y2 * after,
+        kind,
+        sticks,
+    )
+
+
+def resolve(
+    H: tuple[float, float, float],
+    velocity: tuple[float, float],
+    restitution: float,
+    friction: float,
+    law: Law = Law.POISSON,
+) -> Impact:
+    """One impact, with its numbers checked: H = (H_xx, H_xy, H_yy) in 1/g, velocity in mm/s.
+
+    Raises TheoryError when H is not positive definite or a number lies outside its range.
+    """
+    H_xx, H_xy, H_yy = (float(entry) for entry in H)
+    v_x, v_y = (float(component) for component in velocity)
+    if not all(math.isfinite(value) for value in (H_xx, H_xy, H_yy, v_x, v_y)):
+        raise TheoryError(f"impact: tensor {H} and velocity {velocity} must be finite numbers")
+    if not (H_xx > 0.0 and H_yy > 0.0 and determinant(H_xx, H_xy, H_yy) > 0.0):
+        raise TheoryError(f"impact: the inverse-mass tensor {H} must be positive definite")
+    if not 0.0 <= restitution <= 1.0:
+        raise TheoryError(f"impact: restitution {restitution} must lie in 0..1")
+    if not (friction >= 0.0 and math.isfinite(friction)):
+        raise TheoryError(f"impact: friction {friction} must be a finite number >= 0")
+    return Impact(*impact(H_xx, H_xy, H_yy, v_x, v_y, float(restitution), float(friction), law))
+
+
+def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
+    """Kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
+
+    Negative when energy is lost; Poisson's and Newton's laws can make it positive with friction.
+    """
+    return 0.5 * (
+        outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y)
+    )

@@ -1,0 +1,120 @@
+"""Stationary speed of a foot: the sliding speed at which an impact gives no horizontal impulse.
+
+The foot arrives with normal speed w and slides at v_x0; the ratio v_x0 / w is the "factor" here
+(physics.md section 4; paper eq. 15). Everything broadcasts over arrays; one call serves a million
+draws when made in chunks.
+"""
+
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import TheoryError
+from walkergen.mass import MassProperties
+from walkergen.theory.tensors import InverseMass, feet
+
+Array = npt.NDArray[np.float64]
+Mode = Literal["coulomb", "paper"]
+LawName = Literal["poisson", "newton", "stronge"]
+MODES: tuple[Mode, ...] = get_args(Mode)
+LAWS: tuple[LawName, ...] = get_args(LawName)
+
+
+class Factors(NamedTuple):
+    """Stationary speed over impact speed, per foot; the walker's is their mean."""
+
+    back: Array
+    front: Array
+    reverses_back: Array
+    """True where the foot slides on after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
+    reverses_front: Array
+
+    @property
+    def mean(self) -> Array:
+        """Mean of both feet: as many impacts at the back as at the front."""
+        return 0.5 * (self.back + self.front)
+
+
+def factor(
+    H: InverseMass,
+    restitution: float | Array,
+    friction: float | Array,
+    mode: Mode = "coulomb",
+    law: LawName = "poisson",
+) -> Array:
+    """Stationary v_x0 / w of one foot, positive forward; shapes broadcast.
+
+    `coulomb` lets the foot stick when friction can hold it; `paper` is eq. 15, which assumes that
+    it slides back in any case (Poisson's law only). At friction 0, where every speed is
+    stationary, the limit friction -> 0 is given. Raises TheoryError for numbers out of range.
+    """
+    e, mu = np.asarray(restitution, dtype=float), np.asarray(friction, dtype=float)
+    _check(e, mu, mode, law)
+    magnitude = np.abs(H.xy)
+    # Ratio |F_x|/F_y after the stop: what holds the foot, or all that friction gives.
+    needed = magnitude / H.xx
+    ratio = mu + 0.0 * needed if mode == "paper" else np.minimum(mu, needed)
+    # Share of the slide-back impulse in the whole, ratio/(mu + ratio): 1/2 in the limit mu -> 0.
+    with np.errstate(invalid="ignore"):
+        share = np.where(mu > 0, ratio / (mu + ratio), np.where(magnitude > 0, 0.5, 0.0))
+    forward_slope = mu * H.xx + magnitude
+    if law == "poisson":
+        impulse = (1 + e) / (H.yy + e * ratio * magnitude)
+    elif law == "newton":
+        impulse = (1 + e) / (H.yy + 0.0 * ratio)
+    else:
+        impulse = _stronge_impulse(H, e, mu, ratio, share)
+    result: Array = -np.sign(H.xy) * share * forward_slope * impulse
+    return result
+
+
+def _stronge_impulse(H: InverseMass, e: Array, mu: Array, ratio: Array, share: Array) -> Array:
+    """Total normal impulse per unit of w under energetic restitution, at the stationary speed.
+
+    The foot slides at rate k1 of v_y per impulse until p1 = share * p, then at k2; the end of
+    compression lies after the stop (type III) or before it (type II). Either way the balance of
+    works W_restitution = -e^2 W_compression is a quadratic equation in p.
+    """
+    magnitude = np.abs(H.xy)
+    k1, k2 = H.yy + mu * magnitude, H.yy - ratio * magnitude
+    # With v_end = k1 p1 + k2 (p - p1) - 1 = H_yy p - 1 and v_stop = k1 p1 - 1.
+    # Type III: v_end^2 / (2 k2) = e^2 [(1 - v_stop^2)/(2 k1) + v_stop^2/(2 k2)], v_stop <= 0.
+    # Type II:  (v_end^2 - v_stop^2)/(2 k2) + v_stop^2/(2 k1) = e^2/(2 k1),     v_stop >= 0.
+    # The discriminants are written out so that nothing cancels as e -> 0.
+    s = k1 * share
+    t = s * (1 - k2 / k1)
+    root = e * np.sqrt(H.yy**2 - 2 * H.yy * t + s * t + e**2 * t * (t - s))
+    third = (H.yy - e**2 * t + root) / (H.yy**2 - e**2 * s * t)
+    a, half_b = H.yy**2 - s * t, H.yy - t
+    root = np.sqrt(np.maximum(half_b**2 - a * (1 - e**2) * k2 / k1, 0.0))
+    second = (half_b + root) / a
+    return np.where(s * third <= 1.0, third, second)
+
+
+def _check(e: Array, mu: Array, mode: str, law: str) -> None:
+    if not (np.all(e >= 0) and np.all(e <= 1)):
+        raise TheoryError(f"restitution must lie in 0..1; seen {e.min()}..{e.max()}")
+    if not (np.all(mu >= 0) and np.all(np.isfinite(mu))):
+        raise TheoryError(f"friction must be a finite number >= 0; seen {mu.min()}..{mu.max()}")
+    if mode not in MODES or law not in LAWS:
+        raise TheoryError(f"mode {mode!r} must be one of {MODES} and law {law!r} one of {LAWS}")
+    if mode == "paper" and law != "poisson":
+        raise TheoryError(f"mode paper (eq. 15) is derived for law poisson only, not {law}")
+
+
+def factors(
+    mass: MassProperties,
+    restitution: float | Array,
+    friction: float | Array,
+    mode: Mode = "coulomb",
+    law: LawName = "poisson",
+) -> Factors:
+    """Stationary factors of a walker's two feet from its mass properties."""
+    back, front = feet(mass)
+    return Factors(
+        factor(back, restitution, friction, mode, law),
+        factor(front, restitution, friction, mode, law),
+        np.asarray(friction * back.xx < np.abs(back.xy)),
+        np.asarray(friction * front.xx < np.abs(front.xy)),
+    )

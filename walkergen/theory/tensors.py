@@ -1,0 +1,94 @@
+"""Inverse-mass tensors at a foot: dv_foot = H F (physics.md section 2; paper eqs 4 and 12).
+
+Symmetric 2x2 tensors are kept as their three entries, each an array of any common shape, so that
+one call serves one foot or a million draws.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
+Values = float | Array
+
+
+class InverseMass(NamedTuple):
+    """Entries of a symmetric inverse-mass tensor in 1/g; x along the plate, y up."""
+
+    xx: Values
+    xy: Values
+    yy: Values
+
+
+def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
+    """Inverse of I/mass + P(lever)/inertia: the mass felt at a point of a free rigid body (g)."""
+    scale = mass / (inertia + mass * np.sum(lever * lever, axis=-1))
+    x, y = lever[..., 0], lever[..., 1]
+    return InverseMass(
+        mass * (inertia + mass * x * x) / (inertia + mass * (x * x + y * y)),
+        mass * scale * x * y,
+        mass * (inertia + mass * y * y) / (inertia + mass * (x * x + y * y)),
+    )
+
+
+def rigid(M: Values, J: Values, d: Array) -> InverseMass:
+    """Tensor at a foot of a rigid walker: I/M + P(d)/J (paper eq. 4).
+
+    M (g) and J (g mm^2) of everything rigid, shape (...); d = O -> foot (mm), shape (..., 2).
+    """
+    x, y = d[..., 0], d[..., 1]
+    return InverseMass(1.0 / M + y * y / J, -x * y / J, 1.0 / M + x * x / J)
+
+
+def flexible(
+    M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array
+) -> InverseMass:
+    """Tensor at the tip of a leg whose joint carries force but no torque (paper eqs 8-12).
+
+    Body M, J with anchor a; leg m, j (about its own centre) with c_A = anchor -> centre and
+    c_T = centre -> tip. Masses shape (...), vectors (..., 2); all masses > 0.
+
+    The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M and
+    loses all digits for a light leg. Woodbury's identity turns it into a sum of positive terms,
+    accurate for every m/M: with I_A = j + m |c_A|^2 (leg about its anchor), c = c_A + c_T and
+    G = I - (m/I_A) perp(c_A) perp(c)^T,
+
+        H = perp(c) perp(c)^T / I_A  +  G^T (mass of body at A + mass of leg at A)^-1 G.
+    """
+    body = _mobility_to_mass(M, J, a)
+    leg = _mobility_to_mass(m, j, c_A)
+    xx, xy, yy = body.xx + leg.xx, body.xy + leg.xy, body.yy + leg.yy
+    det = xx * yy - xy * xy
+    S_xx, S_xy, S_yy = yy / det, -xy / det, xx / det
+
+    about_anchor = j + m * np.sum(c_A * c_A, axis=-1)
+    p_x, p_y = -c_A[..., 1], c_A[..., 0]
+    r_x, r_y = -(c_A[..., 1] + c_T[..., 1]), c_A[..., 0] + c_T[..., 0]
+    k = m / about_anchor
+    G_xx, G_xy = 1.0 - k * p_x * r_x, -k * p_x * r_y
+    G_yx, G_yy = -k * p_y * r_x, 1.0 - k * p_y * r_y
+    SG_xx, SG_xy = S_xx * G_xx + S_xy * G_yx, S_xx * G_xy + S_xy * G_yy
+    SG_yx, SG_yy = S_xy * G_xx + S_yy * G_yx, S_xy * G_xy + S_yy * G_yy
+    return InverseMass(
+        r_x * r_x / about_anchor + G_xx * SG_xx + G_yx * SG_yx,
+        r_x * r_y / about_anchor + G_xx * SG_xy + G_yx * SG_yy,
+        r_y * r_y / about_anchor + G_xy * SG_xy + G_yy * SG_yy,
+    )
+
+
+def feet(mass: MassProperties) -> tuple[InverseMass, InverseMass]:
+    """Tensors at the back and the front foot; the other leg's mass is neglected, as in the paper.
+
+    Neglecting it changes the tensor by the order of m/M (the hinged chain is the tests' rival).
+    """
+    anchors = mass.a, mass.b
+    if mass.rigid:
+        back, front = (rigid(mass.M, mass.J, a + mass.c_A + mass.c_T) for a in anchors)
+    else:
+        back, front = (
+            flexible(mass.M, mass.J, mass.m, mass.j, a, mass.c_A, mass.c_T) for a in anchors
+        )
+    return back, front
