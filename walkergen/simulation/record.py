@@ -1,0 +1,115 @@
+"""What a run keeps: tallies always (constant memory), samples and events only when asked for.
+
+The arrays are filled in place by the integrators' kernels. `samples` or `events` that are None
+leave nothing in the compiled code.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.kernels import kernel
+
+Array = npt.NDArray[np.float64]
+Counts = npt.NDArray[np.int64]
+
+# Rows of `Tally.counts`: impacts by type (impact.Kind), those that stick, and all.
+IMPACTS, STICKING = 0, 8
+# Rows of `Tally.sums`.
+ELAPSED, CONTACT_TIME, LARGEST_PITCH = 0, 1, 2
+PLATE_WORK, IMPACT_LOSS, FRICTION_LOSS, DAMPING_LOSS = 3, 4, 5, 6
+
+
+class Samples(NamedTuple):
+    """States at a fixed interval: rows of (t, state...)."""
+
+    rows: Array
+    """Shape (n, 1 + size of the state)."""
+    cursor: Counts
+    """Shape (1,): rows filled so far; full arrays stop filling."""
+    interval: float
+    """s"""
+
+
+class Events(NamedTuple):
+    """Every impact: rows of (t, foot 0 back / 1 front, F_x, F_y, v_x, v_y before, kind)."""
+
+    rows: Array
+    """Shape (n, 7)."""
+    cursor: Counts
+
+
+class Tally(NamedTuple):
+    """The record of one run."""
+
+    counts: Counts
+    """Shape (9,): all impacts, then by |kind| I, II, III, IV, from rest, II and III mirrored (6,
+    7), and (8) those in which the foot sticks."""
+    sums: Array
+    """Shape (7,): elapsed time s, time with a foot in contact s, largest |pitch| rad; energies in
+    g mm^2/s^2: work done by the plate, and lost to impacts, to friction in sustained contact, to
+    damping in the legs (losses positive)."""
+    samples: Samples | None
+    events: Events | None
+
+
+def new(
+    state_size: int,
+    duration: float = 0.0,
+    sample_interval: float | None = None,
+    event_room: int | None = None,
+) -> Tally:
+    """An empty record; `duration` (s) sizes the samples, `event_room` the events."""
+    samples = events = None
+    if sample_interval is not None:
+        room = int(duration / sample_interval + 1e-9) + 2
+        samples = Samples(np.zeros((room, 1 + state_size)), np.zeros(1, np.int64), sample_interval)
+    if event_room is not None:
+        events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
+    return Tally(np.zeros(9, np.int64), np.zeros(7), samples, events)
+
+
+@kernel
+def tally_impact(counts, kind, sticks):  # type: ignore[no-untyped-def]
+    """Count one impact by its type."""
+    counts[0] += 1
+    counts[kind if kind >= 0 else 4 - kind] += 1
+    if sticks:
+        counts[8] += 1
+
+
+@kernel
+def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):  # type: ignore[no-untyped-def]
+    """Append one impact to the events, if they are kept and have room."""
+    if events is not None:
+        row = events.cursor[0]
+        if row < events.rows.shape[0]:
+            events.rows[row, 0] = t
+            events.rows[row, 1] = foot
+            events.rows[row, 2] = F_x
+            events.rows[row, 3] = F_y
+            events.rows[row, 4] = v_x
+            events.rows[row, 5] = v_y
+            events.rows[row, 6] = kind
+            events.cursor[0] = row + 1
+
+
+@kernel
+def next_sample(samples):  # type: ignore[no-untyped-def]
+    """Time (s, since the start) of the next sample to take; infinity when none is wanted."""
+    if samples is None:
+        return np.inf
+    if samples.cursor[0] >= samples.rows.shape[0]:
+        return np.inf
+    return samples.cursor[0] * samples.interval
+
+
+@kernel
+def take_sample(samples, t, state):  # type: ignore[no-untyped-def]
+    """Append a state to the samples, if they are kept."""
+    if samples is not None:
+        row = samples.cursor[0]
+        samples.rows[row, 0] = t
+        samples.rows[row, 1:] = state
+        samples.cursor[0] = row + 1
