@@ -84,30 +84,28 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, density * inertia, volume)
 
 
-def assemble(design: Design, body: Mesh, back: Mesh, front: Mesh) -> MassProperties:
-    """Mass properties of a walker from the meshes of its body and of its legs outside the body.
+def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
+    """Mass properties of a walker from the meshes of its body and of one leg outside the body.
 
-    A braced leg's mesh includes its brace. Weighed masses in the design override the meshes' and
-    rescale the inertias with them: the shape is trusted, the density is not.
+    The body's mesh lies in the design's frame, the leg's has its anchor at the origin; a braced
+    leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
+    the inertias with them: the shape is trusted, the density is not.
     """
     density = 1e-3 * design.material.density_g_cm3
-    weighed = design.weighed
-    parts = [
-        _rescaled(weigh(body, density), weighed.body_mass_g),
-        _rescaled(weigh(back, density), weighed.leg_mass_g),
-        _rescaled(weigh(front, density), weighed.leg_mass_g),
-    ]
+    top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
+    limb = _rescaled(weigh(leg, density), design.weighed.leg_mass_g)
+    O, c_A = top.centre[:2], limb.centre[:2]  # noqa: E741  (the paper's name)
     anchors, foot = np.array(design.anchors), np.array(design.anchor_to_foot)
-    c_A = parts[1].centre[:2] - anchors[0]
-    if not design.braced:
-        O = parts[0].centre[:2]  # noqa: E741  (the paper's name)
-        M, J, m, j = parts[0].mass, parts[0].inertia, parts[1].mass, parts[1].inertia
-    else:
-        M = sum(part.mass for part in parts)
-        O = sum(part.mass * part.centre[:2] for part in parts) / M  # noqa: E741
-        J = sum(p.inertia + p.mass * float(np.sum((p.centre[:2] - O) ** 2)) for p in parts)
+    M, J, m, j = top.mass, top.inertia, limb.mass, limb.inertia
+    if design.braced:
+        masses = np.array([top.mass, limb.mass, limb.mass])
+        centres = np.array([O, *(anchors + c_A)])
+        M = float(masses.sum())
+        O = masses @ centres / M  # noqa: E741
+        J = top.inertia + 2 * limb.inertia + float(masses @ np.sum((centres - O) ** 2, axis=1))
         m = j = 0.0
-    return MassProperties(M, J, m, j, anchors[0] - O, anchors[1] - O, c_A, foot - c_A, design.braced)
+    a, b = anchors - O
+    return MassProperties(M, J, m, j, a, b, c_A, foot - c_A, design.braced)
 
 
 def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:

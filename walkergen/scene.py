@@ -37,10 +37,10 @@ class Drive(Section):
                 f"seen: {', '.join(given) or 'none'}"
             )
         implied = {
-            "frequency_hz": self.omega / (2 * math.pi),
+            "frequency_hz": self.frequency,
             "amplitude_um": 1e3 * self.amplitude,
             "peak_speed_mm_s": self.peak_speed,
-            "gamma": self.peak_speed * self.omega / GRAVITY,
+            "gamma": self.peak_gamma,
         }
         for key, value in given.items():
             if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
@@ -65,6 +65,11 @@ class Drive(Section):
         return self.gamma * GRAVITY / self.peak_speed_mm_s
 
     @property
+    def frequency(self) -> float:
+        """Frequency, Hz."""
+        return self.omega / (2 * math.pi)
+
+    @property
     def amplitude(self) -> float:
         """Amplitude of the displacement, mm."""
         if self.amplitude_um is not None:
@@ -78,6 +83,11 @@ class Drive(Section):
     def peak_speed(self) -> float:
         """Largest speed of the plate, mm/s."""
         return self.amplitude * self.omega
+
+    @property
+    def peak_gamma(self) -> float:
+        """Largest acceleration of the plate over g."""
+        return self.peak_speed * self.omega / GRAVITY
 
 
 class Contact(Section):
@@ -105,3 +115,8 @@ class Scene(Section):
     drive: Drive = Drive(frequency_hz=90.0, gamma=1.8)
     contact: Contact = Contact()
     prediction: Prediction = Prediction()
+
+    @property
+    def impact_speed(self) -> float:
+        """Normal speed w at which feet are taken to meet the plate, mm/s."""
+        return self.prediction.impact_speed_factor * self.drive.peak_speed

@@ -152,7 +152,8 @@ def impact(
         if extra > left:
             v_left = slope * left
             rest = target - 0.5 * v_left * left
-            extra = left + 2.0 * rest / (v_left + math.sqrt(v_left * v_left + 2.0 * slope_y2 * rest))
+            root = math.sqrt(v_left * v_left + 2.0 * slope_y2 * rest)
+            extra = left + 2.0 * rest / (v_left + root)
 
     total = compression + extra
     if total <= stop and v_x != 0.0:

@@ -78,18 +78,17 @@ def _stronge_impulse(H: InverseMass, e: Array, mu: Array, ratio: Array, share: A
     """
     magnitude = np.abs(H.xy)
     k1, k2 = H.yy + mu * magnitude, H.yy - ratio * magnitude
-    # With v_end = k1 p1 + k2 (p - p1) - 1 = H_yy p - 1 and v_stop = k1 p1 - 1.
+    # With v_end = k1 p1 + k2 (p - p1) - 1 = H_yy p - 1 and v_stop = k1 p1 - 1:
     # Type III: v_end^2 / (2 k2) = e^2 [(1 - v_stop^2)/(2 k1) + v_stop^2/(2 k2)], v_stop <= 0.
     # Type II:  (v_end^2 - v_stop^2)/(2 k2) + v_stop^2/(2 k1) = e^2/(2 k1),     v_stop >= 0.
-    # The discriminants are written out so that nothing cancels as e -> 0.
-    s = k1 * share
-    t = s * (1 - k2 / k1)
-    root = e * np.sqrt(H.yy**2 - 2 * H.yy * t + s * t + e**2 * t * (t - s))
-    third = (H.yy - e**2 * t + root) / (H.yy**2 - e**2 * s * t)
-    a, half_b = H.yy**2 - s * t, H.yy - t
-    root = np.sqrt(np.maximum(half_b**2 - a * (1 - e**2) * k2 / k1, 0.0))
-    second = (half_b + root) / a
-    return np.where(s * third <= 1.0, third, second)
+    # Solved with H_yy = k2 + t, in which every term is positive and nothing cancels.
+    t = share * (k1 - k2)
+    lost = 1 - e**2
+    root = e * np.sqrt(k2 * (k2 + share * lost * t))
+    third = (k2 + lost * t + root) / (lost * t * t + k2 * (k2 + (2 - e**2 * share) * t))
+    a = k2 + (2 - share) * t
+    second = (1 + np.sqrt(np.maximum(1 - a * lost / k1, 0.0))) / a
+    return np.where(k1 * share * third <= 1.0, third, second)
 
 
 def _check(e: Array, mu: Array, mode: str, law: str) -> None:

@@ -1,0 +1,204 @@
+"""Laws of the frictional impact, and its rival: an event loop along the impulse in 50 digits."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from walkergen.errors import TheoryError
+from walkergen.theory.impact import Kind, Law, determinant, energy_change, resolve
+
+mp.mp.dps = 50
+
+
+def random_cases(count, seed=1, speed=10.0):
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        a = rng.normal(size=(2, 2))
+        h = a @ a.T + 10 ** rng.uniform(-6, 0) * np.eye(2)
+        v_x = rng.choice([0.0, rng.normal(0, speed), rng.normal(0, 0.1 * speed)])
+        e = rng.choice([0.0, 1.0, rng.uniform()])
+        mu = rng.choice([0.0, 10 ** rng.uniform(-2, 1), 1e3])
+        yield (h[0, 0], h[0, 1], h[1, 1]), (v_x, -abs(rng.normal(0, speed))), e, mu
+
+
+def reference(H, velocity, e, mu, law):
+    """Follow velocities along the normal impulse event by event; all numbers in 50 digits."""
+    xx, xy, yy = (mp.mpf(float(h)) for h in H)
+    v_x, v_y = (mp.mpf(float(v)) for v in velocity)
+    e, mu = mp.mpf(float(e)), mp.mpf(float(mu))
+    v_y0 = v_y
+    p = F_x = work = mp.mpf(0)
+    p_c = work_c = None
+    while True:
+        if v_x != 0:
+            ratio = -mu * mp.sign(v_x)
+        elif abs(xy) <= mu * xx:
+            ratio = -xy / xx
+        else:
+            ratio = -mu * mp.sign(xy)
+        stuck = v_x == 0 and abs(xy) <= mu * xx
+        s_x, s_y = 0 if stuck else xy + ratio * xx, yy + ratio * xy
+        steps = []
+        if v_x != 0 and s_x * v_x < 0:
+            steps.append((-v_x / s_x, "stop"))
+        if p_c is None:
+            if s_y > 0:
+                steps.append((-v_y / s_y, "compressed"))
+        elif law == Law.POISSON:
+            steps.append(((1 + e) * p_c - p, "end"))
+        elif law == Law.NEWTON:
+            steps.append(((-e * v_y0 - v_y) / s_y, "end"))
+        else:
+            target = -(e**2) * work_c - (work - work_c)
+            steps.append(((-v_y + mp.sqrt(v_y**2 + 2 * s_y * target)) / s_y, "end"))
+        dp, event = min(steps)
+        work += v_y * dp + s_y * dp * dp / 2
+        F_x += ratio * dp
+        p += dp
+        v_y += s_y * dp
+        v_x = mp.mpf(0) if event == "stop" else v_x + s_x * dp
+        if event == "compressed":
+            p_c, work_c, v_y = p, work, mp.mpf(0)
+        if event == "end":
+            return F_x, p, v_x, v_y
+
+
+@pytest.mark.parametrize("law", list(Law))
+def test_impact_agrees_with_50_digits(law):
+    for H, velocity, e, mu in random_cases(300):
+        outcome = resolve(H, velocity, e, mu, law)
+        expected = [float(value) for value in reference(H, velocity, e, mu, law)]
+        # A tensor of condition up to 1e7 amplifies rounding by about that.
+        scale = max(abs(outcome.F_y), abs(outcome.F_x))
+        np.testing.assert_allclose(outcome[:2], expected[:2], rtol=1e-9, atol=1e-9 * scale)
+        speed = np.hypot(*velocity)
+        np.testing.assert_allclose(outcome[2:4], expected[2:], rtol=1e-8, atol=1e-8 * speed)
+
+
+@pytest.mark.parametrize("law", list(Law))
+def test_impulse_in_friction_cone_and_velocity_consistent(law):
+    for H, velocity, e, mu in random_cases(500, seed=2):
+        out = resolve(H, velocity, e, mu, law)
+        assert out.F_y > 0
+        assert abs(out.F_x) <= mu * out.F_y * (1 + 1e-12)
+        assert out.v_y >= -1e-12 * np.hypot(*velocity)
+        dv_x = H[0] * out.F_x + H[1] * out.F_y
+        dv_y = H[1] * out.F_x + H[2] * out.F_y
+        size = (H[0] + H[2]) * max(out.F_y, abs(out.F_x))
+        assert out.v_x - velocity[0] == pytest.approx(dv_x, abs=1e-12 * size)
+        assert out.v_y - velocity[1] == pytest.approx(dv_y, abs=1e-12 * size)
+
+
+def test_energetic_restitution_never_creates_energy():
+    for H, velocity, e, mu in random_cases(500, seed=3):
+        out = resolve(H, velocity, e, mu, Law.STRONGE)
+        assert energy_change(velocity, out) <= 1e-12 * np.hypot(*velocity) * out.F_y
+
+
+def test_without_restitution_no_law_creates_energy():
+    for H, velocity, _, mu in random_cases(200, seed=4):
+        for law in Law:
+            out = resolve(H, velocity, 0.0, mu, law)
+            assert energy_change(velocity, out) <= 1e-12 * np.hypot(*velocity) * out.F_y
+
+
+def test_newton_and_poisson_can_create_energy_which_is_reported():
+    gains = {
+        law: max(
+            energy_change(v, resolve(H, v, 1.0, mu, law)) for H, v, _, mu in random_cases(300)
+        )
+        for law in (Law.NEWTON, Law.POISSON)
+    }
+    assert gains[Law.NEWTON] > 0
+    assert gains[Law.POISSON] > 0
+
+
+def test_laws_agree_without_friction():
+    for H, velocity, e, _ in random_cases(100, seed=5):
+        outcomes = [resolve(H, velocity, e, 0.0, law) for law in Law]
+        assert all(out.F_x == 0.0 for out in outcomes)
+        for out in outcomes:
+            assert out.v_y == pytest.approx(-e * velocity[1], rel=1e-12, abs=1e-14)
+
+
+@pytest.mark.parametrize("law", list(Law))
+def test_mirror_image_runs_backwards_exactly(law):
+    for (xx, xy, yy), (v_x, v_y), e, mu in random_cases(200, seed=6):
+        out = resolve((xx, xy, yy), (v_x, v_y), e, mu, law)
+        mirrored = resolve((xx, -xy, yy), (-v_x, v_y), e, mu, law)
+        assert (mirrored.F_x, mirrored.F_y) == (-out.F_x, out.F_y)
+        assert (mirrored.v_x, mirrored.v_y) == (-out.v_x, out.v_y)
+
+
+@pytest.mark.parametrize("law", list(Law))
+def test_impact_is_homogeneous_in_velocity(law):
+    for H, (v_x, v_y), e, mu in random_cases(50, seed=7):
+        one = resolve(H, (v_x, v_y), e, mu, law)
+        big = resolve(H, (1024 * v_x, 1024 * v_y), e, mu, law)  # a power of two: no rounding
+        np.testing.assert_allclose(big[:4], 1024 * np.array(one[:4]), rtol=1e-12)
+
+
+H = (2.0, -0.5, 1.0)
+
+
+@pytest.mark.parametrize(
+    ("v_x", "friction", "kind", "sticks"),
+    [
+        (50.0, 0.1, Kind.I, False),
+        (-5.0, 0.1, Kind.IV, False),
+        (1.0, 0.1, Kind.II, False),
+        (0.2, 0.1, Kind.III, False),
+        (0.2, 0.3, Kind.III, True),
+        (1.4, 0.3, Kind.II, True),
+        (0.0, 0.1, Kind.FROM_REST, False),
+        (0.0, 0.3, Kind.FROM_REST, True),
+    ],
+)
+def test_types_of_figure_3(v_x, friction, kind, sticks):
+    out = resolve(H, (v_x, -1.0), 0.8, friction)
+    assert (Kind(out.kind), out.sticks) == (kind, sticks)
+    mirrored = resolve((H[0], -H[1], H[2]), (-v_x, -1.0), 0.8, friction)
+    expected = {Kind.I: Kind.IV, Kind.IV: Kind.I, Kind.II: Kind.II_MIRRORED,
+                Kind.III: Kind.III_MIRRORED, Kind.FROM_REST: Kind.FROM_REST}  # fmt: skip
+    assert Kind(mirrored.kind) == expected[kind]
+
+
+def test_jamming_goes_on_compressing_until_the_slip_stops():
+    jam = (1.0, -0.9, 1.0)  # H_yy + mu H_xy = 1 - 0.9 * 2 < 0 while sliding backwards
+    out = resolve(jam, (-0.5, -1.0), 0.5, 2.0)
+    assert out.kind == Kind.III_MIRRORED
+    assert out.sticks
+    assert out.v_x == 0.0
+    assert out.F_y > (1 + 0.5) * 1.0 / (1 - 0.81)  # more than |v_y| = 1 alone would give
+
+
+def test_no_impulse_when_not_approaching():
+    assert resolve(H, (3.0, 0.0), 0.8, 0.25) == (0.0, 0.0, 3.0, 0.0, Kind.NONE, False)
+    assert resolve(H, (3.0, 2.0), 0.8, 0.25).F_y == 0.0
+
+
+def test_determinant_of_a_nearly_singular_tensor():
+    for condition in (1e8, 1e12, 1e15):
+        x = 1.0 / 3.0
+        xx, xy, yy = x, x, x * (1 + 4 / condition)
+        exact = mp.mpf(xx) * mp.mpf(yy) - mp.mpf(xy) ** 2
+        assert determinant(xx, xy, yy) == pytest.approx(float(exact), rel=1e-14)
+
+
+@pytest.mark.parametrize(
+    ("H", "velocity", "e", "mu"),
+    [
+        ((1.0, 1.0, 1.0), (0.0, -1.0), 0.5, 0.1),
+        ((-1.0, 0.0, 1.0), (0.0, -1.0), 0.5, 0.1),
+        ((math.nan, 0.0, 1.0), (0.0, -1.0), 0.5, 0.1),
+        ((1.0, 0.0, 1.0), (math.inf, -1.0), 0.5, 0.1),
+        ((1.0, 0.0, 1.0), (0.0, -1.0), 1.1, 0.1),
+        ((1.0, 0.0, 1.0), (0.0, -1.0), math.nan, 0.1),
+        ((1.0, 0.0, 1.0), (0.0, -1.0), 0.5, -0.1),
+    ],
+)
+def test_unusable_numbers_are_refused(H, velocity, e, mu):
+    with pytest.raises(TheoryError):
+        resolve(H, velocity, e, mu)

@@ -1,0 +1,5 @@
+"""`python -m walkergen`."""
+
+from walkergen.cli import main
+
+main()

@@ -1,0 +1,180 @@
+"""The commands. Heavy imports stay inside them, so that help and errors come at once."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+PAPER = "koumakis2016"
+SCENE = "lane-90hz"
+PRINTER = "prusa-mk3s"
+
+
+def family(
+    design: opt.DesignName = PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    scene: opt.SceneName = SCENE,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    mode: opt.ModeName = "coulomb",
+    law: opt.LawName = None,
+    printer: opt.PrinterName = PRINTER,
+    out: opt.Out = None,
+    pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
+    from walkergen import family as families
+    from walkergen import templates
+    from walkergen.printing.printers import Printer
+
+    chosen = opt.design_of(design)
+    resolved = opt.scene_of(scene, restitution, friction, law)
+    job = families.Job(
+        design=chosen,
+        members=opt.members_of(chosen, tilt, legs, whole=True),
+        scene=resolved,
+        printer=templates.load(printer, "printers", Printer),
+        mode=opt.mode_of(mode, resolved),
+        pictures=pictures,
+    )
+    folder = out or Path("out") / chosen.name
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        made = families.make(job, folder, progress)
+    rows = [member.row for member in made]
+    if json:
+        show.rows_as_json(rows)
+    elif not quiet:
+        show.predictions(rows, families.caption(resolved, job.mode), chosen.name)
+        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md"
+              + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
+
+
+def predict(
+    design: opt.DesignName = PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    scene: opt.SceneName = SCENE,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    mode: opt.ModeName = "coulomb",
+    law: opt.LawName = None,
+    json: opt.AsJson = False,
+) -> None:
+    """Predict the speed of walkers, without writing any file."""
+    from walkergen import family as families
+
+    chosen = opt.design_of(design)
+    resolved = opt.scene_of(scene, restitution, friction, law)
+    checked = opt.mode_of(mode, resolved)
+    members = opt.members_of(chosen, tilt, legs, whole=False)
+    rows = [member.row for member in families.predicted(members, resolved, checked)]
+    if json:
+        show.rows_as_json(rows)
+    else:
+        show.predictions(rows, families.caption(resolved, checked), chosen.name)
+
+
+def export(
+    design: opt.DesignName = PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="stl, 3mf, or stl,3mf.")
+    ] = "stl",
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Write walkers as STL or 3MF files, one a walker."""
+    from walkergen import batch
+
+    wanted = [word.strip() for word in formats.split(",")]
+    for word in wanted:
+        if word not in batch.FORMATS:
+            raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(batch.FORMATS)}")
+    chosen = opt.design_of(design)
+    members = opt.members_of(chosen, tilt, legs, whole=False)
+    folder = out or Path("out") / chosen.name
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        files = batch.export_parts(members, wanted, folder, progress)
+    show.files(files, json, quiet)
+
+
+def plate(
+    design: opt.DesignName = PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    copies: Annotated[int, typer.Option(min=1, max=5000, help="Copies of each walker.")] = 1,
+    printer: opt.PrinterName = PRINTER,
+    max_plates: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
+    ] = None,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need."""
+    from walkergen import batch, templates
+    from walkergen.printing.printers import Printer
+
+    chosen = opt.design_of(design)
+    members = opt.members_of(chosen, tilt, legs, whole=False)
+    machine = templates.load(printer, "printers", Printer)
+    folder = out or Path("out") / chosen.name
+    rows, files = batch.make_plates(members, machine, copies, max_plates, folder)
+    if json:
+        show.rows_as_json(rows, files)
+    elif not quiet:
+        show.placements(rows, files)
+
+
+templates_app = typer.Typer(
+    help="List, show or copy the shipped TOML files.", invoke_without_command=True
+)
+
+
+@templates_app.callback()
+def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
+    """List the shipped walkers, scenes and printers."""
+    if context.invoked_subcommand is not None:
+        return
+    from walkergen import templates
+
+    rows = templates.listing()
+    if json:
+        show.rows_as_json(rows)
+    else:
+        show.templates(rows)
+
+
+@templates_app.command("show")
+def show_template(name: str) -> None:
+    """Print a template."""
+    from walkergen import templates
+
+    print(templates.find(name).read_text(encoding="utf-8"), end="")
+
+
+@templates_app.command("copy")
+def copy_template(
+    name: str,
+    to: Annotated[Path | None, typer.Argument(help="File to write; NAME.toml by default.")] = None,
+) -> None:
+    """Copy a template into a file of your own to edit."""
+    from walkergen import output, templates
+
+    source, target = templates.find(name), to or Path(f"{name}.toml")
+    if target.exists():
+        raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
+    output.write(target, source.read_bytes())
+    print(target)
+
+
+ALL = (family, predict, export, plate)

@@ -1,0 +1,143 @@
+"""Options that several commands share, and the parsing of tilts and lists."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, cast
+
+import typer
+
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.design import Design, Kind
+    from walkergen.scene import Scene
+    from walkergen.theory.speed import Mode
+
+MOST_TILTS = 1000
+
+DesignName = Annotated[
+    str, typer.Argument(metavar="[DESIGN]", help="A template's name or the path of a TOML file.")
+]
+Tilt = Annotated[
+    str | None,
+    typer.Option("--tilt", metavar="DEG", help="Tilts: 10, or 5,10,15, or FIRST:LAST:STEP."),
+]
+LegKinds = Annotated[
+    str | None, typer.Option("--legs", metavar="KIND", help="flexible, braced, or flexible,braced.")
+]
+SceneName = Annotated[
+    str, typer.Option("--scene", metavar="SCENE", help="A template's name or a TOML file.")
+]
+Restitution = Annotated[
+    float | None, typer.Option("--restitution", help="Coefficient of restitution, 0..1.")
+]
+Friction = Annotated[float | None, typer.Option("--friction", help="Coulomb friction, >= 0.")]
+ModeName = Annotated[
+    str, typer.Option("--mode", metavar="MODE", help="coulomb (sticking allowed) or paper (eq. 15).")
+]
+LawName = Annotated[
+    str | None,
+    typer.Option("--law", metavar="LAW", help="Law of restitution: poisson, newton, stronge."),
+]
+PrinterName = Annotated[
+    str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
+]
+Out = Annotated[
+    Path | None, typer.Option("--out", metavar="FOLDER", help="Where to write; out/NAME by default.")
+]
+AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
+
+
+def design_of(name: str) -> "Design":
+    """The design of a template's name or a file's path."""
+    from walkergen import templates
+    from walkergen.design import Design
+
+    return templates.load(name, "walkers", Design)
+
+
+def scene_of(
+    name: str, restitution: float | None, friction: float | None, law: str | None
+) -> "Scene":
+    """The scene of a name or path, with the contact's values overridden by the command line's."""
+    from walkergen import templates
+    from walkergen.config import validate
+    from walkergen.scene import Scene
+
+    scene = templates.load(name, "scenes", Scene)
+    changes = {"restitution": restitution, "friction": friction, "law": law}
+    data = scene.model_dump(exclude_none=True)
+    data["contact"] |= {key: value for key, value in changes.items() if value is not None}
+    return validate(data, Scene, "command line")
+
+
+def mode_of(mode: str, scene: "Scene") -> "Mode":
+    """The mode by its name; mode paper exists for Poisson's law only."""
+    from walkergen.theory.speed import MODES
+
+    if mode not in MODES:
+        raise InputError(f"--mode {mode!r}: must be one of {', '.join(MODES)}")
+    if mode == "paper" and scene.contact.law != "poisson":
+        raise InputError(
+            f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: "
+            "use --mode coulomb"
+        )
+    return cast("Mode", mode)
+
+
+def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool) -> "list[Design]":
+    """The variants a command line asks for; without options the design's own, or its family."""
+    tilts = parse_tilts(tilt) if tilt is not None else None
+    kinds = parse_kinds(legs) if legs is not None else None
+    if not whole:
+        tilts = tilts or [design.legs.tilt_deg]
+        kinds = kinds or [design.legs.kind]
+    return design.members(tilts, kinds)
+
+
+def parse_tilts(text: str) -> list[float]:
+    """Tilts in degrees from 10, from 5,10,15 or from FIRST:LAST:STEP (both ends included)."""
+    found: list[float] = []
+    for piece in text.split(","):
+        numbers = [_number(word, text) for word in piece.split(":")]
+        if len(numbers) == 1:
+            found.append(numbers[0])
+        elif len(numbers) == 3:
+            found += _range(*numbers, text)
+        else:
+            raise InputError(f"--tilt {text!r}: write 10, or 5,10,15, or FIRST:LAST:STEP")
+    unique = list(dict.fromkeys(found))
+    if len(unique) > MOST_TILTS:
+        raise InputError(f"--tilt {text[:60]!r}: {len(unique)} tilts; at most {MOST_TILTS}")
+    return unique
+
+
+def _number(word: str, text: str) -> float:
+    try:
+        value = float(word)
+    except ValueError:
+        raise InputError(f"--tilt {text[:60]!r}: {word[:30]!r} is not a number") from None
+    if not -85 <= value <= 85:
+        raise InputError(f"--tilt {text[:60]!r}: {word[:30]} must lie in -85..85 deg")
+    return value + 0.0
+
+
+def _range(first: float, last: float, step: float, text: str) -> list[float]:
+    if step == 0 or (last - first) / step < 0:
+        raise InputError(f"--tilt {text[:60]!r}: step {step:g} does not lead from first to last")
+    count = (last - first) / step
+    if count > MOST_TILTS:
+        raise InputError(f"--tilt {text[:60]!r}: more than {MOST_TILTS} tilts; take a larger step")
+    # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
+    return [round(first + index * step, 9) + 0.0 for index in range(int(count + 1e-9) + 1)]
+
+
+def parse_kinds(text: str) -> "list[Kind]":
+    """Kinds of legs from a comma-separated list."""
+    from walkergen.design import KINDS
+
+    kinds: list[Any] = [word.strip() for word in text.split(",")]
+    for kind in kinds:
+        if kind not in KINDS:
+            raise InputError(f"--legs {kind[:30]!r}: must be one of {', '.join(KINDS)}")
+    return list(dict.fromkeys(kinds))

@@ -1,0 +1,88 @@
+"""What commands print: JSON, tables, progress."""
+
+import json
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from walkergen.batch import Row
+    from walkergen.prediction import Prediction
+    from walkergen.templates import Entry
+
+
+def as_json(data: dict[str, Any]) -> None:
+    """Print JSON, refusing NaN and infinity, which JSON does not have."""
+    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+
+
+def rows_as_json(rows: Sequence[Any], files: Sequence[Path] = ()) -> None:
+    """Print {"rows": [...]} of named tuples, with the files written if there are any."""
+    data: dict[str, Any] = {"rows": [row._asdict() for row in rows]}
+    if files:
+        data["files"] = [str(path) for path in files]
+    as_json(data)
+
+
+def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
+    """Print the files written, one a line or as JSON."""
+    if json:
+        as_json({"files": [str(path) for path in paths]})
+    elif not quiet:
+        print("\n".join(str(path) for path in paths))
+
+
+def predictions(rows: "Sequence[Prediction]", caption: str, title: str) -> None:
+    """Print the table of predicted speeds, its notes and what it rests on."""
+    from rich.console import Console
+
+    from walkergen.report import tables
+
+    console = Console(highlight=False)
+    console.print(tables.to_table(rows, title))
+    for number, note in enumerate(tables.notes_of(rows), start=1):
+        console.print(f"[{number}] {note}", markup=False)
+    console.print(caption, markup=False)
+
+
+def placements(rows: "Sequence[Row]", paths: Sequence[Path]) -> None:
+    """Print how many copies of each part lie on each plate."""
+    from collections import Counter
+
+    counts = Counter((row.plate, row.part) for row in rows)
+    for number, path in enumerate(paths, start=1):
+        print(path)
+        for (plate, part), count in counts.items():
+            if plate == number:
+                print(f"  {count:4d} x {part}")
+    print(f"{len(rows)} parts on {len(paths)} plate{'s' if len(paths) > 1 else ''}")
+
+
+def templates(rows: "Sequence[Entry]") -> None:
+    """Print the shipped templates by kind."""
+    for kind in dict.fromkeys(row.kind for row in rows):
+        print(kind)
+        for row in rows:
+            if row.kind == kind:
+                print(f"  {row.name:18s}  {row.description}")
+
+
+@contextmanager
+def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
+    """A progress bar on the terminal's error stream; silent when not wanted or not a terminal."""
+    if not wanted or not sys.stderr.isatty():
+        yield lambda what, done, total: None
+        return
+    from rich.console import Console
+    from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
+
+    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn())
+    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
+        task = bar.add_task(title)
+
+        def update(what: str, done: int, total: int) -> None:
+            bar.update(task, description=f"{title}: {what}", completed=done, total=total)
+
+        yield update

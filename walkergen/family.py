@@ -1,0 +1,156 @@
+"""The main job: one design in; solids, STL, plates, predicted speeds and pictures in a folder."""
+
+import platform
+import time
+from collections.abc import Callable, Iterator, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen import __version__, names, prediction, solids
+from walkergen.design import Design
+from walkergen.mass import Mesh
+from walkergen.output import Folder
+from walkergen.prediction import Prediction
+from walkergen.printing import export, plate
+from walkergen.printing.printers import Printer
+from walkergen.report import tables
+from walkergen.scene import Scene
+from walkergen.theory.speed import Mode
+
+Progress = Callable[[str, int, int], None]
+"""Called with what is being made, how many steps are done, and of how many."""
+
+LIBRARIES = ("numpy", "manifold3d", "lib3mf", "rectpack", "matplotlib", "pydantic")
+
+
+class Job(NamedTuple):
+    """What to make: every choice of the family command."""
+
+    design: Design
+    members: Sequence[Design]
+    scene: Scene
+    printer: Printer
+    mode: Mode
+    pictures: bool
+
+
+class Member(NamedTuple):
+    """One walker of a family."""
+
+    design: Design
+    name: str
+    mesh: Mesh
+    row: Prediction
+
+
+def make(job: Job, path: Path, progress: Progress) -> list[Member]:
+    """Write a family's folder; finished files stay whole whatever happens later.
+
+    Writes stl/, plates/, family.csv, family.md, speed.png, preview.png, manifest.json. Files of an
+    earlier run that this one does not make, and that nobody changed since, are removed at the end.
+    Raises OutputError when a file cannot be written, PlateError when a part is too large.
+    """
+    started = time.perf_counter()
+    steps = len(job.members) + 2
+    folder = Folder(path)
+    made: list[Member] = []
+    for member in predicted(job.members, job.scene, job.mode):
+        folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
+        made.append(member)
+        progress(member.name, len(made), steps)
+    _write_plates(job, made, folder)
+    progress("plates", len(made) + 1, steps)
+    rows = [member.row for member in made]
+    folder.write("family.csv", tables.to_csv(rows).encode())
+    page = tables.to_markdown(rows, job.design.name, caption(job.scene, job.mode))
+    folder.write("family.md", page.encode())
+    if job.pictures:
+        _write_pictures(job, made, folder)
+    folder.finish(_facts(job, time.perf_counter() - started))
+    progress("done", steps, steps)
+    return made
+
+
+def predicted(members: Sequence[Design], scene: Scene, mode: Mode) -> Iterator[Member]:
+    """Build, weigh and predict members one by one, with the same random draws for all."""
+    draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
+    for design in members:
+        built = solids.build(design)
+        mass = solids.weigh(design, built)
+        row = prediction.predict(design, mass, scene, mode, draws)
+        yield Member(design, names.part(design), built.walker, row)
+
+
+def caption(scene: Scene, mode: str) -> str:
+    """What the speeds of a table rest on."""
+    contact, assumed = scene.contact, scene.prediction
+    w = f"w = {assumed.impact_speed_factor:g} x the plate's peak speed, {scene.impact_speed:.1f} mm/s"
+    known = (
+        f"{w} ± {100 * assumed.impact_speed_factor_sd / assumed.impact_speed_factor:.0f} %, "
+        "included in the ± of the speeds."
+        if assumed.impact_speed_factor_sd
+        else f"{w}: known by its order of magnitude only, which the ± of the speeds leaves out."
+    )
+    return (
+        f"Predicted speed = mean factor v/w x impact speed w; mode {mode}, law {contact.law}, "
+        f"restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}. {known}"
+    )
+
+
+def _write_plates(job: Job, made: Sequence[Member], folder: Folder) -> None:
+    parts = [plate.Part.of(member.name, member.mesh) for member in made]
+    meshes = [member.mesh for member in made]
+    plates = plate.pack(parts, job.printer)
+    for number, one in enumerate(plates, start=1):
+        data = plate.plate_3mf(one, parts, meshes, job.printer, job.design.name)
+        folder.write(f"plates/family_{job.printer.name}_{number}.3mf", data)
+
+
+def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
+    from walkergen.report import plots, preview
+
+    tilts = [member.design.legs.tilt_deg for member in made]
+    curves = {
+        kind: prediction.curve(
+            job.design.variant(kind=kind), job.scene, job.mode, min(tilts), max(tilts)
+        )
+        for kind in dict.fromkeys(member.design.legs.kind for member in made)
+    }
+    drive = job.scene.drive
+    title = f"{job.design.name} on {job.scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g"
+    rows = [member.row for member in made]
+    figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title)
+    folder.write("speed.png", plots.png(figure))
+    parts = [
+        preview.Part(member.design.legs.kind, f"{member.design.legs.tilt_deg:g}°", member.mesh)
+        for member in made
+    ]
+    folder.write("preview.png", plots.png(preview.preview_figure(parts, job.design.name)))
+
+
+def _facts(job: Job, seconds: float) -> dict[str, Any]:
+    """The manifest: inputs resolved, what made the files, how long it took."""
+    return {
+        "design": job.design.model_dump(mode="json"),
+        "members": [names.part(member) for member in job.members],
+        "scene": job.scene.model_dump(mode="json"),
+        "printer": job.printer.model_dump(mode="json"),
+        "mode": job.mode,
+        "draws": prediction.DRAWS,
+        "seed": prediction.SEED,
+        "versions": versions(),
+        "time_taken_s": round(seconds, 3),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of walkergen, Python and the libraries that shape the files."""
+    found = {"walkergen": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:  # vendored without metadata, as some distributions do
+            found[library] = "unknown"
+    return found

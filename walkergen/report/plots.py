@@ -1,0 +1,61 @@
+"""Figures: speed against tilt, as in the paper's figure 2."""
+
+import io
+from collections.abc import Sequence
+
+import matplotlib
+from matplotlib.figure import Figure
+
+from walkergen.prediction import Curve, Prediction
+
+# Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
+STYLES = {"flexible": ("#0072B2", "-", "o"), "braced": ("#D55E00", "--", "s")}
+
+
+def png(figure: Figure, dpi: int = 150) -> bytes:
+    """The figure as PNG: equal figures give equal bytes."""
+    buffer = io.BytesIO()
+    figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": None})
+    return buffer.getvalue()
+
+
+def speed_figure(
+    rows: Sequence[Prediction], curves: dict[str, Curve], impact_speed: float, title: str
+) -> Figure:
+    """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band."""
+    with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
+        figure = Figure(figsize=(7.0, 4.4), layout="constrained")
+        axes = figure.add_subplot()
+        for kind, curve in curves.items():
+            colour, line, _ = STYLES[kind]
+            axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
+            low, high = curve.speed - curve.sd, curve.speed + curve.sd
+            axes.fill_between(curve.tilt_deg, low, high, color=colour, alpha=0.18, linewidth=0)
+        for kind in dict.fromkeys(row.legs for row in rows):
+            colour, _, marker = STYLES[kind]
+            points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == kind]
+            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
+        _mark_sticking(axes, curves)
+        axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+        axes.set_xlabel("tilt of the legs (deg)")
+        axes.set_ylabel("predicted speed (mm/s)")
+        ratio = axes.secondary_yaxis(
+            "right", functions=(lambda v: v / impact_speed, lambda f: f * impact_speed)
+        )
+        ratio.set_ylabel("speed / impact speed")
+        axes.set_title(title, fontsize=10)
+        axes.legend(frameon=False)
+    return figure
+
+
+def _mark_sticking(axes: matplotlib.axes.Axes, curves: dict[str, Curve]) -> None:
+    """Shade the tilts at which a flexible foot can stick, where the paper's formula fails."""
+    curve = curves.get("flexible")
+    if curve is None or not curve.can_stick.any():
+        return
+    tilts = curve.tilt_deg[curve.can_stick]
+    axes.axvspan(tilts.min(), tilts.max(), color="0.92", linewidth=0, zorder=-1)
+    axes.annotate(
+        "feet can stick", (0.5 * (tilts.min() + tilts.max()), 0.97),
+        xycoords=("data", "axes fraction"), ha="center", va="top", color="0.45", fontsize=8,
+    )  # fmt: skip
