@@ -106,9 +106,7 @@ def test_without_restitution_no_law_creates_energy():
 
 def test_newton_and_poisson_can_create_energy_which_is_reported():
     gains = {
-        law: max(
-            energy_change(v, resolve(H, v, 1.0, mu, law)) for H, v, _, mu in random_cases(300)
-        )
+        law: max(energy_change(v, resolve(H, v, 1.0, mu, law)) for H, v, _, mu in random_cases(300))
         for law in (Law.NEWTON, Law.POISSON)
     }
     assert gains[Law.NEWTON] > 0

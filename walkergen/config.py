@@ -57,7 +57,9 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     try:
         return model.model_validate(data)
     except GeometryError as error:
-        raise GeometryError("\n".join(f"{source}: {line}" for line in str(error).splitlines())) from None
+        raise GeometryError(
+            "\n".join(f"{source}: {line}" for line in str(error).splitlines())
+        ) from None
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
         raise InputError("\n".join(lines)) from None
@@ -90,6 +92,8 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
     key = ".".join(location) or "file"
     if mistake["type"] == "extra_forbidden":
         return f"{where}: {key}: unknown key{_spelling_hint(location, model)}"
+    if mistake["type"] == "value_error":  # raised by a table's own check, in full words
+        return f"{where}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     seen = "" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
     return f"{where}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
 
@@ -177,7 +181,9 @@ def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
             return "must be one of " + ", ".join(repr(choice) for choice in get_args(one))
     bounds = _bounds(metadata)
     if bounds:
-        return f"must be a number {bounds}" + (f" ({field.description})" if field.description else "")
+        return f"must be a number {bounds}" + (
+            f" ({field.description})" if field.description else ""
+        )
     return f"must be {field.description}" if field.description else ""
 
 

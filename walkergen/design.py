@@ -63,10 +63,12 @@ class Weighed(Section):
 class Family(Section):
     """Which members `walkergen family` makes when the command line does not say."""
 
-    tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=1000)] = [
-        float(tilt) for tilt in range(0, 50, 5)
-    ]
-    legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = ["flexible", "braced"]
+    tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=1000)] = Field(
+        default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
+    )
+    legs: Annotated[list[Kind], Field(min_length=1, max_length=2)] = Field(
+        default_factory=lambda: list(KINDS)
+    )
 
     @field_validator("tilt_deg", "legs")
     @classmethod

@@ -85,9 +85,10 @@ def predicted(members: Sequence[Design], scene: Scene, mode: Mode) -> Iterator[M
 def caption(scene: Scene, mode: str) -> str:
     """What the speeds of a table rest on."""
     contact, assumed = scene.contact, scene.prediction
-    w = f"w = {assumed.impact_speed_factor:g} x the plate's peak speed, {scene.impact_speed:.1f} mm/s"
+    factor = assumed.impact_speed_factor
+    w = f"w = {factor:g} x the plate's peak speed, {scene.impact_speed:.1f} mm/s"
     known = (
-        f"{w} ± {100 * assumed.impact_speed_factor_sd / assumed.impact_speed_factor:.0f} %, "
+        f"{w} ± {100 * assumed.impact_speed_factor_sd / factor:.0f} %, "
         "included in the ± of the speeds."
         if assumed.impact_speed_factor_sd
         else f"{w}: known by its order of magnitude only, which the ± of the speeds leaves out."

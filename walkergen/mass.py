@@ -13,6 +13,7 @@ import numpy.typing as npt
 from walkergen.design import Design
 
 Array = npt.NDArray[np.float64]
+Values = float | Array
 
 
 class Mesh(NamedTuple):
@@ -45,13 +46,13 @@ class MassProperties(NamedTuple):
     (front). Every field may carry leading batch axes.
     """
 
-    M: float
+    M: Values
     """Mass of the body, g."""
-    J: float
+    J: Values
     """Moment of inertia of the body about O, g mm^2."""
-    m: float
+    m: Values
     """Mass of one leg, g; 0 when braced."""
-    j: float
+    j: Values
     """Moment of inertia of a leg about its own centre of mass, g mm^2; 0 when braced."""
     a: Array
     """O -> anchor of the back leg."""

@@ -92,7 +92,11 @@ def speed_draws(mass: MassProperties, scene: Scene, draws: Draws, mode: Mode) ->
 
 
 def predict(
-    design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb", draws: Draws | None = None
+    design: Design,
+    mass: MassProperties,
+    scene: Scene,
+    mode: Mode = "coulomb",
+    draws: Draws | None = None,
 ) -> Prediction:
     """Predicted stationary speed of one walker (physics.md section 4; paper eq. 15).
 

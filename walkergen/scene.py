@@ -101,7 +101,7 @@ class Contact(Section):
 
 
 class Prediction(Section):
-    """How fast feet meet the plate, as a multiple of the plate's peak speed (paper: "same order")."""
+    """How fast feet meet the plate, over the plate's peak speed (paper: "of the same order")."""
 
     impact_speed_factor: Annotated[float, Field(gt=0, le=1000)] = 1.0
     impact_speed_factor_sd: Annotated[float, Field(ge=0, le=1000)] = 0.0

@@ -95,7 +95,7 @@ def _leg_profile(design: Design, foot_segments: int) -> Polygon:
 
 
 def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Unit half circle below a leg, counter-clockwise, with a vertex exactly at its lowest point."""
+    """Unit half circle below a leg, counter-clockwise, a vertex exactly at its lowest point."""
     start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
     before = max(1, round(segments * (lowest - start) / math.pi))
     after = max(1, segments - before)
@@ -147,5 +147,3 @@ def _extrude(profiles: Sequence[Polygon], depth: float, windows: int | None) -> 
     raw = solid.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
-
-

@@ -1,7 +1,7 @@
 """Options that several commands share, and the parsing of tilts and lists."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, cast
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 MOST_TILTS = 1000
 
 DesignName = Annotated[
-    str, typer.Argument(metavar="[DESIGN]", help="A template's name or the path of a TOML file.")
+    str, typer.Argument(metavar="DESIGN", help="A template's name or the path of a TOML file.")
 ]
 Tilt = Annotated[
     str | None,
@@ -32,7 +32,8 @@ Restitution = Annotated[
 ]
 Friction = Annotated[float | None, typer.Option("--friction", help="Coulomb friction, >= 0.")]
 ModeName = Annotated[
-    str, typer.Option("--mode", metavar="MODE", help="coulomb (sticking allowed) or paper (eq. 15).")
+    str,
+    typer.Option("--mode", metavar="MODE", help="coulomb (feet may stick) or paper (eq. 15)."),
 ]
 LawName = Annotated[
     str | None,
@@ -42,7 +43,8 @@ PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
 ]
 Out = Annotated[
-    Path | None, typer.Option("--out", metavar="FOLDER", help="Where to write; out/NAME by default.")
+    Path | None,
+    typer.Option("--out", metavar="FOLDER", help="Folder to write; out/NAME by default."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
@@ -82,7 +84,7 @@ def mode_of(mode: str, scene: "Scene") -> "Mode":
             f"--mode paper (eq. 15) is derived for law poisson only, seen {scene.contact.law}: "
             "use --mode coulomb"
         )
-    return cast("Mode", mode)
+    return mode
 
 
 def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool) -> "list[Design]":
@@ -103,7 +105,8 @@ def parse_tilts(text: str) -> list[float]:
         if len(numbers) == 1:
             found.append(numbers[0])
         elif len(numbers) == 3:
-            found += _range(*numbers, text)
+            first, last, step = numbers
+            found += _range(first, last, step, text)
         else:
             raise InputError(f"--tilt {text!r}: write 10, or 5,10,15, or FIRST:LAST:STEP")
     unique = list(dict.fromkeys(found))

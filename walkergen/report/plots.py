@@ -1,15 +1,19 @@
 """Figures: speed against tilt, as in the paper's figure 2."""
 
 import io
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import matplotlib
 from matplotlib.figure import Figure
 
+from walkergen.design import Kind
 from walkergen.prediction import Curve, Prediction
 
 # Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
-STYLES = {"flexible": ("#0072B2", "-", "o"), "braced": ("#D55E00", "--", "s")}
+STYLES: dict[str, tuple[str, str, str]] = {
+    "flexible": ("#0072B2", "-", "o"),
+    "braced": ("#D55E00", "--", "s"),
+}
 
 
 def png(figure: Figure, dpi: int = 150) -> bytes:
@@ -20,7 +24,7 @@ def png(figure: Figure, dpi: int = 150) -> bytes:
 
 
 def speed_figure(
-    rows: Sequence[Prediction], curves: dict[str, Curve], impact_speed: float, title: str
+    rows: Sequence[Prediction], curves: Mapping[Kind, Curve], impact_speed: float, title: str
 ) -> Figure:
     """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band."""
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
@@ -29,26 +33,27 @@ def speed_figure(
         for kind, curve in curves.items():
             colour, line, _ = STYLES[kind]
             axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
-            low, high = curve.speed - curve.sd, curve.speed + curve.sd
-            axes.fill_between(curve.tilt_deg, low, high, color=colour, alpha=0.18, linewidth=0)
-        for kind in dict.fromkeys(row.legs for row in rows):
-            colour, _, marker = STYLES[kind]
-            points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == kind]
+            band = curve.speed - curve.sd, curve.speed + curve.sd
+            axes.fill_between(curve.tilt_deg, *band, color=colour, alpha=0.18, linewidth=0)
+        for legs in dict.fromkeys(row.legs for row in rows):
+            colour, _, marker = STYLES[legs]
+            points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
             axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         axes.set_xlabel("tilt of the legs (deg)")
         axes.set_ylabel("predicted speed (mm/s)")
-        ratio = axes.secondary_yaxis(
-            "right", functions=(lambda v: v / impact_speed, lambda f: f * impact_speed)
-        )
-        ratio.set_ylabel("speed / impact speed")
         axes.set_title(title, fontsize=10)
         axes.legend(frameon=False)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high)
+        ratio = axes.twinx()
+        ratio.set_ylim(low / impact_speed, high / impact_speed)
+        ratio.set_ylabel("speed / impact speed")
     return figure
 
 
-def _mark_sticking(axes: matplotlib.axes.Axes, curves: dict[str, Curve]) -> None:
+def _mark_sticking(axes: matplotlib.axes.Axes, curves: Mapping[Kind, Curve]) -> None:
     """Shade the tilts at which a flexible foot can stick, where the paper's formula fails."""
     curve = curves.get("flexible")
     if curve is None or not curve.can_stick.any():

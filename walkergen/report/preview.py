@@ -78,4 +78,4 @@ def _draw(axes: Axes, part: Part, at: Array, height: float) -> None:
         facecolors=colours, edgecolors=colours, linewidths=0.3,
     )  # fmt: skip
     axes.add_collection(faces)
-    axes.annotate(part.label, at - (0.0, 0.62 * height), ha="center", va="top", fontsize=9)
+    axes.annotate(part.label, (at[0], at[1] - 0.62 * height), ha="center", va="top", fontsize=9)

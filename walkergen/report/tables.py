@@ -26,10 +26,10 @@ def to_csv(rows: Sequence[Prediction]) -> str:
 def to_table(rows: Sequence[Prediction], title: str = "") -> Table:
     """The table for the console; rows with a note carry its number."""
     notes = notes_of(rows)
-    table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
     for heading, unit in zip(HEADINGS, UNITS, strict=True):
-        justify = "left" if heading in ("legs", "speed") else "right"
-        table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=True)
+        left = heading in ("legs", "speed")
+        table.add_column(f"{heading}\n{unit}", justify="left" if left else "right", no_wrap=True)
     for row in rows:
         table.add_row(*_cells(row, notes))
     return table
@@ -65,11 +65,16 @@ def _cells(row: Prediction, notes: list[str]) -> list[str]:
         _short(row.J_g_mm2),
         _short(row.m_g),
         _short(row.j_g_mm2),
-        f"{row.factor_back:.3f}",
-        f"{row.factor_front:.3f}",
-        f"{row.factor_mean + 0.0:.3f}",
-        f"{row.speed_mm_s:.1f} ± {row.speed_sd_mm_s:.1f}{mark}",
+        _fixed(row.factor_back, 3),
+        _fixed(row.factor_front, 3),
+        _fixed(row.factor_mean, 3),
+        f"{_fixed(row.speed_mm_s, 1)} ± {_fixed(row.speed_sd_mm_s, 1)}{mark}",
     ]
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Fixed decimals, without a minus on zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _short(value: float | None) -> str:

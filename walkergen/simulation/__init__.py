@@ -1,1 +1,1 @@
-"""The simulator: the walker bouncing on the plate, with only the effects that the scene calls for."""
+"""The simulator: the walker bouncing on the plate, with the effects that its scene calls for."""

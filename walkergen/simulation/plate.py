@@ -32,21 +32,21 @@ class Plate(NamedTuple):
 
 
 @kernel
-def _harmonic_height(harmonic, phase):  # type: ignore[no-untyped-def]
+def _harmonic_height(harmonic, phase):
     if harmonic is None:
         return 0.0
     return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
 
 
 @kernel
-def _harmonic_velocity(harmonic, phase):  # type: ignore[no-untyped-def]
+def _harmonic_velocity(harmonic, phase):
     if harmonic is None:
         return 0.0
     return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
 
 
 @kernel
-def _harmonic_acceleration(harmonic, phase):  # type: ignore[no-untyped-def]
+def _harmonic_acceleration(harmonic, phase):
     if harmonic is None:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -62,7 +62,9 @@ def height(plate: Plate, phase: float) -> float:
 def velocity(plate: Plate, phase: float) -> float:
     """Vertical velocity of the plate, mm/s."""
     return (
-        plate.amplitude * plate.omega * (math.cos(phase) + _harmonic_velocity(plate.harmonic, phase))
+        plate.amplitude
+        * plate.omega
+        * (math.cos(phase) + _harmonic_velocity(plate.harmonic, phase))
     )
 
 
@@ -71,5 +73,7 @@ def acceleration(plate: Plate, phase: float) -> float:
     """Vertical acceleration of the plate, mm/s^2."""
     squared = plate.omega * plate.omega
     return (
-        plate.amplitude * squared * (_harmonic_acceleration(plate.harmonic, phase) - math.sin(phase))
+        plate.amplitude
+        * squared
+        * (_harmonic_acceleration(plate.harmonic, phase) - math.sin(phase))
     )

@@ -71,7 +71,7 @@ def new(
 
 
 @kernel
-def tally_impact(counts, kind, sticks):  # type: ignore[no-untyped-def]
+def tally_impact(counts, kind, sticks):
     """Count one impact by its type."""
     counts[0] += 1
     counts[kind if kind >= 0 else 4 - kind] += 1
@@ -80,7 +80,7 @@ def tally_impact(counts, kind, sticks):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):  # type: ignore[no-untyped-def]
+def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
     """Append one impact to the events, if they are kept and have room."""
     if events is not None:
         row = events.cursor[0]
@@ -96,7 +96,7 @@ def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):  # type: ignore[no-un
 
 
 @kernel
-def next_sample(samples):  # type: ignore[no-untyped-def]
+def next_sample(samples):
     """Time (s, since the start) of the next sample to take; infinity when none is wanted."""
     if samples is None:
         return np.inf
@@ -106,7 +106,7 @@ def next_sample(samples):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def take_sample(samples, t, state):  # type: ignore[no-untyped-def]
+def take_sample(samples, t, state):
     """Append a state to the samples, if they are kept."""
     if samples is not None:
         row = samples.cursor[0]

@@ -9,10 +9,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.mass import MassProperties
+from walkergen.mass import MassProperties, Values
 
 Array = npt.NDArray[np.float64]
-Values = float | Array
 
 
 class InverseMass(NamedTuple):

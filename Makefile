@@ -1,0 +1,15 @@
+.PHONY: check test bench
+PYTHON ?= .venv/bin/python
+
+check:
+	$(PYTHON) -m ruff check .
+	$(PYTHON) -m ruff format --check .
+	$(PYTHON) -m mypy
+	$(PYTHON) -c "from importlinter.cli import lint_imports_command; lint_imports_command()"
+
+test:
+	$(PYTHON) -m pytest
+
+bench:
+	$(PYTHON) benchmarks/parts.py
+	$(PYTHON) benchmarks/predictions.py

@@ -1,0 +1,198 @@
+"""The command line as a user meets it: every command, every kind of bad input."""
+
+import json
+import os
+import subprocess
+import sys
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app, main
+from walkergen.errors import WalkergenError
+
+COLUMNS = [
+    "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "factor_back", "factor_front",
+    "factor_mean", "speed_mm_s", "speed_sd_mm_s", "mode", "law", "note",
+]  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+
+    return call
+
+
+def refused(run, *words):
+    """One clear error of the user's; nothing written."""
+    result = run(*words)
+    assert isinstance(result.exception, WalkergenError), (words, result.output, result.exception)
+    return str(result.exception)
+
+
+def test_predict_json_has_the_named_columns(run):
+    result = run("predict", "koumakis2016", "--tilt", "10", "--restitution", "0.8",
+                 "--friction", "0.25", "--json")  # fmt: skip
+    (row,) = json.loads(result.stdout)["rows"]
+    assert list(row) == COLUMNS
+    assert row["tilt_deg"] == 10.0
+    assert row["factor_mean"] == pytest.approx(4.248, abs=1e-3)
+    assert (row["mode"], row["law"]) == ("coulomb", "poisson")
+
+
+def test_predict_table_fits_eighty_columns(run):
+    result = run("predict", "--tilt", "0:45:5", "--legs", "flexible,braced")
+    assert result.exit_code == 0
+    assert max(len(line) for line in result.stdout.splitlines()) <= 80
+    assert "…" not in result.stdout
+    assert "151.2 ± 5" in result.stdout
+
+
+@pytest.mark.parametrize("law", ["poisson", "newton", "stronge"])
+def test_laws_differ(run, law):
+    result = run("predict", "--tilt", "20", "--law", law, "--json")
+    assert json.loads(result.stdout)["rows"][0]["law"] == law
+
+
+def test_family_writes_a_folder_and_json(run, tmp_path):
+    result = run("family", "koumakis2016", "--tilt", "5,10", "--out", "here", "--json")
+    assert result.exit_code == 0
+    assert len(json.loads(result.stdout)["rows"]) == 4
+    assert len(list((tmp_path / "here" / "stl").iterdir())) == 4
+    assert (tmp_path / "here" / "preview.png").is_file()
+
+
+def test_family_quiet_prints_nothing(run, tmp_path):
+    result = run("family", "--tilt", "5", "--quiet", "--no-pictures")
+    assert (result.exit_code, result.output) == (0, "")
+    assert not (tmp_path / "out" / "koumakis2016" / "preview.png").exists()
+
+
+def test_export_writes_both_formats(run, tmp_path):
+    run("templates", "copy", "koumakis2016", "my.toml")
+    result = run("export", "my.toml", "--tilt", "12", "--format", "stl,3mf", "--json")
+    files = json.loads(result.stdout)["files"]
+    assert files == [
+        f"out/koumakis2016/{form}/walker_t12.0_flexible_s0.40.{form}" for form in ("stl", "3mf")
+    ]
+    assert all((tmp_path / name).stat().st_size > 500 for name in files)
+
+
+def test_plate_places_every_copy(run, tmp_path):
+    result = run("plate", "koumakis2016", "--tilt", "5,10,15", "--copies", "8",
+                 "--printer", "prusa-mk3s", "--json")  # fmt: skip
+    found = json.loads(result.stdout)
+    assert len(found["rows"]) == 24
+    assert len({row["part"] for row in found["rows"]}) == 3
+    assert all((tmp_path / name).is_file() for name in found["files"])
+
+
+def test_a_plate_that_does_not_fit_says_how_many_would(run, tmp_path):
+    message = refused(run, "plate", "--copies", "500", "--max-plates", "1")
+    assert any(word.isdigit() for word in message.split())
+    assert not (tmp_path / "out").exists()
+
+
+def test_templates_are_listed_shown_and_copied(run, tmp_path):
+    listed = json.loads(run("templates", "--json").stdout)["rows"]
+    assert {(row["kind"], row["name"]) for row in listed} >= {
+        ("walkers", "koumakis2016"), ("walkers", "maker-large"), ("scenes", "lane-90hz"),
+        ("scenes", "lane-90hz-fitted"), ("printers", "replicator2x"), ("printers", "prusa-mk3s"),
+        ("printers", "bambu-x1"), ("printers", "ender3"),
+    }  # fmt: skip
+    assert "[legs]" in run("templates", "show", "koumakis2016").stdout
+    run("templates", "copy", "maker-large")
+    assert (tmp_path / "maker-large.toml").read_text().startswith("#")
+    assert "exists already" in refused(run, "templates", "copy", "maker-large")
+    assert "no such template" in refused(run, "templates", "copy", "../x")
+
+
+@pytest.mark.parametrize("name", ["maker-large", "koumakis2016"])
+def test_every_walker_template_makes_its_family(run, name):
+    assert run("family", name, "--no-pictures", "--quiet").exit_code == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("predict", "nosuch"), "known walkers: koumakis2016"),
+        (("predict", "none.toml"), "no such file"),
+        (("predict", "../../etc/passwd"), "no such file"),
+        (("predict", "x" * 300), "no such template"),
+        (("predict", "a\0b.toml"), "cannot be read"),
+        (("predict", "--tilt", "nan"), "-85..85"),
+        (("predict", "--tilt", "inf"), "-85..85"),
+        (("predict", "--tilt", "1e300"), "-85..85"),
+        (("predict", "--tilt", "ten"), "not a number"),
+        (("predict", "--tilt", ""), "not a number"),
+        (("predict", "--tilt", "0:40:0"), "step"),
+        (("predict", "--tilt", "0:40:-1"), "step"),
+        (("predict", "--tilt", "0:40"), "FIRST:LAST:STEP"),
+        (("predict", "--tilt", "0:80:1e-9"), "larger step"),
+        (("predict", "--tilt", "80"), "tilt up to 68.16 deg"),
+        (("predict", "--legs", "soft"), "flexible, braced"),
+        (("predict", "--restitution", "1.5"), "contact.restitution = 1.5"),
+        (("predict", "--restitution", "nan"), "contact.restitution = nan"),
+        (("predict", "--friction", "-1"), "contact.friction = -1"),
+        (("predict", "--mode", "exact"), "coulomb, paper"),
+        (("predict", "--law", "hooke"), "'poisson', 'newton', 'stronge'"),
+        (("predict", "--mode", "paper", "--law", "newton"), "poisson only"),
+        (("predict", "--scene", "nosuch"), "known scenes"),
+        (("export", "--format", "step"), "stl, 3mf"),
+        (("plate", "--printer", "nosuch"), "known printers"),
+        (("family", "--tilt", "0,70"), "tilt up to"),
+        (("family", "--out", "x" * 300), "cannot be written"),
+    ],
+)
+def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
+    message = refused(run, *words)
+    assert hint in message
+    assert not list(tmp_path.iterdir())
+
+
+def test_a_name_in_a_file_never_becomes_a_path(run, tmp_path):
+    for name in ("../evil", "/evil", "a/b", "a\\\\b", "", "a\\u0000b", "x" * 300, "..", ".hidden"):
+        (tmp_path / "my.toml").write_text(f'name = "{name}"\n[legs]\ntilt_deg = 10\n')
+        assert "my.toml:1: name" in refused(run, "family", "my.toml")
+    assert os.listdir(tmp_path) == ["my.toml"]  # noqa: PTH208  (names only)
+
+
+def test_main_prints_the_error_and_exits_with_2(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "argv", ["walkergen", "predict", "--tilt", "nan"])
+    with pytest.raises(SystemExit) as caught:
+        main()
+    captured = capsys.readouterr()
+    assert caught.value.code == 2
+    assert captured.err.startswith("error: --tilt 'nan'")
+    assert captured.out == ""
+
+
+def test_unknown_options_exit_with_2(run):
+    assert run("predict", "--speed", "3").exit_code == 2
+    assert run("plate", "--copies", "0").exit_code == 2
+    assert run("plate", "--copies", "ten").exit_code == 2
+
+
+def python(*words):
+    return subprocess.run([sys.executable, *words], capture_output=True, text=True, check=False)
+
+
+def test_python_m_walkergen_works():
+    result = python("-m", "walkergen", "--version")
+    assert (result.returncode, result.stdout.split()[0]) == (0, "walkergen")
+
+
+def test_help_imports_nothing_heavy():
+    code = (
+        "import sys; from walkergen.cli import app\n"
+        "try: app(['--help'])\nexcept SystemExit: pass\n"
+        "heavy = {'numpy', 'numba', 'manifold3d', 'matplotlib', 'trimesh', 'pydantic', 'lib3mf'}\n"
+        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+    )
+    result = python("-c", code)
+    assert "predict" in result.stdout
+    assert result.stderr.strip() == "[]"

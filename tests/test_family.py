@@ -1,0 +1,160 @@
+"""The main job's folder: what is in it, equal bytes, interruption, leftovers."""
+
+import csv
+import hashlib
+import json
+
+import numpy as np
+import pytest
+import trimesh
+
+from walkergen import family, names, output, templates
+from walkergen.design import Design
+from walkergen.errors import OutputError
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+
+
+def job_of(tilts=(0.0, 10.0, 35.0), kinds=None, pictures=False):
+    design = templates.load("koumakis2016", "walkers", Design)
+    return family.Job(
+        design=design,
+        members=design.members(tilts, kinds),
+        scene=templates.load("lane-90hz", "scenes", Scene),
+        printer=templates.load("prusa-mk3s", "printers", Printer),
+        mode="coulomb",
+        pictures=pictures,
+    )
+
+
+def silent(what, done, total):
+    assert done <= total
+
+
+def files_of(folder):
+    return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
+
+
+def test_the_folder_holds_what_the_readme_says(tmp_path):
+    family.make(job_of(pictures=True), tmp_path, silent)
+    assert files_of(tmp_path) == sorted(
+        [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
+         for kind in ("flexible_s0.40", "braced_s1.00")]
+        + ["plates/family_prusa-mk3s_1.3mf", "family.csv", "family.md", "speed.png", "preview.png",
+           "manifest.json"]
+    )  # fmt: skip
+    for png in ("speed.png", "preview.png"):
+        assert (tmp_path / png).read_bytes().startswith(b"\x89PNG")
+
+
+def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
+    made = family.make(job_of(), tmp_path, silent)
+    for member in made:
+        mesh = trimesh.load(tmp_path / "stl" / f"{member.name}.stl")
+        assert mesh.is_watertight
+        assert mesh.is_winding_consistent
+        # Coordinates of 14 mm in single precision are good to 1e-6 mm; legs are 0.4 mm thick.
+        density = 1e-3 * member.design.material.density_g_cm3
+        legs = 0.0 if member.row.m_g is None else 2 * member.row.m_g
+        assert mesh.volume * density == pytest.approx(member.row.M_g + legs, rel=1e-5)
+
+
+def test_csv_rows_are_the_predictions(tmp_path):
+    made = family.make(job_of(), tmp_path, silent)
+    with (tmp_path / "family.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert len(rows) == len(made) == 6
+    assert list(rows[0]) == [
+        "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "factor_back", "factor_front",
+        "factor_mean", "speed_mm_s", "speed_sd_mm_s", "mode", "law", "note",
+    ]  # fmt: skip
+    for row, member in zip(rows, made, strict=True):
+        assert float(row["speed_mm_s"]) == member.row.speed_mm_s
+        assert (row["m_g"] == "") == (member.row.m_g is None)
+
+
+def test_manifest_lists_every_file_with_its_hash(tmp_path):
+    family.make(job_of(pictures=True), tmp_path, silent)
+    manifest = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))
+    assert sorted(manifest["files"]) == [f for f in files_of(tmp_path) if f != "manifest.json"]
+    for name, digest in manifest["files"].items():
+        assert hashlib.sha256((tmp_path / name).read_bytes()).hexdigest() == digest
+    assert manifest["design"]["legs"]["length_mm"] == 7.5
+    assert manifest["scene"]["contact"]["friction"] == 0.25
+    assert manifest["versions"]["walkergen"]
+    assert manifest["time_taken_s"] > 0
+
+
+def test_equal_input_gives_equal_bytes(tmp_path):
+    for folder in ("one", "two"):
+        family.make(job_of(pictures=True), tmp_path / folder, silent)
+    one, two = (json.loads((tmp_path / f / "manifest.json").read_text()) for f in ("one", "two"))
+    assert one["files"] == two["files"]
+
+
+def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_path):
+    def interrupt(what, done, total):
+        if done == 3:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        family.make(job_of(), tmp_path, interrupt)
+    finished = files_of(tmp_path)
+    assert len(finished) == 3
+    for name in finished:
+        assert trimesh.load(tmp_path / name).is_watertight
+    family.make(job_of(), tmp_path, silent)
+    assert len(files_of(tmp_path)) == 6 + 4
+
+
+@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError(28, "No space left on device")])
+def test_a_failed_write_leaves_no_temporary_file(tmp_path, monkeypatch, error):
+    target = tmp_path / "a" / "part.stl"
+    output.write(target, b"old")
+
+    def fail(self, target):
+        raise error
+
+    monkeypatch.setattr("pathlib.Path.replace", fail)
+    expected = KeyboardInterrupt if error is KeyboardInterrupt else OutputError
+    with pytest.raises(expected):
+        output.write(target, b"new")
+    assert files_of(tmp_path) == ["a/part.stl"]
+    assert target.read_bytes() == b"old"
+
+
+def test_output_that_cannot_be_written_is_one_line(tmp_path):
+    (tmp_path / "file").write_text("not a folder")
+    with pytest.raises(OutputError, match="cannot be written") as caught:
+        family.make(job_of(), tmp_path / "file", silent)
+    assert len(str(caught.value).splitlines()) == 1
+
+
+def test_leftovers_of_an_earlier_run_are_removed_unless_changed(tmp_path):
+    family.make(job_of((0.0, 5.0, 10.0), ["flexible"]), tmp_path, silent)
+    edited = tmp_path / "stl" / "walker_t5.0_flexible_s0.40.stl"
+    edited.write_bytes(b"mine now")
+    (tmp_path / "notes.txt").write_text("the user's")
+    family.make(job_of((10.0,), ["flexible"]), tmp_path, silent)
+    kept = files_of(tmp_path)
+    assert "notes.txt" in kept
+    assert "stl/walker_t5.0_flexible_s0.40.stl" in kept
+    assert "stl/walker_t0.0_flexible_s0.40.stl" not in kept
+
+
+def test_a_forged_manifest_removes_nothing_outside(tmp_path):
+    victim = tmp_path / "victim.txt"
+    victim.write_bytes(b"precious")
+    digest = hashlib.sha256(b"precious").hexdigest()
+    folder = tmp_path / "out"
+    output.write(folder / "manifest.json", json.dumps({"files": {"../victim.txt": digest}}).encode())
+    family.make(job_of((10.0,), ["flexible"]), folder, silent)
+    assert victim.read_bytes() == b"precious"
+
+
+def test_names_are_unique_whatever_the_tilts():
+    tilts = [0.0, 1e-12, 0.05, 0.1, 10.0, 10.05, -10.0, *np.linspace(20, 21, 50)]
+    members = Design().members(tilts)
+    assert len({names.part(member) for member in members}) == len(members)
+    assert names.part(members[4]) == "walker_t10.0_flexible_s0.40"
+    assert all("e" not in names.part(m).split("_")[1] for m in members)

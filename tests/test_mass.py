@@ -1,0 +1,157 @@
+"""Mass properties against closed forms, translated and scaled; the solids' own shapes."""
+
+import math
+
+import mpmath as mp
+import numpy as np
+import pytest
+
+from walkergen import mass, names, solids
+from walkergen.design import Design
+from walkergen.mass import Mesh
+
+mp.mp.dps = 50
+DENSITY = 1.24e-3
+
+
+def polygon_moments(points):
+    """Area, centroid and polar second moment about it of a polygon, in 50 digits."""
+    points = [(mp.mpf(float(x)), mp.mpf(float(y))) for x, y in points]
+    A = X = Y = inertia = mp.mpf(0)
+    for (x0, y0), (x1, y1) in zip(points, points[1:] + points[:1], strict=True):
+        c = x0 * y1 - x1 * y0
+        A += c / 2
+        X += (x0 + x1) * c / 6
+        Y += (y0 + y1) * c / 6
+        inertia += (x0**2 + x0 * x1 + x1**2 + y0**2 + y0 * y1 + y1**2) * c / 12
+    X, Y = X / A, Y / A
+    return A, (X, Y), inertia - A * (X**2 + Y**2)
+
+
+def variants():
+    for foot in ("flat", "square"):
+        for tilt in (0.0, 1e-12, 5.0, 10.0, 45.0, -20.0):
+            yield Design.model_validate({"legs": {"foot": foot, "tilt_deg": tilt}})
+
+
+def leg_polygon(design):
+    """The leg's outline from the design, in 50 digits and without the modeller."""
+    tilt = mp.mpf(design.legs.tilt_deg) * mp.pi / 180
+    s, length = mp.mpf(design.leg_thickness), mp.mpf(design.legs.length_mm)
+    sin, cos = mp.sin(tilt), mp.cos(tilt)
+    top = s / (2 * cos)
+    across = (top, mp.mpf(0)) if design.legs.foot == "flat" else (s / 2 * cos, -s / 2 * sin)
+    tip = (-length * sin, -length * cos)
+    return [(-top, mp.mpf(0)), (tip[0] - across[0], tip[1] - across[1]),
+            (tip[0] + across[0], tip[1] + across[1]), (top, mp.mpf(0))]  # fmt: skip
+
+
+@pytest.mark.parametrize("design", list(variants()), ids=names.part)
+def test_flexible_walker_against_closed_forms(design):
+    found = solids.weigh(design, solids.build(design))
+    depth = design.body.depth_mm
+    assert found.M == pytest.approx(28 * 8 * 3 * DENSITY, rel=1e-12)
+    assert found.J == pytest.approx(found.M * (28**2 + 3**2) / 12, rel=1e-12)
+    area, centre, second = polygon_moments(leg_polygon(design))
+    assert found.m == pytest.approx(float(area) * depth * DENSITY, rel=1e-12)
+    assert found.m == pytest.approx(7.5 * 0.4 * 8 * DENSITY, rel=1e-12)
+    assert found.j == pytest.approx(float(second) * depth * DENSITY, rel=1e-11)
+    np.testing.assert_allclose(found.c_A, np.array(centre, dtype=float), atol=1e-12)
+    # Both feet on the plate, symmetric about the middle, whatever the tilt.
+    for anchor, x in ((found.a, -6.5), (found.b, 6.5)):
+        foot = anchor + found.c_A + found.c_T
+        assert foot[0] == pytest.approx(x, abs=1e-12)
+
+
+@pytest.mark.parametrize("tilt", [0.0, 3.0, 10.0, 35.0])
+def test_braced_walker_is_one_rigid_body(tilt):
+    """Rival: weigh the printable union as it is."""
+    design = Design().variant(tilt_deg=tilt, kind="braced")
+    built = solids.build(design)
+    found, whole = solids.weigh(design, built), mass.weigh(built.walker, DENSITY)
+    assert found.M == pytest.approx(whole.mass, rel=1e-12)
+    assert found.J == pytest.approx(whole.inertia, rel=1e-12)
+    foot = whole.centre[:2] + found.a + found.c_A + found.c_T
+    lowest = built.walker.vertices[:, 1].min()
+    np.testing.assert_allclose(foot, [-6.5, lowest], atol=1e-12)
+    assert (found.m, found.j, found.rigid) == (0.0, 0.0, True)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
+@pytest.mark.parametrize("shift", [(0.0, 0.0, 0.0), (1e6, -1e6, 1e6)])
+def test_weighing_is_exact_far_away_and_at_any_scale(scale, shift):
+    design = Design().variant(tilt_deg=10.0)
+    shift = np.array(shift) * scale
+    for mesh in solids.build(design)[1:]:
+        here = mass.weigh(mesh, DENSITY)
+        moved = mass.weigh(Mesh(scale * mesh.vertices + shift, mesh.triangles), DENSITY)
+        assert moved.mass == pytest.approx(here.mass * scale**3, rel=1e-9)
+        assert moved.inertia == pytest.approx(here.inertia * scale**5, rel=1e-9)
+        expected = scale * here.centre + shift
+        np.testing.assert_allclose(moved.centre, expected, rtol=1e-15, atol=1e-9 * scale)
+
+
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_designs_of_any_scale_weigh_alike(scale):
+    one = Design()
+    lengths = {
+        "body": {key: value * scale for key, value in one.body.model_dump().items()},
+        "legs": {
+            key: value * scale if key.endswith("_mm") else value
+            for key, value in one.legs.model_dump().items()
+        },
+    }
+    for kind in ("flexible", "braced"):
+        small = Design.model_validate(lengths).variant(kind=kind)
+        big = one.variant(kind=kind)
+        found = solids.weigh(small, solids.build(small))
+        expected = solids.weigh(big, solids.build(big))
+        assert found.M == pytest.approx(expected.M * scale**3, rel=1e-12)
+        assert found.J == pytest.approx(expected.J * scale**5, rel=1e-12)
+        np.testing.assert_allclose(found.c_A, expected.c_A * scale, rtol=1e-11)
+
+
+def test_round_foot_approaches_the_half_circle():
+    design = Design.model_validate({"legs": {"foot": "round", "tilt_deg": 20.0}})
+    errors = []
+    r, tilt = 0.2, math.radians(20.0)
+    # Trapezoid down to the circle's centre, plus the half circle.
+    exact = (7.5 - r) * 2 * r + 0.5 * math.pi * r * r
+    for segments in (16, 32, 64):
+        area = mass.weigh(solids.build(design, segments).leg, 1.0).volume / 8.0
+        errors.append(exact - area)
+    assert errors[0] > errors[1] > errors[2] > 0
+    assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)  # second order in the edge
+    found = solids.weigh(design, solids.build(design))
+    np.testing.assert_allclose(
+        found.c_A + found.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r]
+    )
+
+
+def test_weighed_masses_override_and_rescale():
+    weighed = {"body_mass_g": 1.0, "leg_mass_g": 0.05}
+    for kind in ("flexible", "braced"):
+        plain = Design.model_validate({"legs": {"kind": kind}})
+        heavy = Design.model_validate({"legs": {"kind": kind}, "weighed": weighed})
+        built = solids.build(plain)
+        a, b = solids.weigh(plain, built), solids.weigh(heavy, built)
+        if kind == "flexible":
+            assert (b.M, b.m) == (1.0, 0.05)
+            assert pytest.approx(a.J * 1.0 / a.M, rel=1e-14) == b.J
+            assert pytest.approx(a.j * 0.05 / a.m, rel=1e-14) == b.j
+        else:
+            assert pytest.approx(1.1, rel=1e-14) == b.M
+            assert b.J != a.J
+
+
+def test_trimesh_agrees():
+    """Rival: another library's weighing of the same mesh."""
+    for kind in ("flexible", "braced"):
+        design = Design().variant(kind=kind)
+        mesh = solids.build(design).walker
+        found = mass.weigh(mesh, DENSITY)
+        other = solids.to_trimesh(mesh)
+        other.density = DENSITY
+        assert found.mass == pytest.approx(other.mass, rel=1e-12)
+        np.testing.assert_allclose(found.centre, other.center_mass, atol=1e-12)
+        assert found.inertia == pytest.approx(other.moment_inertia[2, 2], rel=1e-12)

@@ -1,0 +1,1 @@
+"""From meshes to what a printer takes: printers, files, plates."""

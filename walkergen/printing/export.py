@@ -1,0 +1,153 @@
+"""Files for printing: binary STL, 3MF, and a file written whole or not at all.
+
+Equal input gives equal bytes: no clock, no random identifier, no time zone enters a file.
+Both formats hold 32-bit floats, which resolve 1e-5 mm on a bed of 250 mm.
+"""
+
+import ctypes
+import re
+import uuid
+from collections.abc import Sequence
+from functools import cache
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import lib3mf
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import OutputError, SolidError
+from walkergen.mass import Array, Mesh
+
+STL_HEADER_BYTES = 80
+STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+APPLICATION = "walkergen"
+
+# What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
+NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
+
+
+class Solid(NamedTuple):
+    """One shape of a 3MF file, stored once however many copies are printed."""
+
+    name: str
+    mesh: Mesh
+
+
+class Item(NamedTuple):
+    """One printed copy of a solid."""
+
+    solid: int
+    """Index into the solids."""
+    part_number: str
+    x: float
+    """Where the left of the solid's bounding box goes, mm."""
+    y: float
+    """Where the front of the solid's bounding box goes, mm."""
+
+
+def stl_bytes(mesh: Mesh, header: str) -> bytes:
+    """Binary STL in mm with unit normals (zero for a triangle without area).
+
+    The first 80 bytes begin with "binary STL", because readers take "solid" for the text format;
+    what the header holds beyond ASCII or beyond their end is lost.
+    """
+    records = np.zeros(len(mesh.triangles), STL_TRIANGLE)
+    corners = mesh.vertices[mesh.triangles]
+    records["corners"] = corners
+    records["normal"] = _unit_normals(corners)
+    start = f"binary STL, mm: {header}".encode("ascii", "replace")[:STL_HEADER_BYTES]
+    count = len(records).to_bytes(4, "little")
+    return start.ljust(STL_HEADER_BYTES) + count + records.tobytes()
+
+
+def part_3mf(mesh: Mesh, name: str) -> bytes:
+    """3MF file of one part, in the positive octant with its corner at the origin."""
+    return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
+
+
+def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) -> bytes:
+    """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
+
+    Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
+    names and the order. Raises SolidError when lib3mf refuses a mesh.
+    Source: 3MF core specification 1.3 and production extension (UUIDs).
+    """
+    wrapper = _wrapper()
+    title = _xml_safe(title)
+    model = wrapper.CreateModel()  # must outlive its objects and items: they point into it
+    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+    model.SetBuildUUID(_identifier(title, "build"))
+    metadata = model.GetMetaDataGroup()
+    for key, value in (("Title", title), ("Application", APPLICATION)):
+        metadata.AddMetaData("", key, value, "xs:string", True)
+    objects = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
+    for number, item in enumerate(items):
+        place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
+        built = model.AddBuildItem(objects[item.solid], place)
+        built.SetPartNumber(_xml_safe(item.part_number))
+        built.SetUUID(_identifier(title, "item", number))
+    return bytes(model.QueryWriter("3mf").WriteToBuffer())
+
+
+def write_atomically(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all; parent folders are made.
+
+    The data goes to a hidden temporary name in the same folder, which is then renamed and which
+    is gone after any exception, Ctrl-C included. Raises OutputError.
+    """
+    try:
+        temporary = path.with_name(f".{path.name}.part")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(data)
+            temporary.replace(path)
+        except BaseException:
+            temporary.unlink(missing_ok=True)
+            raise
+    except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
+        reason = getattr(error, "strerror", None) or str(error)
+        raise OutputError(f"{str(path)!r}: cannot be written: {reason}") from None
+
+
+@cache
+def _wrapper() -> Any:
+    """Entry point of lib3mf, loaded once: it takes 10 ms."""
+    return lib3mf.get_wrapper()
+
+
+def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
+    name = _xml_safe(solid.name)
+    added = model.AddMeshObject()
+    added.SetName(name)
+    added.SetUUID(_identifier(title, "object", number, name))
+    vertices = solid.mesh.vertices - solid.mesh.vertices.min(axis=0)
+    try:
+        added.SetGeometry(
+            _as_structures(lib3mf.Position, vertices.astype("<f4")),
+            _as_structures(lib3mf.Triangle, solid.mesh.triangles.astype("<u4")),
+        )
+    except lib3mf.ELib3MFException as error:
+        raise SolidError(f"{name}: lib3mf refuses the mesh: {error}") from None
+    return added
+
+
+def _as_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
+    """A C array of structures from a numpy array with one row each, without a Python loop."""
+    return (structure * len(rows)).from_buffer_copy(rows.tobytes())
+
+
+def _unit_normals(corners: Array) -> Array:
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    return units
+
+
+def _identifier(*words: str | int) -> str:
+    """A UUID that depends on nothing but the words."""
+    return str(uuid.uuid5(uuid.NAMESPACE_OID, "/".join(map(str, (APPLICATION, *words)))))
+
+
+def _xml_safe(text: str) -> str:
+    return NOT_XML.sub("_", text)
