@@ -171,6 +171,24 @@ def test_main_prints_the_error_and_exits_with_2(monkeypatch, capsys):
     assert captured.out == ""
 
 
+def test_an_interrupted_family_says_what_is_kept(run, monkeypatch, tmp_path):
+    from walkergen.printing import export
+
+    written = []
+
+    def interrupt(mesh, header, genuine=export.stl_bytes):
+        if len(written) == 2:
+            raise KeyboardInterrupt
+        written.append(header)
+        return genuine(mesh, header)
+
+    monkeypatch.setattr(export, "stl_bytes", interrupt)
+    result = run("family", "--tilt", "5,10,15")
+    assert result.exit_code == 130
+    assert "finished files are whole" in result.output
+    assert len(list((tmp_path / "out" / "koumakis2016" / "stl").iterdir())) == 2
+
+
 def test_unknown_options_exit_with_2(run):
     assert run("predict", "--speed", "3").exit_code == 2
     assert run("plate", "--copies", "0").exit_code == 2

@@ -147,7 +147,9 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
     victim.write_bytes(b"precious")
     digest = hashlib.sha256(b"precious").hexdigest()
     folder = tmp_path / "out"
-    output.write(folder / "manifest.json", json.dumps({"files": {"../victim.txt": digest}}).encode())
+    output.write(
+        folder / "manifest.json", json.dumps({"files": {"../victim.txt": digest}}).encode()
+    )
     family.make(job_of((10.0,), ["flexible"]), folder, silent)
     assert victim.read_bytes() == b"precious"
 

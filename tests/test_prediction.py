@@ -27,7 +27,9 @@ def test_standard_deviation_against_linear_propagation():
     """Rival: finite differences; small deviations, so that the second order is 1 % of the first."""
     tilt20 = Design().variant(tilt_deg=20.0)
     sds = {"restitution": 0.01, "friction": 0.005}
-    row, mass, scene = row_of(tilt20, restitution_sd=sds["restitution"], friction_sd=sds["friction"])
+    row, mass, scene = row_of(
+        tilt20, restitution_sd=sds["restitution"], friction_sd=sds["friction"]
+    )
 
     def speed(scale_M=1.0, scale_m=1.0, **contact):
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
@@ -63,7 +65,9 @@ def test_impact_speed_uncertainty_enters():
 
 
 def test_draws_stay_in_the_physical_range_and_repeat():
-    scene = Scene.model_validate({"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}})
+    scene = Scene.model_validate(
+        {"contact": {"restitution": 1.0, "friction": 0.0, "friction_sd": 1.0}}
+    )
     one, two = (prediction.draw(scene, 0.5) for _ in range(2))
     for a, b in zip(one, two, strict=True):
         np.testing.assert_array_equal(a, b)

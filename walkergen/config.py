@@ -179,6 +179,8 @@ def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
         types += [part for part in get_args(one) if get_origin(one) is not Literal]
         if get_origin(one) is Literal:
             return "must be one of " + ", ".join(repr(choice) for choice in get_args(one))
+    if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
+        return "must be 1 to 64 letters, digits, - or _, the first a letter or digit"
     bounds = _bounds(metadata)
     if bounds:
         return f"must be a number {bounds}" + (

@@ -72,9 +72,19 @@ def templates(rows: "Sequence[Entry]") -> None:
 @contextmanager
 def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
     """A progress bar on the terminal's error stream; silent when not wanted or not a terminal."""
-    if not wanted or not sys.stderr.isatty():
-        yield lambda what, done, total: None
-        return
+    try:
+        if wanted and sys.stderr.isatty():
+            with _bar(title) as update:
+                yield update
+        else:
+            yield lambda what, done, total: None
+    except KeyboardInterrupt:
+        print("interrupted: finished files are whole; the same command completes", file=sys.stderr)
+        raise
+
+
+@contextmanager
+def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
     from rich.console import Console
     from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
