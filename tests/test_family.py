@@ -10,7 +10,7 @@ import trimesh
 
 from walkergen import family, names, output, templates
 from walkergen.design import Design
-from walkergen.errors import OutputError
+from walkergen.errors import OutputError, PlateError
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 
@@ -107,22 +107,6 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
     assert len(files_of(tmp_path)) == 6 + 4
 
 
-@pytest.mark.parametrize("error", [KeyboardInterrupt, OSError(28, "No space left on device")])
-def test_a_failed_write_leaves_no_temporary_file(tmp_path, monkeypatch, error):
-    target = tmp_path / "a" / "part.stl"
-    output.write(target, b"old")
-
-    def fail(self, target):
-        raise error
-
-    monkeypatch.setattr("pathlib.Path.replace", fail)
-    expected = KeyboardInterrupt if error is KeyboardInterrupt else OutputError
-    with pytest.raises(expected):
-        output.write(target, b"new")
-    assert files_of(tmp_path) == ["a/part.stl"]
-    assert target.read_bytes() == b"old"
-
-
 def test_output_that_cannot_be_written_is_one_line(tmp_path):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(OutputError, match="cannot be written") as caught:
@@ -160,3 +144,11 @@ def test_names_are_unique_whatever_the_tilts():
     assert len({names.part(member) for member in members}) == len(members)
     assert names.part(members[4]) == "walker_t10.0_flexible_s0.40"
     assert all("e" not in names.part(m).split("_")[1] for m in members)
+
+
+def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(tmp_path):
+    large = Design.model_validate({"body": {"length_mm": 300.0}})
+    job = job_of()._replace(design=large, members=large.members([0.0]))
+    with pytest.raises(PlateError, match="does not fit prusa-mk3s"):
+        family.make(job, tmp_path / "out", silent)
+    assert not (tmp_path / "out").exists()

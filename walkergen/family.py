@@ -16,6 +16,7 @@ from walkergen.printing import export, plate
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
 from walkergen.scene import Scene
+from walkergen.solids import Solids
 from walkergen.theory.speed import Mode
 
 Progress = Callable[[str, int, int], None]
@@ -49,17 +50,21 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
 
     Writes stl/, plates/, family.csv, family.md, speed.png, preview.png, manifest.json. Files of an
     earlier run that this one does not make, and that nobody changed since, are removed at the end.
-    Raises OutputError when a file cannot be written, PlateError when a part is too large.
+    Raises PlateError, before anything is written, when a part is too large for the printer, and
+    OutputError when a file cannot be written.
     """
     started = time.perf_counter()
     steps = len(job.members) + 2
+    built = [solids.build(design) for design in job.members]
+    plates = _plates(job, built)
     folder = Folder(path)
     made: list[Member] = []
-    for member in predicted(job.members, job.scene, job.mode):
+    for member in predicted(job.members, built, job.scene, job.mode):
         folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
         made.append(member)
         progress(member.name, len(made), steps)
-    _write_plates(job, made, folder)
+    for number, data in enumerate(plates, start=1):
+        folder.write(f"plates/family_{job.printer.name}_{number}.3mf", data)
     progress("plates", len(made) + 1, steps)
     rows = [member.row for member in made]
     folder.write("family.csv", tables.to_csv(rows).encode())
@@ -72,14 +77,15 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
     return made
 
 
-def predicted(members: Sequence[Design], scene: Scene, mode: Mode) -> Iterator[Member]:
-    """Build, weigh and predict members one by one, with the same random draws for all."""
+def predicted(
+    members: Sequence[Design], built: Sequence[Solids], scene: Scene, mode: Mode
+) -> Iterator[Member]:
+    """Weigh and predict members one by one, with the same random draws for all."""
     draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
-    for design in members:
-        built = solids.build(design)
-        mass = solids.weigh(design, built)
+    for design, parts in zip(members, built, strict=True):
+        mass = solids.weigh(design, parts)
         row = prediction.predict(design, mass, scene, mode, draws)
-        yield Member(design, names.part(design), built.walker, row)
+        yield Member(design, names.part(design), parts.walker, row)
 
 
 def caption(scene: Scene, mode: str) -> str:
@@ -100,13 +106,17 @@ def caption(scene: Scene, mode: str) -> str:
     )
 
 
-def _write_plates(job: Job, made: Sequence[Member], folder: Folder) -> None:
-    parts = [plate.Part.of(member.name, member.mesh) for member in made]
-    meshes = [member.mesh for member in made]
-    plates = plate.pack(parts, job.printer)
-    for number, one in enumerate(plates, start=1):
-        data = plate.plate_3mf(one, parts, meshes, job.printer, job.design.name)
-        folder.write(f"plates/family_{job.printer.name}_{number}.3mf", data)
+def _plates(job: Job, built: Sequence[Solids]) -> Iterator[bytes]:
+    """3MF files of the plates, one at a time; a part too large is refused at once."""
+    meshes = [parts.walker for parts in built]
+    parts = [
+        plate.Part.of(names.part(design), mesh)
+        for design, mesh in zip(job.members, meshes, strict=True)
+    ]
+    return (
+        plate.plate_3mf(one, parts, meshes, job.printer, f"{job.design.name} {number}")
+        for number, one in enumerate(plate.pack(parts, job.printer), start=1)
+    )
 
 
 def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:

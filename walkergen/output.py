@@ -16,8 +16,8 @@ def write(path: Path, data: bytes) -> None:
 
     Parent folders are made. Raises OutputError; on any exception the temporary file is removed.
     """
-    temporary = path.with_name(f".{path.name}.part")
     try:
+        temporary = path.with_name(f".{path.name}.part")
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             temporary.write_bytes(data)
@@ -26,9 +26,11 @@ def write(path: Path, data: bytes) -> None:
             with contextlib.suppress(OSError):
                 temporary.unlink()
             raise
-    except (OSError, ValueError) as error:
+    except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
         reason = getattr(error, "strerror", None) or str(error)
-        raise OutputError(f"{path}: cannot be written: {reason}; choose another --out") from None
+        raise OutputError(
+            f"{str(path)!r}: cannot be written: {reason}; try another --out"
+        ) from None
 
 
 class Folder:

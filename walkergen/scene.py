@@ -21,16 +21,23 @@ Positive = Annotated[float, Field(gt=0, le=1e9)]
 
 
 class Drive(Section):
-    """Vertical sinusoidal vibration of the plate, from any two of its four numbers."""
+    """Vertical sinusoidal vibration of the plate, from any two of its four numbers.
+
+    A second harmonic, if any, comes on top: its amplitude over that of the fundamental, and its
+    phase; the four numbers remain those of the fundamental.
+    """
 
     frequency_hz: Positive | None = None
     amplitude_um: Positive | None = None
     peak_speed_mm_s: Positive | None = None
     gamma: Positive | None = None
+    second_harmonic_ratio: Annotated[float, Field(ge=0, le=1)] = 0.0
+    second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
 
     @model_validator(mode="after")
     def _determined(self) -> "Drive":
-        given = self.model_dump(exclude_none=True)
+        four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
+        given = self.model_dump(include=set(four), exclude_none=True)
         if len(given) < 2:
             raise ValueError(
                 "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
@@ -100,6 +107,56 @@ class Contact(Section):
     law: Literal["poisson", "newton", "stronge"] = "poisson"
 
 
+class Plate(Section):
+    """The vibrating plate."""
+
+    slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
+    """Descent toward +x: positive slopes help the walker along."""
+
+
+class Arena(Section):
+    """Where the walker may go; planes and neighbours are to come."""
+
+    kind: Literal["lane"] = "lane"
+    length_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    """A walker beyond half of it, either way, has left the lane; None: an endless lane."""
+
+
+class LegModel(Section):
+    """How the simulator treats the legs (physics.md section 5)."""
+
+    model: Literal["auto", "relaxed", "compliant", "rigid"] = "auto"
+    damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
+    """Of a free leg on a held body."""
+    spring: Literal["cantilever", "pseudo-rigid", "frequency"] = "cantilever"
+
+
+class Run(Section):
+    """How long, how often and how finely to simulate."""
+
+    seconds: Annotated[float, Field(gt=0, le=1e7)] = 60.0
+    """Measured time of one run, after the discarded start."""
+    discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
+    runs: Annotated[int, Field(ge=1, le=100_000)] = 16
+    seed: Annotated[int, Field(ge=0, le=2**63)] = 1
+    method: Literal["auto", "event", "step"] = "auto"
+    step_us: Annotated[float, Field(ge=0.01, le=1000)] = 20.0
+    """Step of the time-stepping method while a foot is in contact."""
+    energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
+    """Largest share of the exchanged energy that may go unaccounted for."""
+    accepted_error: Annotated[float, Field(gt=0, le=10)] = 0.1
+    """Relative error of the mean speed that `model = "auto"` may accept from a simpler model."""
+
+
+class Effects(Section):
+    """Effects forced on or off; those not named are decided by the scene."""
+
+    leg_compliance: bool | None = None
+    flexible_tensor: bool | None = None
+    second_harmonic: bool | None = None
+    plate_slope: bool | None = None
+
+
 class Prediction(Section):
     """How fast feet meet the plate, over the plate's peak speed (paper: "of the same order")."""
 
@@ -115,6 +172,11 @@ class Scene(Section):
     drive: Drive = Drive(frequency_hz=90.0, gamma=1.8)
     contact: Contact = Contact()
     prediction: Prediction = Prediction()
+    plate: Plate = Plate()
+    arena: Arena = Arena()
+    legs: LegModel = LegModel()
+    run: Run = Run()
+    effects: Effects = Effects()
 
     @property
     def impact_speed(self) -> float:

@@ -69,12 +69,14 @@ def predict(
 ) -> None:
     """Predict the speed of walkers, without writing any file."""
     from walkergen import family as families
+    from walkergen import solids
 
     chosen = opt.design_of(design)
     resolved = opt.scene_of(scene, restitution, friction, law)
     checked = opt.mode_of(mode, resolved)
     members = opt.members_of(chosen, tilt, legs, whole=False)
-    rows = [member.row for member in families.predicted(members, resolved, checked)]
+    built = [solids.build(member) for member in members]
+    rows = [member.row for member in families.predicted(members, built, resolved, checked)]
     if json:
         show.rows_as_json(rows)
     else:

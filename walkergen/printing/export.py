@@ -1,4 +1,4 @@
-"""Files for printing: binary STL, 3MF, and a file written whole or not at all.
+"""Files for printing: binary STL and 3MF.
 
 Equal input gives equal bytes: no clock, no random identifier, no time zone enters a file.
 Both formats hold 32-bit floats, which resolve 1e-5 mm on a bed of 250 mm.
@@ -9,14 +9,13 @@ import re
 import uuid
 from collections.abc import Sequence
 from functools import cache
-from pathlib import Path
 from typing import Any, NamedTuple
 
 import lib3mf
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.errors import OutputError, SolidError
+from walkergen.errors import SolidError
 from walkergen.mass import Array, Mesh
 
 STL_HEADER_BYTES = 80
@@ -77,37 +76,18 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) ->
     title = _xml_safe(title)
     model = wrapper.CreateModel()  # must outlive its objects and items: they point into it
     model.SetUnit(lib3mf.ModelUnit.MilliMeter)
-    model.SetBuildUUID(_identifier(title, "build"))
+    part_numbers = [_xml_safe(item.part_number) for item in items]
+    model.SetBuildUUID(_identifier(title, "build", *part_numbers))
     metadata = model.GetMetaDataGroup()
     for key, value in (("Title", title), ("Application", APPLICATION)):
         metadata.AddMetaData("", key, value, "xs:string", True)
     objects = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
-    for number, item in enumerate(items):
+    for number, (item, part_number) in enumerate(zip(items, part_numbers, strict=True)):
         place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
         built = model.AddBuildItem(objects[item.solid], place)
-        built.SetPartNumber(_xml_safe(item.part_number))
+        built.SetPartNumber(part_number)
         built.SetUUID(_identifier(title, "item", number))
     return bytes(model.QueryWriter("3mf").WriteToBuffer())
-
-
-def write_atomically(path: Path, data: bytes) -> None:
-    """Write a file whole or not at all; parent folders are made.
-
-    The data goes to a hidden temporary name in the same folder, which is then renamed and which
-    is gone after any exception, Ctrl-C included. Raises OutputError.
-    """
-    try:
-        temporary = path.with_name(f".{path.name}.part")
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            temporary.write_bytes(data)
-            temporary.replace(path)
-        except BaseException:
-            temporary.unlink(missing_ok=True)
-            raise
-    except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
-        reason = getattr(error, "strerror", None) or str(error)
-        raise OutputError(f"{str(path)!r}: cannot be written: {reason}") from None
 
 
 @cache

@@ -79,8 +79,8 @@ def pack(parts: Sequence[Part], printer: Printer, max_plates: int | None = None)
     if max_plates is not None and len(plates) > max_plates:
         placed = sum(len(plate.placements) for plate in plates[:max_plates])
         raise PlateError(
-            f"{total} parts need {len(plates)} plates of {printer.name}; the {max_plates} allowed "
-            f"hold {placed}: allow more plates or print fewer parts"
+            f"{total} parts need {len(plates)} plates of {printer.name}, {max_plates} allowed "
+            f"(room for {placed} parts): allow more plates or print fewer parts"
         )
     return plates
 
@@ -90,12 +90,13 @@ def plate_3mf(
 ) -> bytes:
     """3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts."""
     used = sorted({placement.part for placement in plate.placements})
+    solid_of = {part: number for number, part in enumerate(used)}
     solids = [export.Solid(parts[part].name, meshes[part]) for part in used]
     centred = printer.origin == "centre"
     left = -0.5 * printer.bed_width_mm if centred else 0.0
     front = -0.5 * printer.bed_depth_mm if centred else 0.0
     items = [
-        export.Item(used.index(part), f"{parts[part].name}-{copy}", left + x, front + y)
+        export.Item(solid_of[part], f"{parts[part].name}-{copy}", left + x, front + y)
         for part, copy, x, y in plate.placements
     ]
     return export.threemf_bytes(solids, items, title)
@@ -146,7 +147,7 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     part, others = too_large[0], len(too_large) - 1
     width, depth = printer.usable_bed
     raise PlateError(
-        f"{part.name}: {part.width:g} x {part.depth:g} x {part.height:g} mm (width x depth x "
+        f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
         f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
         f"{printer.margin_mm:g} mm, {printer.height_mm:g} mm high"
         + (f"; neither do {others} more" if others else "")

@@ -1,0 +1,62 @@
+"""Files are written whole or not at all."""
+
+from pathlib import Path
+
+import pytest
+
+from walkergen import output
+from walkergen.errors import OutputError
+
+
+def test_a_file_is_written_with_its_folders_and_replaced_whole(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "folder" / "walker.stl"
+    output.write(path, b"first")
+    output.write(path, b"second")
+    assert path.read_bytes() == b"second"
+    assert [entry.name for entry in path.parent.iterdir()] == ["walker.stl"]
+
+
+@pytest.mark.parametrize("broken", ["pathlib.Path.replace", "pathlib.Path.write_bytes"])
+@pytest.mark.parametrize(
+    ("raised", "seen"),
+    [
+        (OSError(28, "No space left on device"), OutputError),
+        (KeyboardInterrupt(), KeyboardInterrupt),
+    ],
+)
+def test_an_interrupted_write_keeps_the_old_file_and_leaves_no_temporary(
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    broken: str,
+    raised: BaseException,
+    seen: type[BaseException],
+) -> None:
+    path = tmp_path / "walker.stl"
+    path.write_bytes(b"old")
+    temporaries = []
+
+    def fail(first: Path, _second: object) -> None:
+        with first.open("wb") as half:
+            half.write(b"ne")
+        temporaries.append(first)
+        raise raised
+
+    monkeypatch.setattr(broken, fail)
+    with pytest.raises(seen) as caught:
+        output.write(path, b"new")
+    monkeypatch.undo()
+    assert [entry.name for entry in tmp_path.iterdir()] == ["walker.stl"]
+    assert path.read_bytes() == b"old"
+    assert temporaries[0].parent == tmp_path
+    assert temporaries[0].name.startswith(".")
+    if seen is OutputError:
+        assert str(caught.value).startswith(f"{str(path)!r}: cannot be written: No space left")
+
+
+@pytest.mark.parametrize("name", ["", "a\x00b", "x" * 300, "file/below", "."])
+def test_a_path_that_cannot_be_written_is_one_line(tmp_path: Path, name: str) -> None:
+    (tmp_path / "file").write_bytes(b"in the way")
+    with pytest.raises(OutputError) as caught:
+        output.write(tmp_path / name, b"data")
+    assert len(str(caught.value).splitlines()) == 1
+    assert [entry.name for entry in tmp_path.iterdir()] == ["file"]

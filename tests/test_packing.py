@@ -1,0 +1,169 @@
+"""Printers and plates: every copy once, on the bed, well apart, in the order given."""
+
+import itertools
+import math
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from walkergen import config
+from walkergen.errors import InputError, PlateError
+from walkergen.printing import plate
+from walkergen.printing.plate import Part
+from walkergen.printing.printers import Printer
+
+TEMPLATES = Path(__file__).parent.parent / "templates" / "printers"
+PRINTERS = ["bambu-x1", "ender3", "prusa-mk3s", "replicator2x"]
+MK3S = config.read(TEMPLATES / "prusa-mk3s.toml", Printer)
+WALKER = (28.0, 12.0, 8.0)
+NANOMETRE = 1e-6  # what rounding to whole micrometres may leave of a sum of floats, mm
+
+
+def part(name: str, size: tuple[float, float, float] = WALKER, copies: int = 1) -> Part:
+    return Part(name, *size, copies)
+
+
+def boxes(one: plate.Plate, parts: list[Part]) -> list[tuple[float, float, float, float]]:
+    return [
+        (p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in one.placements
+    ]
+
+
+def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> None:
+    """Every copy once; none off the bed or closer than the gap."""
+    wanted = [(i, c) for i, one in enumerate(parts) for c in range(1, one.copies + 1)]
+    assert sorted((p.part, p.copy) for one in plates for p in one.placements) == wanted
+    low, gap = printer.margin_mm - NANOMETRE, printer.gap_mm - NANOMETRE
+    right, back = printer.bed_width_mm - low, printer.bed_depth_mm - low
+    for one in plates:
+        placed = boxes(one, parts)
+        assert placed
+        assert all(a >= low and b >= low and c <= right and d <= back for a, b, c, d in placed)
+        for (a, b, c, d), (e, f, g, h) in itertools.combinations(placed, 2):
+            assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
+
+
+@pytest.mark.parametrize("name", PRINTERS)
+def test_shipped_printers_hold_a_walker(name: str) -> None:
+    printer = config.read(TEMPLATES / f"{name}.toml", Printer)
+    assert printer.name == name
+    assert printer.description
+    assert set(printer.model_fields_set) == set(Printer.model_fields)  # a template shows every key
+    assert plate.capacity(part("walker"), printer) > 30
+
+
+def test_every_shipped_printer_is_tested() -> None:
+    assert sorted(path.stem for path in TEMPLATES.glob("*.toml")) == PRINTERS
+
+
+def test_a_bed_is_usable_at_the_extremes_of_its_ranges() -> None:
+    tight = Printer(bed_width_mm=50.0, bed_depth_mm=50.0, height_mm=1.0, margin_mm=20.0)
+    assert min(tight.usable_bed) > 0.0
+
+
+def test_a_wrong_printer_is_refused_with_key_and_range() -> None:
+    data = {**MK3S.model_dump(), "margin_mm": -1.0, "origin": "center"}
+    with pytest.raises(InputError, match=r"margin_mm = -1\.0: must be a number >= 0") as caught:
+        config.validate(data, Printer, "mine.toml")
+    assert "must be one of 'corner', 'centre'" in str(caught.value)
+
+
+length = st.floats(0.05, 60.0)
+several_parts = st.lists(st.tuples(length, length, st.integers(1, 12)), min_size=1, max_size=6)
+
+
+@settings(max_examples=40, deadline=None)
+@given(several_parts, st.floats(0.0, 10.0), st.floats(0.0, 5.0), st.floats(80.0, 200.0))
+def test_parts_keep_their_distance_and_stay_on_the_bed(
+    sizes: list[tuple[float, float, int]], margin: float, gap: float, bed: float
+) -> None:
+    printer = MK3S.model_copy(
+        update={"bed_width_mm": bed, "bed_depth_mm": 80.0, "margin_mm": margin, "gap_mm": gap}
+    )
+    parts = [Part(f"p{i}", w, d, 5.0, copies) for i, (w, d, copies) in enumerate(sizes)]
+    plates = plate.pack(parts, printer)
+    check(plates, parts, printer)
+    assert plates == plate.pack(list(parts), printer)
+
+
+@settings(max_examples=25, deadline=None)
+@given(st.floats(8.0, 90.0), st.floats(8.0, 90.0), st.floats(0.0, 6.0))
+def test_copies_of_one_part_fill_the_grid(width: float, depth: float, gap: float) -> None:
+    printer = MK3S.model_copy(update={"gap_mm": gap})
+    one = Part("box", width, depth, 8.0, 1)
+    count = plate.capacity(one, printer)
+    full = plate.pack([one._replace(copies=count)], printer)
+    assert len(full) == 1
+    assert len(plate.pack([one._replace(copies=count + 1)], printer)) == 2
+
+
+def test_walkers_on_a_prusa_bed_reach_the_ideal_count() -> None:
+    ideal = math.floor((240.0 + 3.0) / (28.0 + 3.0)) * math.floor((200.0 + 3.0) / (12.0 + 3.0))
+    assert plate.capacity(part("walker"), MK3S) == ideal == 91
+    plates = plate.pack([part("walker", copies=1000)], MK3S)
+    assert [len(one.placements) for one in plates] == [91] * 10 + [90]
+
+
+def test_a_family_lies_in_rows_in_the_order_given() -> None:
+    parts = [
+        part(f"t{tilt}", (28.0, 12.0 - 0.03 * (3 * tilt % 50), 8.0), 7) for tilt in range(0, 50, 5)
+    ]
+    (one,) = plate.pack(parts, MK3S)
+    assert [p.part for p in one.placements] == sorted(p.part for p in one.placements)
+    rows = [list(row) for _, row in itertools.groupby(one.placements, key=lambda p: p.y)]
+    assert [[p.part for p in row] for row in rows] == [[tilt] * 7 for tilt in range(10)]
+    assert [p.copy for p in rows[0]] == list(range(1, 8))
+    assert one.placements[0] == plate.Placement(0, 1, 5.0, 5.0)
+
+
+def test_a_part_exactly_as_large_as_the_usable_bed_fits() -> None:
+    parts = [part("slab", (0.1 + 0.2 + 239.7, 200.0, 210.0))]  # 240 but for the last digits
+    assert plate.pack(parts, MK3S)[0].placements == (plate.Placement(0, 1, 5.0, 5.0),)
+
+
+@pytest.mark.parametrize("size", [(240.01, 12, 8), (28, 200.01, 8), (28, 12, 210.01), (1e6,) * 3])
+def test_a_part_too_large_for_the_printer_is_refused_with_sizes(
+    size: tuple[float, float, float],
+) -> None:
+    parts = [part("small"), part("large", size), part("also", (900.0, 1.0, 1.0))]
+    with pytest.raises(PlateError) as caught:
+        plate.pack(parts, MK3S)
+    message = str(caught.value)
+    assert message.startswith(f"large: {size[0]:.7g} x {size[1]:.7g} x {size[2]:.7g} mm")
+    assert "prusa-mk3s: 240 x 200 mm inside margins of 5 mm, 210 mm high" in message
+    assert message.endswith("; neither do 1 more")
+    assert len(message.splitlines()) == 1
+
+
+def test_too_many_plates_are_refused_with_what_would_fit() -> None:
+    parts = [part("walker", copies=200)]
+    assert len(plate.pack(parts, MK3S, max_plates=3)) == 3
+    with pytest.raises(
+        PlateError, match=r"^200 parts need 3 plates .* 2 allowed .room for 182 parts"
+    ):
+        plate.pack(parts, MK3S, max_plates=2)
+
+
+@pytest.mark.parametrize("copies", [plate.MOST_PARTS + 1, 10**15])
+def test_too_many_parts_are_refused_at_once(copies: int) -> None:
+    with pytest.raises(PlateError, match=rf"^{copies} parts: at most {plate.MOST_PARTS}"):
+        plate.pack([part("walker", copies=copies)], MK3S)
+
+
+def test_no_parts_need_no_plate() -> None:
+    assert plate.pack([], MK3S) == []
+
+
+def test_a_thousand_parts_are_packed_in_seconds() -> None:
+    sizes = np.random.default_rng(5).uniform((20.0, 8.0), (35.0, 14.0), (1000, 2)).tolist()
+    parts = [part(f"p{i}", (w, d, 8.0)) for i, (w, d) in enumerate(sizes)]
+    start = time.perf_counter()
+    plates = plate.pack(parts, MK3S)
+    assert time.perf_counter() - start < 3.0  # 0.25 s measured; room for a busy machine
+    full = [sum((c - a + 3.0) * (d - b + 3.0) for a, b, c, d in boxes(p, parts)) for p in plates]
+    # 0.84 of the bed measured on the plates before the last; 0.7 is what a shelf a row would reach
+    assert np.mean(full[:-1]) > 0.8 * 243.0 * 203.0

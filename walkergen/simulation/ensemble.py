@@ -1,0 +1,180 @@
+"""Many independent runs of one engine: threads, seeds, and the statistics of their mean speed.
+
+Runs differ by the drive's phase and the height of the drop, drawn from a stream of their own
+(seed, number): the first n of N runs equal a run of n, and any number of threads gives equal bits.
+"""
+
+import math
+import os
+import time
+from collections import Counter
+from collections.abc import Callable, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.scene import Scene
+from walkergen.simulation import record
+from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
+
+Array = npt.NDArray[np.float64]
+
+FEWEST_RUNS = 8
+"""From this many runs on, their spread gives the standard error; below, the blocks of each run."""
+
+FEWEST_SAMPLES = 10
+"""Independent samples below which an error bar is refused."""
+
+KINDS = ("I", "II", "III", "IV", "from rest", "II mirrored", "III mirrored")
+
+
+class Summary(NamedTuple):
+    """Statistics of an ensemble; every mean is over the runs that ended well."""
+
+    runs: int
+    simulated_s: float
+    cpu_s: float
+    wall_s: float
+    speed_mm_s: float | None
+    """None when no run ended well."""
+    speed_se_mm_s: float | None
+    """Standard error; None when the data are too few (then `outcomes` says so)."""
+    correlation_time_s: float | None
+    """Integrated autocorrelation time of the speed."""
+    impacts_per_s: float
+    type_fractions: dict[str, float]
+    """Share of each impact type, and "sticking" (of those in which a foot sticks)."""
+    contact_fraction: float
+    max_pitch_deg: float
+    energy_error: float
+    """Largest share of the exchanged energy unaccounted for, over the runs."""
+    energies_per_s: dict[str, float]
+    """Mean power in g mm^2/s^3 (nW): from the plate, lost to impacts, friction and damping."""
+    outcomes: dict[str, int]
+
+
+def run(
+    engine: Engine,
+    scene: Scene,
+    progress: Callable[[str, int, int], None],
+    threads: int | None = None,
+) -> list[RunResult]:
+    """Simulate scene.run.runs runs, sorted by number.
+
+    Ctrl-C stops the runs under way and returns those that are finished (an empty list raises).
+    """
+    count = scene.run.runs
+    stop: list[bool] = []
+    finished: list[RunResult] = []
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        pending: set[Future[RunResult]] = {
+            pool.submit(simulate, engine, scene, index, lambda: bool(stop))
+            for index in range(count)
+        }
+        try:
+            while pending:
+                done, pending = wait(pending, timeout=0.2, return_when=FIRST_COMPLETED)
+                finished += [future.result() for future in done]
+                progress("runs", len(finished), count)
+        except KeyboardInterrupt:
+            stop.append(True)
+            pool.shutdown(cancel_futures=True)
+            if not finished:
+                raise
+    return sorted(finished, key=lambda result: result.number)
+
+
+def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summary:
+    """Mean speed with its standard error, and everything else a user asks of an ensemble."""
+    outcomes = Counter(result.outcome.value for result in results)
+    good = [result for result in results if result.outcome in (Outcome.OK, Outcome.STUCK)]
+    speeds = np.array([result.speed for result in good])
+    correlation = correlation_time(good)
+    error = standard_error(good, correlation)
+    if good and error is None:
+        outcomes[Outcome.TOO_FEW.value] = len(good)
+    counts = sum((result.tally.counts for result in results), np.zeros(9, np.int64))
+    sums = sum((result.tally.sums for result in results), np.zeros(7))
+    pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
+    energy_error = max((result.energy_error for result in results), default=0.0)
+    simulated = float(sums[record.ELAPSED])
+    impacts = int(counts[0])
+    names = ("from_plate", "impacts", "friction", "damping")
+    return Summary(
+        runs=len(results),
+        simulated_s=simulated,
+        cpu_s=sum(result.cpu_s for result in results),
+        wall_s=wall_s,
+        speed_mm_s=float(speeds.mean()) if good else None,
+        speed_se_mm_s=error,
+        correlation_time_s=correlation,
+        impacts_per_s=impacts / simulated if simulated else 0.0,
+        type_fractions={
+            name: int(count) / max(impacts, 1)
+            for name, count in zip((*KINDS, "sticking"), counts[1:], strict=True)
+        },
+        contact_fraction=float(sums[record.CONTACT_TIME]) / simulated if simulated else 0.0,
+        max_pitch_deg=math.degrees(
+            max((r.tally.sums[record.LARGEST_PITCH] for r in results), default=0.0)
+        ),
+        energy_error=energy_error,
+        energies_per_s={
+            name: float(sums[record.PLATE_WORK + place]) / simulated if simulated else 0.0
+            for place, name in enumerate(names)
+        },
+        outcomes=dict(outcomes),
+    )
+
+
+def correlation_time(results: Sequence[RunResult]) -> float | None:
+    """Integrated autocorrelation time of the block speeds (s), by Sokal's self-consistent window.
+
+    At least half a block; None without enough blocks.
+    """
+    series = [result.block_speeds for result in results if len(result.block_speeds) >= 32]
+    if not series:
+        return None
+    centred = [speeds - speeds.mean() for speeds in series]
+    variance = float(np.mean([np.mean(speeds**2) for speeds in centred]))
+    if variance == 0.0:
+        return 0.5 * results[0].block_s
+    time_blocks = 0.5
+    for lag in range(1, min(len(speeds) for speeds in centred) // 4):
+        product = float(np.mean([np.mean(speeds[:-lag] * speeds[lag:]) for speeds in centred]))
+        time_blocks += product / variance
+        if lag >= 5.0 * time_blocks:
+            break
+    return max(time_blocks, 0.5) * results[0].block_s
+
+
+def standard_error(results: Sequence[RunResult], correlation: float | None) -> float | None:
+    """Standard error of the mean speed, mm/s; None when there are too few independent samples.
+
+    From the spread of independent runs when there are enough of them; otherwise from the blocks
+    within the runs, of which each correlation time pair gives one independent sample.
+    """
+    speeds = np.array([result.speed for result in results])
+    if len(speeds) >= FEWEST_RUNS:
+        return float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
+    if not len(speeds) or correlation is None:
+        return None
+    measured = sum(result.measured_s for result in results)
+    independent = measured / (2.0 * correlation)
+    if independent < FEWEST_SAMPLES:
+        return None
+    blocks = np.concatenate([result.block_speeds for result in results])
+    return float(blocks.std(ddof=1) / math.sqrt(independent))
+
+
+def measure(
+    engine: Engine,
+    scene: Scene,
+    progress: Callable[[str, int, int], None],
+    threads: int | None = None,
+) -> tuple[Summary, list[RunResult]]:
+    """Run an ensemble and summarise it."""
+    started = time.perf_counter()
+    results = run(engine, scene, progress, threads)
+    return summarise(results, scene, time.perf_counter() - started), results
