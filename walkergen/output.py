@@ -28,9 +28,8 @@ def write(path: Path, data: bytes) -> None:
             raise
     except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
         reason = getattr(error, "strerror", None) or str(error)
-        raise OutputError(
-            f"{str(path)!r}: cannot be written: {reason}; try another --out"
-        ) from None
+        told = f"{str(path)!r}: cannot be written: {reason}; try another --out"
+        raise OutputError(told) from None
 
 
 class Folder:

@@ -116,9 +116,7 @@ def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summ
             for name, count in zip((*KINDS, "sticking"), counts[1:], strict=True)
         },
         contact_fraction=float(sums[record.CONTACT_TIME]) / simulated if simulated else 0.0,
-        max_pitch_deg=math.degrees(
-            max((r.tally.sums[record.LARGEST_PITCH] for r in results), default=0.0)
-        ),
+        max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
         energies_per_s={
             name: float(sums[record.PLATE_WORK + place]) / simulated if simulated else 0.0
