@@ -163,3 +163,8 @@ def test_feet_stay_where_they_are_whatever_the_tilt(tilt, foot):
     if foot == "flat":
         reach = math.hypot(*design.anchor_to_foot)
         assert reach == pytest.approx(7.5, rel=1e-15)
+
+
+def test_impossible_geometry_in_a_file_names_the_line(tmp_path):
+    (line,) = mistakes(tmp_path, "[legs]\nfoot = 'flat'\ntilt_deg = 70.0\n")
+    assert "mine.toml:3: legs.tilt_deg = 70 (flexible): a leg leaves the body" in line

@@ -57,9 +57,10 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     try:
         return model.model_validate(data)
     except GeometryError as error:
-        raise GeometryError(
-            "\n".join(f"{source}: {line}" for line in str(error).splitlines())
-        ) from None
+        line = _line_of(("legs", "tilt_deg"), text)
+        where = f"{source}:{line}" if line else source
+        lines = [f"{where}: {told}" for told in str(error).splitlines()]
+        raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
         raise InputError("\n".join(lines)) from None

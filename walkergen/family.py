@@ -9,13 +9,14 @@ from typing import Any, NamedTuple
 
 from walkergen import __version__, names, prediction, solids
 from walkergen.design import Design
-from walkergen.mass import Mesh
+from walkergen.mass import MassProperties, Mesh
 from walkergen.output import Folder
 from walkergen.prediction import Prediction
 from walkergen.printing import export, plate
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
 from walkergen.scene import Scene
+from walkergen.simulation.ensemble import Simulated
 from walkergen.solids import Solids
 from walkergen.theory.speed import Mode
 
@@ -34,6 +35,7 @@ class Job(NamedTuple):
     printer: Printer
     mode: Mode
     pictures: bool
+    simulate: bool = False
 
 
 class Member(NamedTuple):
@@ -42,7 +44,9 @@ class Member(NamedTuple):
     design: Design
     name: str
     mesh: Mesh
+    mass: MassProperties
     row: Prediction
+    simulated: Simulated | None = None
 
 
 def make(job: Job, path: Path, progress: Progress) -> list[Member]:
@@ -66,10 +70,10 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
     for number, data in enumerate(plates, start=1):
         folder.write(f"plates/family_{job.printer.name}_{number}.3mf", data)
     progress("plates", len(made) + 1, steps)
-    rows = [member.row for member in made]
-    folder.write("family.csv", tables.to_csv(rows).encode())
-    page = tables.to_markdown(rows, job.design.name, caption(job.scene, job.mode))
-    folder.write("family.md", page.encode())
+    _write_tables(job, made, folder)
+    if job.simulate:  # takes long: everything else is already safe in the folder
+        made = _with_simulations(job, made, progress)
+        _write_tables(job, made, folder)
     if job.pictures:
         _write_pictures(job, made, folder)
     folder.finish(_facts(job, time.perf_counter() - started))
@@ -85,7 +89,7 @@ def predicted(
     for design, parts in zip(members, built, strict=True):
         mass = solids.weigh(design, parts)
         row = prediction.predict(design, mass, scene, mode, draws)
-        yield Member(design, names.part(design), parts.walker, row)
+        yield Member(design, names.part(design), parts.walker, mass, row)
 
 
 def caption(scene: Scene, mode: str) -> str:
@@ -119,6 +123,38 @@ def _plates(job: Job, built: Sequence[Solids]) -> Iterator[bytes]:
     )
 
 
+def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
+    rows, simulated = rows_of(made)
+    folder.write("family.csv", tables.to_csv(rows, simulated).encode())
+    told = caption(job.scene, job.mode)
+    page = tables.to_markdown(rows, job.design.name, told, simulated)
+    folder.write("family.md", page.encode())
+
+
+def rows_of(made: Sequence[Member]) -> tuple[list[Prediction], list[Simulated]]:
+    """Predictions, and simulated speeds if there are any, in the members' order."""
+    simulated = [member.simulated for member in made if member.simulated is not None]
+    return [member.row for member in made], simulated
+
+
+def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> list[Member]:
+    """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
+    from walkergen.simulation import engines, ensemble
+
+    found = []
+    for number, member in enumerate(made):
+        engine = engines.prepare(job.scene, member.design, member.mass).engine
+
+        def told(what: str, done: int, total: int, number: int = number) -> None:
+            progress(f"simulating {made[number].name}", number * total + done, len(made) * total)
+
+        summary, _ = ensemble.measure(engine, job.scene, told)
+        if summary.runs < job.scene.run.runs:
+            raise KeyboardInterrupt
+        found.append(member._replace(simulated=ensemble.brief(engine, summary)))
+    return found
+
+
 def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     from walkergen.report import plots, preview
 
@@ -131,8 +167,8 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     }
     drive = job.scene.drive
     title = f"{job.design.name} on {job.scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g"
-    rows = [member.row for member in made]
-    figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title)
+    rows, simulated = rows_of(made)
+    figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title, simulated)
     folder.write("speed.png", plots.png(figure))
     parts = [
         preview.Part(member.design.legs.kind, f"{member.design.legs.tilt_deg:g}°", member.mesh)

@@ -75,7 +75,12 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     origin = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
     corners = (mesh.vertices - origin)[mesh.triangles]
     p, q, r = corners[:, 0], corners[:, 1], corners[:, 2]
-    six_volumes = np.einsum("ij,ij->i", p, np.cross(q, r))
+    x, y, z = corners.transpose(2, 1, 0)
+    six_volumes = (
+        x[0] * (y[1] * z[2] - z[1] * y[2])
+        + y[0] * (z[1] * x[2] - x[1] * z[2])
+        + z[0] * (x[1] * y[2] - y[1] * x[2])
+    )
     volume = six_volumes.sum() / 6.0
     total = p + q + r
     centre = (six_volumes[:, None] * total).sum(axis=0) / (24.0 * volume)
@@ -97,16 +102,23 @@ def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
     limb = _rescaled(weigh(leg, density), design.weighed.leg_mass_g)
     O, c_A = top.centre[:2], limb.centre[:2]  # noqa: E741  (the paper's name)
     anchors, foot = np.array(design.anchors), np.array(design.anchor_to_foot)
-    M, J, m, j = top.mass, top.inertia, limb.mass, limb.inertia
-    if design.braced:
-        masses = np.array([top.mass, limb.mass, limb.mass])
-        centres = np.array([O, *(anchors + c_A)])
-        M = float(masses.sum())
-        O = masses @ centres / M  # noqa: E741
-        J = top.inertia + 2 * limb.inertia + float(masses @ np.sum((centres - O) ** 2, axis=1))
-        m = j = 0.0
     a, b = anchors - O
-    return MassProperties(M, J, m, j, a, b, c_A, foot - c_A, design.braced)
+    loose = MassProperties(
+        top.mass, top.inertia, limb.mass, limb.inertia, a, b, c_A, foot - c_A, rigid=False
+    )
+    return as_rigid(loose) if design.braced else loose
+
+
+def as_rigid(mass: MassProperties) -> MassProperties:
+    """The same walker with its joints frozen: body and both legs as one rigid solid."""
+    if mass.rigid:
+        return mass
+    masses = np.array([mass.M, mass.m, mass.m])
+    centres = np.array([(0.0, 0.0), mass.a + mass.c_A, mass.b + mass.c_A])
+    M = float(masses.sum())
+    O = masses @ centres / M  # noqa: E741  (the paper's name)
+    J = mass.J + 2 * mass.j + float(masses @ np.sum((centres - O) ** 2, axis=1))
+    return mass._replace(M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True)
 
 
 def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:

@@ -9,22 +9,23 @@ from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
 
-PAPER = "koumakis2016"
-SCENE = "lane-90hz"
-PRINTER = "prusa-mk3s"
-
 
 def family(
-    design: opt.DesignName = PAPER,
+    design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    scene: opt.SceneName = SCENE,
+    scene: opt.SceneName = opt.SCENE,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
-    printer: opt.PrinterName = PRINTER,
+    printer: opt.PrinterName = opt.PRINTER,
     out: opt.Out = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate", help="Simulate every walker as well (minutes).")
+    ] = False,
+    seconds: opt.Seconds = None,
+    runs: opt.Runs = None,
     pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -35,7 +36,10 @@ def family(
     from walkergen.printing.printers import Printer
 
     chosen = opt.design_of(design)
-    resolved = opt.scene_of(scene, restitution, friction, law)
+    changes = opt.Changes(
+        restitution=restitution, friction=friction, law=law, seconds=seconds, runs=runs
+    )
+    resolved = opt.scene_of(scene, changes)
     job = families.Job(
         design=chosen,
         members=opt.members_of(chosen, tilt, legs, whole=True),
@@ -43,24 +47,25 @@ def family(
         printer=templates.load(printer, "printers", Printer),
         mode=opt.mode_of(mode, resolved),
         pictures=pictures,
+        simulate=simulate,
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         made = families.make(job, folder, progress)
-    rows = [member.row for member in made]
+    rows, simulated = families.rows_of(made)
     if json:
-        show.rows_as_json(rows)
+        show.rows_as_json(rows, simulated)
     elif not quiet:
-        show.predictions(rows, families.caption(resolved, job.mode), chosen.name)
+        show.predictions(rows, families.caption(resolved, job.mode), chosen.name, simulated)
         print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md"
               + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
 
 
 def predict(
-    design: opt.DesignName = PAPER,
+    design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    scene: opt.SceneName = SCENE,
+    scene: opt.SceneName = opt.SCENE,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
     mode: opt.ModeName = "coulomb",
@@ -72,7 +77,8 @@ def predict(
     from walkergen import solids
 
     chosen = opt.design_of(design)
-    resolved = opt.scene_of(scene, restitution, friction, law)
+    changes = opt.Changes(restitution=restitution, friction=friction, law=law)
+    resolved = opt.scene_of(scene, changes)
     checked = opt.mode_of(mode, resolved)
     members = opt.members_of(chosen, tilt, legs, whole=False)
     built = [solids.build(member) for member in members]
@@ -84,7 +90,7 @@ def predict(
 
 
 def export(
-    design: opt.DesignName = PAPER,
+    design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     formats: Annotated[
@@ -110,11 +116,11 @@ def export(
 
 
 def plate(
-    design: opt.DesignName = PAPER,
+    design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     copies: Annotated[int, typer.Option(min=1, max=5000, help="Copies of each walker.")] = 1,
-    printer: opt.PrinterName = PRINTER,
+    printer: opt.PrinterName = opt.PRINTER,
     max_plates: Annotated[
         int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
     ] = None,
@@ -132,7 +138,7 @@ def plate(
     folder = out or Path("out") / chosen.name
     rows, files = batch.make_plates(members, machine, copies, max_plates, folder)
     if json:
-        show.rows_as_json(rows, files)
+        show.rows_as_json(rows, files=files)
     elif not quiet:
         show.placements(rows, files)
 

@@ -1,7 +1,7 @@
 """Options that several commands share, and the parsing of tilts and lists."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -11,6 +11,9 @@ if TYPE_CHECKING:
     from walkergen.design import Design, Kind
     from walkergen.scene import Scene
     from walkergen.theory.speed import Mode
+
+PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
+"""The templates that commands take unless told otherwise."""
 
 MOST_TILTS = 1000
 
@@ -39,6 +42,10 @@ LawName = Annotated[
     str | None,
     typer.Option("--law", metavar="LAW", help="Law of restitution: poisson, newton, stronge."),
 ]
+Seconds = Annotated[
+    float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
+]
+Runs = Annotated[int | None, typer.Option("--runs", help="Independent simulated runs.")]
 PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
 ]
@@ -58,19 +65,50 @@ def design_of(name: str) -> "Design":
     return templates.load(name, "walkers", Design)
 
 
-def scene_of(
-    name: str, restitution: float | None, friction: float | None, law: str | None
-) -> "Scene":
-    """The scene of a name or path, with the contact's values overridden by the command line's."""
+class Changes(NamedTuple):
+    """What the command line changes in a scene; None keeps the scene's own value."""
+
+    restitution: float | None = None
+    friction: float | None = None
+    law: str | None = None
+    gamma: float | None = None
+    frequency: float | None = None
+    seconds: float | None = None
+    runs: int | None = None
+    seed: int | None = None
+    method: str | None = None
+    step: float | None = None
+    model: str | None = None
+
+
+def scene_of(name: str, changes: Changes) -> "Scene":
+    """The scene of a name or path, with the command line's values in place of its own."""
     from walkergen import templates
     from walkergen.config import validate
     from walkergen.scene import Scene
 
     scene = templates.load(name, "scenes", Scene)
-    changes = {"restitution": restitution, "friction": friction, "law": law}
-    data = scene.model_dump(exclude_none=True)
-    data["contact"] |= {key: value for key, value in changes.items() if value is not None}
+    data: dict[str, dict[str, Any]] = scene.model_dump(exclude_none=True)
+    if changes.gamma is not None or changes.frequency is not None:
+        # Two numbers determine the drive: the new ones, completed from the scene's own.
+        drive = {key: value for key, value in data["drive"].items() if key.startswith("second_")}
+        drive["frequency_hz"] = _given(changes.frequency, scene.drive.frequency)
+        drive["gamma"] = _given(changes.gamma, scene.drive.peak_gamma)
+        data["drive"] = drive
+    places: dict[str, dict[str, Any]] = {
+        "contact": {"restitution": changes.restitution, "friction": changes.friction,
+                    "law": changes.law},
+        "run": {"seconds": changes.seconds, "runs": changes.runs, "seed": changes.seed,
+                "method": changes.method, "step_us": changes.step},
+        "legs": {"model": changes.model},
+    }  # fmt: skip
+    for table, values in places.items():
+        data[table] |= {key: value for key, value in values.items() if value is not None}
     return validate(data, Scene, "command line")
+
+
+def _given(value: float | None, otherwise: float) -> float:
+    return otherwise if value is None else value
 
 
 def mode_of(mode: str, scene: "Scene") -> "Mode":

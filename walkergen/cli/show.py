@@ -9,7 +9,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from walkergen.batch import Row
+    from walkergen.design import Design
     from walkergen.prediction import Prediction
+    from walkergen.scene import Scene
+    from walkergen.simulation.costs import Explained
+    from walkergen.simulation.engines import Plan
+    from walkergen.simulation.ensemble import Simulated, Summary
+    from walkergen.simulation.run import Engine
     from walkergen.templates import Entry
 
 
@@ -18,9 +24,12 @@ def as_json(data: dict[str, Any]) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def rows_as_json(rows: Sequence[Any], files: Sequence[Path] = ()) -> None:
-    """Print {"rows": [...]} of named tuples, with the files written if there are any."""
-    data: dict[str, Any] = {"rows": [row._asdict() for row in rows]}
+def rows_as_json(rows: Sequence[Any], more: Sequence[Any] = (), files: Sequence[Path] = ()) -> None:
+    """Print {"rows": [...]} of named tuples, side by side with `more`, and the files written."""
+    listed = [row._asdict() for row in rows]
+    for row, extra in zip(listed, more, strict=False):
+        row |= extra._asdict()
+    data: dict[str, Any] = {"rows": listed}
     if files:
         data["files"] = [str(path) for path in files]
     as_json(data)
@@ -34,14 +43,16 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
         print("\n".join(str(path) for path in paths))
 
 
-def predictions(rows: "Sequence[Prediction]", caption: str, title: str) -> None:
+def predictions(
+    rows: "Sequence[Prediction]", caption: str, title: str, simulated: "Sequence[Simulated]" = ()
+) -> None:
     """Print the table of predicted speeds, its notes and what it rests on."""
     from rich.console import Console
 
     from walkergen.report import tables
 
     console = Console(highlight=False)
-    console.print(tables.to_table(rows, title))
+    console.print(tables.to_table(rows, title, simulated))
     for number, note in enumerate(tables.notes_of(rows), start=1):
         console.print(f"[{number}] {note}", markup=False)
     console.print(caption, markup=False)
@@ -67,6 +78,69 @@ def templates(rows: "Sequence[Entry]") -> None:
         for row in rows:
             if row.kind == kind:
                 print(f"  {row.name:18s}  {row.description}")
+
+
+def summary_as_dict(engine: "Engine", scene: "Scene", found: "Summary") -> dict[str, Any]:
+    """An ensemble's summary with what was simulated, for JSON."""
+    settings = {"model": engine.model, "method": engine.method, "law": scene.contact.law}
+    return settings | found._asdict()
+
+
+def summary(engine: "Engine", scene: "Scene", found: "Summary", design: "Design") -> None:
+    """Print the mean speed and everything measured beside it."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
+    drive = scene.drive
+    bars = found.speed_se_mm_s
+    speed = "none: no run ended well"
+    if found.speed_mm_s is not None:
+        error = "standard error unknown: too few data" if bars is None else f"± {bars:.2g}"
+        speed = f"{found.speed_mm_s:.2f} {error} mm/s"
+    correlation = found.correlation_time_s
+    types = ", ".join(
+        f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
+    )
+    powers = ", ".join(f"{name} {1e-6 * value:.3g}" for name, value in found.energies_per_s.items())
+    rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
+    for name, value in (
+        ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
+        ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
+        ("model", f"{engine.model}, method {engine.method}, law {scene.contact.law}"),
+        ("mean speed", speed),
+        ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
+        ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
+        ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
+        ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
+        ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
+        ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),
+        ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
+        ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
+    ):
+        table.add_row(name, value)
+    Console(highlight=False).print(table)
+
+
+def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design") -> None:
+    """Print which effects are on, why, how large they are and what they cost."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("effect", "", "size", "cost", "why"):
+        table.add_column(heading, justify="right" if heading in ("size", "cost") else "left")
+    for row in rows:
+        cost = "-" if row.cost is None else f"x {row.cost:.2f}"
+        why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
+        table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
+    console = Console(highlight=False)
+    console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
+    console.print(f"model {plan.engine.model}, method {plan.engine.method}")
+    console.print(table)
+    console.print("cost: CPU time over that of the same scene without the effect")
 
 
 @contextmanager

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from walkergen.design import Kind
 from walkergen.prediction import Curve, Prediction
+from walkergen.simulation.ensemble import Simulated
 
 # Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
 STYLES: dict[str, tuple[str, str, str]] = {
@@ -24,9 +25,16 @@ def png(figure: Figure, dpi: int = 150) -> bytes:
 
 
 def speed_figure(
-    rows: Sequence[Prediction], curves: Mapping[Kind, Curve], impact_speed: float, title: str
+    rows: Sequence[Prediction],
+    curves: Mapping[Kind, Curve],
+    impact_speed: float,
+    title: str,
+    simulated: Sequence[Simulated] = (),
 ) -> Figure:
-    """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band."""
+    """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band.
+
+    Simulated speeds, if there are any, are open symbols with their standard errors as bars.
+    """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")
         axes = figure.add_subplot()
@@ -39,10 +47,11 @@ def speed_figure(
             colour, _, marker = STYLES[legs]
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
             axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
+        _draw_simulated(axes, rows, simulated)
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         axes.set_xlabel("tilt of the legs (deg)")
-        axes.set_ylabel("predicted speed (mm/s)")
+        axes.set_ylabel("speed (mm/s)" if simulated else "predicted speed (mm/s)")
         axes.set_title(title, fontsize=10)
         axes.legend(frameon=False)
         low, high = axes.get_ylim()
@@ -51,6 +60,24 @@ def speed_figure(
         ratio.set_ylim(low / impact_speed, high / impact_speed)
         ratio.set_ylabel("speed / impact speed")
     return figure
+
+
+def _draw_simulated(
+    axes: matplotlib.axes.Axes, rows: Sequence[Prediction], simulated: Sequence[Simulated]
+) -> None:
+    for legs in dict.fromkeys(row.legs for row in rows):
+        colour, _, marker = STYLES[legs]
+        points = [
+            (row.tilt_deg, one.sim_speed_mm_s, one.sim_se_mm_s or 0.0)
+            for row, one in zip(rows, simulated, strict=False)
+            if row.legs == legs and one.sim_speed_mm_s is not None
+        ]
+        if points:
+            tilts, speeds, errors = zip(*points, strict=True)
+            axes.errorbar(
+                tilts, speeds, errors, fmt=marker, color=colour, markerfacecolor="white",
+                markersize=6, capsize=3, label=f"{legs}, simulated",
+            )  # fmt: skip
 
 
 def _mark_sticking(axes: matplotlib.axes.Axes, curves: Mapping[Kind, Curve]) -> None:

@@ -1,5 +1,6 @@
 """Preview: a shaded picture of every part of a family, as in the paper's figure 1."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from walkergen.mass import Mesh
 
 Array = npt.NDArray[np.float64]
 
-COLUMNS = 5
+FEWEST_COLUMNS, WIDEST_INCHES = 5, 24.0
 COLOURS = {"flexible": (0.35, 0.58, 0.78), "braced": (0.86, 0.55, 0.30)}
 
 
@@ -38,22 +39,24 @@ LIGHT = np.array([-0.35, 0.75, 0.56])
 
 
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
-    """All parts, braced above flexible, in rows of at most five, each with its label."""
+    """All parts, braced above flexible, each with its label; rows grow with the family."""
     rows: list[list[Part]] = []
+    most = max(FEWEST_COLUMNS, round(math.sqrt(1.2 * len(parts))))
     for kind in ("braced", "flexible"):
         chosen = [part for part in parts if part.kind == kind]
-        rows += [chosen[i : i + COLUMNS] for i in range(0, len(chosen), COLUMNS)]
+        rows += [chosen[i : i + most] for i in range(0, len(chosen), most)]
     screens = [part.mesh.vertices @ VIEW.T for part in parts]
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
     pitch_x, pitch_y = 1.12 * size[0], 1.55 * size[1]
     columns = max(len(row) for row in rows)
-    width = 1.0 + 2.4 * columns
+    width = min(WIDEST_INCHES, 1.0 + 2.4 * columns)
+    font = 9.0 * min(1.0, width / (2.4 * columns))
     aspect = (len(rows) * pitch_y + 0.2 * pitch_y) / (columns * pitch_x)
     figure = Figure(figsize=(width, width * aspect + 0.4), layout="constrained")
     axes = figure.add_subplot()
     for line, row in enumerate(rows):
         for column, part in enumerate(row):
-            _draw(axes, part, np.array([column * pitch_x, -line * pitch_y]), size[1])
+            _draw(axes, part, np.array([column * pitch_x, -line * pitch_y]), size[1], font)
     axes.set_xlim(-0.55 * pitch_x, (columns - 0.45) * pitch_x)
     axes.set_ylim(-(len(rows) - 0.38) * pitch_y, 0.58 * pitch_y)
     axes.set_aspect("equal")
@@ -62,7 +65,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     return figure
 
 
-def _draw(axes: Axes, part: Part, at: Array, height: float) -> None:
+def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None:
     """Painter's algorithm with back faces culled: exact enough for a prism seen from its front."""
     corners = (part.mesh.vertices @ VIEW.T)[part.mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -78,4 +81,4 @@ def _draw(axes: Axes, part: Part, at: Array, height: float) -> None:
         facecolors=colours, edgecolors=colours, linewidths=0.3,
     )  # fmt: skip
     axes.add_collection(faces)
-    axes.annotate(part.label, (at[0], at[1] - 0.62 * height), ha="center", va="top", fontsize=9)
+    axes.annotate(part.label, (at[0], at[1] - 0.62 * height), ha="center", va="top", fontsize=font)

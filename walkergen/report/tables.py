@@ -9,46 +9,80 @@ from rich.console import Console
 from rich.table import Table
 
 from walkergen.prediction import Prediction
+from walkergen.simulation.ensemble import Simulated
 
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
 UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
+MASSES = ("M", "J", "m", "j")
+"""Columns that the console leaves out when it shows simulated speeds, to stay within 80."""
 
 
-def to_csv(rows: Sequence[Prediction]) -> str:
-    """One line a member; columns are the fields of `Prediction`, numbers with every digit."""
+def to_csv(rows: Sequence[Prediction], simulated: Sequence[Simulated] = ()) -> str:
+    """One line a member; columns are the fields of the rows, numbers with every digit."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Prediction._fields)
-    writer.writerows([["" if value is None else value for value in row] for row in rows])
+    writer.writerow(Prediction._fields + (Simulated._fields if simulated else ()))
+    for row, *more in zip(rows, *([simulated] if simulated else []), strict=True):
+        values = (*row, *(more[0] if more else ()))
+        writer.writerow(["" if value is None else value for value in values])
     return text.getvalue()
 
 
-def to_table(rows: Sequence[Prediction], title: str = "") -> Table:
+def to_table(
+    rows: Sequence[Prediction], title: str = "", simulated: Sequence[Simulated] = ()
+) -> Table:
     """The table for the console; rows with a note carry its number."""
-    notes = notes_of(rows)
     table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
-    for heading, unit in zip(HEADINGS, UNITS, strict=True):
-        left = heading in ("legs", "speed")
+    columns = _columns(rows, simulated)
+    shown = [name for name in columns if not (simulated and name[0] in MASSES)]
+    for heading, unit in shown:
+        left = heading in ("legs", "speed", "simulated")
         table.add_column(f"{heading}\n{unit}", justify="left" if left else "right", no_wrap=True)
-    for row in rows:
-        table.add_row(*_cells(row, notes))
+    for cells in zip(*(columns[name] for name in shown), strict=True):
+        table.add_row(*cells)
     return table
 
 
-def to_markdown(rows: Sequence[Prediction], title: str, caption: str) -> str:
+def to_markdown(
+    rows: Sequence[Prediction], title: str, caption: str, simulated: Sequence[Simulated] = ()
+) -> str:
     """A Markdown page with the table and its notes."""
-    notes = notes_of(rows)
     table = Table(box=box.MARKDOWN)
-    for heading, unit in zip(HEADINGS, UNITS, strict=True):
+    columns = _columns(rows, simulated)
+    for heading, unit in columns:
         name = f"{heading} ({unit})" if unit else heading
         table.add_column(name, justify="left" if heading == "legs" else "right", no_wrap=True)
-    for row in rows:
-        table.add_row(*_cells(row, notes))
+    for cells in zip(*columns.values(), strict=True):
+        table.add_row(*cells)
     text = io.StringIO()
-    Console(file=text, width=200, color_system=None).print(table)
+    Console(file=text, width=300, color_system=None).print(table)
     body = "\n".join(line.rstrip() for line in text.getvalue().strip().splitlines())
-    listed = "\n".join(f"{number}. {note}" for number, note in enumerate(notes, start=1))
+    listed = "\n".join(f"{number}. {note}" for number, note in enumerate(notes_of(rows), start=1))
     return f"# {title}\n\n{caption}\n\n{body}\n\n{listed}\n".rstrip() + "\n"
+
+
+def _columns(
+    rows: Sequence[Prediction], simulated: Sequence[Simulated]
+) -> dict[tuple[str, str], list[str]]:
+    """Cells by (heading, unit)."""
+    notes = notes_of(rows)
+    cells = zip(*(_cells(row, notes) for row in rows), strict=True)
+    columns = {
+        key: list(column)
+        for key, column in zip(zip(HEADINGS, UNITS, strict=True), cells, strict=True)
+    }
+    if simulated:
+        columns["simulated", "mm/s"] = [_simulated(one) for one in simulated]
+        columns["model", ""] = [one.sim_model for one in simulated]
+        columns["outcomes", ""] = [one.sim_outcomes for one in simulated]
+    return columns
+
+
+def _simulated(one: Simulated) -> str:
+    if one.sim_speed_mm_s is None:
+        return "-"
+    error = "?" if one.sim_se_mm_s is None else _fixed(one.sim_se_mm_s, 1)
+    return f"{_fixed(one.sim_speed_mm_s, 1)} ± {error}"
 
 
 def notes_of(rows: Sequence[Prediction]) -> list[str]:

@@ -61,19 +61,27 @@ def height(plate: Plate, phase: float) -> float:
 @kernel
 def velocity(plate: Plate, phase: float) -> float:
     """Vertical velocity of the plate, mm/s."""
-    return (
-        plate.amplitude
-        * plate.omega
-        * (math.cos(phase) + _harmonic_velocity(plate.harmonic, phase))
-    )
+    both = math.cos(phase) + _harmonic_velocity(plate.harmonic, phase)
+    return plate.amplitude * plate.omega * both
 
 
 @kernel
 def acceleration(plate: Plate, phase: float) -> float:
     """Vertical acceleration of the plate, mm/s^2."""
-    squared = plate.omega * plate.omega
+    both = _harmonic_acceleration(plate.harmonic, phase) - math.sin(phase)
+    return plate.amplitude * plate.omega * plate.omega * both
+
+
+@kernel
+def _harmonic_bound(harmonic, order):
+    if harmonic is None:
+        return 0.0
+    return abs(harmonic.ratio) * 2.0**order
+
+
+@kernel
+def derivative_bound(plate: Plate, order: int) -> float:
+    """Upper bound of |d^order height / dt^order|, mm/s^order; attained without a harmonic."""
     return (
-        plate.amplitude
-        * squared
-        * (_harmonic_acceleration(plate.harmonic, phase) - math.sin(phase))
+        abs(plate.amplitude) * plate.omega**order * (1.0 + _harmonic_bound(plate.harmonic, order))
     )

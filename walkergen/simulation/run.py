@@ -16,6 +16,9 @@ Array = npt.NDArray[np.float64]
 X, PITCH = 0, 2
 """Places in every model's state."""
 
+FIRST_PITCH = 1e-3
+"""Largest pitch of the first drop, rad: enough to leave the unstable level motion."""
+
 PERIODS_PER_BLOCK = 2
 """A block, in periods of the drive: the time resolution of the speed's statistics."""
 
@@ -45,8 +48,8 @@ class Engine(NamedTuple):
     """advance(walker, plate, contact, options, state, duration, tally) -> status"""
     arguments: tuple[Any, ...]
     """(walker, plate, contact, options)"""
-    start: Callable[[float, float], Array]
-    """start(clearance in mm, phase in rad) -> state at rest over the plate"""
+    start: Callable[[float, float, float], Array]
+    """start(clearance in mm, pitch in rad, phase in rad) -> state over the plate, about to drop"""
     energy: Callable[[Array], float]
     """Mechanical energy of a state, g mm^2/s^2."""
     failures: dict[int, Outcome]
@@ -75,6 +78,14 @@ class RunResult(NamedTuple):
     cpu_s: float
 
 
+def compile_kernels(engine: Engine) -> float:
+    """Compile (or load from the disk cache) what the engine needs; returns the seconds it took."""
+    started = time.perf_counter()
+    state = engine.start(engine.drop, 0.0, 0.0)
+    engine.advance(*engine.arguments, state, 1e-9, record.new(len(state)))
+    return time.perf_counter() - started
+
+
 def simulate(
     engine: Engine,
     scene: Scene,
@@ -86,8 +97,8 @@ def simulate(
     """One run: a drop onto the plate, the discarded start, then the measured time in blocks."""
     started = time.thread_time()
     rng = np.random.default_rng([scene.run.seed, number])
-    clearance, phase = engine.drop * rng.uniform(0.5, 1.5), rng.uniform(0.0, 2.0 * np.pi)
-    state = engine.start(float(clearance), float(phase))
+    clearance, pitch, phase = rng.uniform((0.5, -1.0, 0.0), (1.5, 1.0, 2.0 * np.pi))
+    state = engine.start(engine.drop * clearance, FIRST_PITCH * pitch, phase)
     outcome = Outcome.OK
     if scene.run.discard_seconds > 0:
         outcome = _advance(engine, state, scene.run.discard_seconds, record.new(len(state)), scene)

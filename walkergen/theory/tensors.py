@@ -24,12 +24,12 @@ class InverseMass(NamedTuple):
 
 def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
     """Inverse of I/mass + P(lever)/inertia: the mass felt at a point of a free rigid body (g)."""
-    scale = mass / (inertia + mass * np.sum(lever * lever, axis=-1))
     x, y = lever[..., 0], lever[..., 1]
+    scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(
-        mass * (inertia + mass * x * x) / (inertia + mass * (x * x + y * y)),
-        mass * scale * x * y,
-        mass * (inertia + mass * y * y) / (inertia + mass * (x * x + y * y)),
+        scale * (inertia + mass * x * x),
+        scale * mass * x * y,
+        scale * (inertia + mass * y * y),
     )
 
 
@@ -63,9 +63,9 @@ def flexible(
     det = xx * yy - xy * xy
     S_xx, S_xy, S_yy = yy / det, -xy / det, xx / det
 
-    about_anchor = j + m * np.sum(c_A * c_A, axis=-1)
     p_x, p_y = -c_A[..., 1], c_A[..., 0]
-    r_x, r_y = -(c_A[..., 1] + c_T[..., 1]), c_A[..., 0] + c_T[..., 0]
+    about_anchor = j + m * (p_x * p_x + p_y * p_y)
+    r_x, r_y = p_x - c_T[..., 1], p_y + c_T[..., 0]
     k = m / about_anchor
     G_xx, G_xy = 1.0 - k * p_x * r_x, -k * p_x * r_y
     G_yx, G_yy = -k * p_y * r_x, 1.0 - k * p_y * r_y

@@ -1,0 +1,151 @@
+"""Ensembles: statistics against closed forms, and engines that misbehave."""
+
+import numpy as np
+import pytest
+
+from walkergen.scene import Scene
+from walkergen.simulation import ensemble, record
+from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
+
+PERIOD = 1.0 / 90.0
+
+
+def scene_of(**run):
+    return Scene.model_validate({"run": {"seconds": 4.0, "discard_seconds": 0.0} | run})
+
+
+def fake_engine(advance):
+    """An engine whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
+    return Engine(
+        model="fake", method="none", advance=advance, arguments=(),
+        start=lambda clearance, pitch, phase: np.array([0.0, 0.0, 0.0, clearance + phase]),
+        energy=lambda state: 0.0, failures={1: Outcome.TOPPLED, 2: Outcome.FAILED},
+        columns=("x_mm", "y_mm", "pitch_rad", "seed"), period=PERIOD, drop=1.0,
+    )  # fmt: skip
+
+
+def steady(state, duration, tally):
+    """Runs at a speed set by its start."""
+    state[0] += state[3] * duration
+    tally.sums[record.ELAPSED] += duration
+    tally.counts[:2] += 1
+    return 0
+
+
+def silent(what, done, total):
+    assert 0 <= done <= total
+
+
+def noise_result(number, speeds, block_s=2 * PERIOD):
+    tally = record.new(4)
+    measured = block_s * len(speeds)
+    return RunResult(
+        number, Outcome.OK, measured, float(speeds.mean()), block_s, speeds, 0.0, tally, 0.1
+    )
+
+
+def autoregressive(rng, count, memory, mean=50.0, sd=10.0):
+    noise = rng.normal(0.0, sd * np.sqrt(1 - memory**2), count)
+    values = np.empty(count)
+    values[0] = rng.normal(0.0, sd)
+    for i in range(1, count):
+        values[i] = memory * values[i - 1] + noise[i]
+    return mean + values
+
+
+@pytest.mark.parametrize("memory", [0.0, 0.5, 0.9])
+def test_correlation_time_of_an_autoregressive_speed(memory):
+    """Closed form: tau = (1 + a) / (2 (1 - a)) blocks for a first-order process."""
+    rng = np.random.default_rng(1)
+    results = [noise_result(n, autoregressive(rng, 20_000, memory)) for n in range(4)]
+    expected = 0.5 * (1 + memory) / (1 - memory) * 2 * PERIOD
+    # 80 000 blocks of which at least 4000 are independent: a few percent, window bias included.
+    assert ensemble.correlation_time(results) == pytest.approx(expected, rel=0.1)
+
+
+@pytest.mark.parametrize("runs", [2, 16])
+def test_standard_error_is_the_spread_of_repeated_experiments(runs):
+    """Rival: the spread of the mean over 200 repetitions of the whole experiment."""
+    rng = np.random.default_rng(2)
+    means, errors = [], []
+    for _ in range(200):
+        results = [noise_result(n, autoregressive(rng, 400, 0.7)) for n in range(runs)]
+        means.append(np.mean([result.speed for result in results]))
+        errors.append(ensemble.standard_error(results, ensemble.correlation_time(results)))
+    # 200 repetitions know their spread to 5 %; the estimate itself is biased by a few percent.
+    assert np.mean(errors) == pytest.approx(np.std(means, ddof=1), rel=0.15)
+
+
+def test_too_few_data_is_said_instead_of_an_error_bar():
+    scene = scene_of(runs=1, seconds=0.1)
+    summary, _ = ensemble.measure(fake_engine(steady), scene, silent)
+    assert summary.speed_mm_s is not None
+    assert summary.speed_se_mm_s is None
+    assert summary.outcomes["too few data for an error bar"] == 1
+
+
+def test_first_runs_of_many_equal_few_and_threads_change_nothing():
+    few = ensemble.run(fake_engine(steady), scene_of(runs=3), silent, threads=1)
+    many = ensemble.run(fake_engine(steady), scene_of(runs=9), silent, threads=4)
+    assert [r.number for r in many] == list(range(9))
+    for a, b in zip(few, many, strict=False):
+        np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
+    assert len({r.speed for r in many}) == 9
+
+
+def test_seed_changes_the_runs():
+    one = ensemble.run(fake_engine(steady), scene_of(runs=1, seed=1), silent)
+    two = ensemble.run(fake_engine(steady), scene_of(runs=1, seed=2), silent)
+    assert one[0].speed != two[0].speed
+
+
+def test_failures_are_named_and_left_out_of_the_mean():
+    def topples(state, duration, tally):
+        steady(state, duration, tally)
+        return 1 if state[3] > 4.0 else 0
+
+    summary, results = ensemble.measure(fake_engine(topples), scene_of(runs=32), silent)
+    good = [r.speed for r in results if r.outcome is Outcome.OK]
+    assert 0 < len(good) < 32
+    assert summary.outcomes == {"ok": len(good), "toppled": 32 - len(good)}
+    assert summary.speed_mm_s == pytest.approx(np.mean(good))
+
+
+def test_leaving_the_lane_and_energy_errors_are_outcomes():
+    scene = Scene.model_validate({"run": {"seconds": 4.0}, "arena": {"length_mm": 1.0}})
+    assert simulate(fake_engine(steady), scene, 0).outcome is Outcome.LEFT
+
+    def leaky(state, duration, tally):
+        tally.sums[record.PLATE_WORK] += 1.0
+        return steady(state, duration, tally)
+
+    assert simulate(fake_engine(leaky), scene_of(), 0).outcome is Outcome.ENERGY
+
+
+def test_no_impact_and_no_motion_is_stuck():
+    def rests(state, duration, tally):
+        tally.sums[record.ELAPSED] += duration
+        return 0
+
+    result = simulate(fake_engine(rests), scene_of(), 0)
+    assert (result.outcome, result.speed) == (Outcome.STUCK, 0.0)
+
+
+def test_ctrl_c_keeps_the_finished_runs():
+    calls = []
+
+    def interrupted(what, done, total):
+        calls.append(done)
+        if done >= 2:
+            raise KeyboardInterrupt
+
+    results = ensemble.run(fake_engine(steady), scene_of(runs=50), interrupted, threads=1)
+    assert 2 <= len(results) < 50
+
+
+def test_ctrl_c_before_any_run_has_finished_is_passed_on():
+    def interrupted(state, duration, tally):
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        ensemble.run(fake_engine(interrupted), scene_of(runs=2), silent, threads=1)

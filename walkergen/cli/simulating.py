@@ -1,0 +1,130 @@
+"""The commands that simulate: `simulate` and `explain`."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.design import Design
+    from walkergen.mass import MassProperties
+
+Model = Annotated[
+    str | None, typer.Option("--model", metavar="MODEL", help="rigid, relaxed, compliant or auto.")
+]
+Method = Annotated[
+    str | None, typer.Option("--method", metavar="METHOD", help="event, step or auto.")
+]
+Gamma = Annotated[float | None, typer.Option("--gamma", help="Peak acceleration over g.")]
+Frequency = Annotated[float | None, typer.Option("--frequency", help="Of the drive, Hz.")]
+Step = Annotated[
+    float | None, typer.Option("--step", metavar="MICROSECONDS", help="Step of method step.")
+]
+Seed = Annotated[int | None, typer.Option("--seed", help="Of the runs' phases and drops.")]
+OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
+OneKind = Annotated[str | None, typer.Option("--legs", metavar="KIND", help="flexible or braced.")]
+
+
+def simulate(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: OneTilt = None,
+    legs: OneKind = None,
+    seconds: opt.Seconds = None,
+    runs: opt.Runs = None,
+    model: Model = None,
+    method: Method = None,
+    law: opt.LawName = None,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    gamma: Gamma = None,
+    frequency: Frequency = None,
+    step: Step = None,
+    seed: Seed = None,
+    trajectory: Annotated[
+        Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
+    ] = None,
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="Of the trajectory: csv or npz.")
+    ] = "csv",
+    rate: Annotated[
+        float, typer.Option("--rate", min=1e-3, max=1e7, help="Trajectory samples per second.")
+    ] = 1000.0,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Bounce a walker on the plate and measure its speed."""
+    from walkergen.simulation import engines, ensemble
+    from walkergen.simulation import trajectory as trajectories
+
+    if form not in trajectories.FORMATS:
+        known = ", ".join(trajectories.FORMATS)
+        raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    changes = opt.Changes(
+        restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
+    )
+    resolved_scene = opt.scene_of(scene, changes)
+    chosen, mass = _one_design(design, tilt, legs)
+    with show.progress("simulate", wanted=not quiet) as progress:
+        plan = engines.prepare(resolved_scene, chosen, mass)
+        summary, _ = ensemble.measure(plan.engine, resolved_scene, progress)
+        if trajectory is not None:
+            progress("trajectory", resolved_scene.run.runs, resolved_scene.run.runs)
+            trajectories.write(plan.engine, resolved_scene, trajectory, form, 1.0 / rate)
+    if summary.runs < resolved_scene.run.runs:
+        told = f"interrupted after {summary.runs} of {resolved_scene.run.runs} runs"
+        print(told, file=sys.stderr)
+    if json:
+        show.as_json(show.summary_as_dict(plan.engine, resolved_scene, summary))
+    elif not quiet:
+        show.summary(plan.engine, resolved_scene, summary, chosen)
+
+
+def explain(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: OneTilt = None,
+    legs: OneKind = None,
+    model: Model = None,
+    method: Method = None,
+    friction: opt.Friction = None,
+    gamma: Gamma = None,
+    frequency: Frequency = None,
+    cost: Annotated[bool, typer.Option(help="Measure what the effects cost.")] = True,
+    json: opt.AsJson = False,
+) -> None:
+    """Say which effects a scene calls for, why, how large they are and what they cost."""
+    from walkergen.simulation import costs, engines
+
+    changes = opt.Changes(
+        friction=friction, gamma=gamma, frequency=frequency, method=method, model=model
+    )
+    resolved_scene = opt.scene_of(scene, changes)
+    chosen, mass = _one_design(design, tilt, legs)
+    plan = engines.prepare(resolved_scene, chosen, mass)
+    with show.progress("explain", wanted=True) as progress:
+        rows = costs.explain(plan, resolved_scene, chosen, mass, measured=cost, progress=progress)
+    if json:
+        show.rows_as_json(rows)
+    else:
+        show.effects(plan, rows, resolved_scene, chosen)
+
+
+def _one_design(name: str, tilt: float | None, legs: str | None) -> "tuple[Design, MassProperties]":
+    """The one walker that a command line asks for, weighed."""
+    from walkergen import solids
+
+    design = opt.design_of(name)
+    kind = opt.parse_kinds(legs) if legs is not None else [design.legs.kind]
+    if len(kind) != 1:
+        raise InputError(f"--legs {legs!r}: one kind at a time; use family --simulate for both")
+    (member,) = design.members([design.legs.tilt_deg if tilt is None else tilt], kind)
+    return member, solids.weigh(member, solids.build(member))
+
+
+ALL = (simulate, explain)

@@ -1,0 +1,392 @@
+"""The walker's equations of motion: a tree of three rigid bodies (physics.md sections 2 and 5).
+
+A leg is a mass on a hinge: eliminating its angle leaves an apparent mass that the body carries at
+the anchor, so that the whole chain is inverted by one 3 x 3 matrix and a number per leg, for any
+ratio of the masses. Nothing is linearised.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
+from walkergen.simulation.compliant.legs import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    V_X,
+    V_Y,
+    X,
+    Y,
+)
+
+
+class Limb(NamedTuple):
+    """One leg of the chain in the laboratory's axes: A = O -> anchor, C = anchor -> centre of
+    mass, r = anchor -> foot; k = body's rates -> minus the leg's spin when its angle is free;
+    mobility = 1 / inertia of the leg on its hinge; E = body's rates -> velocity of the foot with
+    the hinge free (2 x 3).
+    """
+
+    A_x: float
+    A_y: float
+    C_x: float
+    C_y: float
+    r_x: float
+    r_y: float
+    k_x: float
+    k_y: float
+    k_t: float
+    mobility: float
+    E_xx: float
+    E_xy: float
+    E_xt: float
+    E_yx: float
+    E_yy: float
+    E_yt: float
+
+
+class Chain(NamedTuple):
+    """The walker's inverse mass at one pose: S = inverse apparent mass of the body (3 x 3)."""
+
+    S_xx: float
+    S_xy: float
+    S_xt: float
+    S_yy: float
+    S_yt: float
+    S_tt: float
+    back: Limb
+    front: Limb
+
+
+@kernel
+def along(gravity_x):
+    """Gravity along the plate, mm/s^2; a level plate has none, and no code for it."""
+    return 0.0 if gravity_x is None else gravity_x
+
+
+@kernel
+def angle(legs, state, index):
+    """Angle (or rate) of a leg against the body; 0 when braced."""
+    if legs is None:
+        return 0.0
+    return state[index]
+
+
+@kernel
+def _limb(legs, walker, a_x, a_y, cos, sin, pitch, alpha, implicit):
+    A_x, A_y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
+    if legs is None:
+        r_x = cos * walker.reach_x - sin * walker.reach_y
+        r_y = sin * walker.reach_x + cos * walker.reach_y
+        return Limb(
+            A_x, A_y, 0.0, 0.0, r_x, r_y, 0.0, 0.0, 0.0, 0.0,
+            1.0, 0.0, -(A_y + r_y), 0.0, 1.0, A_x + r_x,
+        )  # fmt: skip
+    c, s = math.cos(pitch + alpha), math.sin(pitch + alpha)
+    C_x, C_y = c * legs.centre_x - s * legs.centre_y, s * legs.centre_x + c * legs.centre_y
+    r_x, r_y = c * walker.reach_x - s * walker.reach_y, s * walker.reach_x + c * walker.reach_y
+    mobility = 1.0 / (legs.inertia + implicit)
+    k_x, k_y = -legs.mass * C_y * mobility, legs.mass * C_x * mobility
+    k_t = (legs.mass * (A_x * C_x + A_y * C_y) - implicit) * mobility
+    return Limb(
+        A_x, A_y, C_x, C_y, r_x, r_y, k_x, k_y, k_t, mobility,
+        1.0 + r_y * k_x, r_y * k_y, -A_y + r_y * k_t,
+        -r_x * k_x, 1.0 - r_x * k_y, A_x - r_x * k_t,
+    )  # fmt: skip
+
+
+@kernel
+def _carried(legs, limb, implicit):
+    """Apparent mass (xx, xy, xt, yy, yt, tt) that a leg on its hinge adds to the body."""
+    if legs is None:
+        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    m, A_x, A_y = legs.mass, limb.A_x, limb.A_y
+    p = m * (A_x * limb.C_x + A_y * limb.C_y)
+    # tt is m A^2 + implicit - (p - implicit)^2 mobility, without its cancellation when stiff
+    return (
+        m * (1.0 + limb.C_y * limb.k_x),
+        m * limb.C_y * limb.k_y,
+        m * (-A_y + limb.C_y * limb.k_t),
+        m * (1.0 - limb.C_x * limb.k_y),
+        m * (A_x - limb.C_x * limb.k_t),
+        m * (A_x * A_x + A_y * A_y) + (implicit * (legs.inertia + 2.0 * p) - p * p) * limb.mobility,
+    )
+
+
+@kernel
+def chain_of(walker, state, implicit):
+    """The chain at the pose of `state`; `implicit` (g mm^2) stiffens the hinges of an implicit
+    step: h c / 2 + h^2 k / 4 for the trapezoidal rule, 0 for the true inertia.
+    """
+    legs, pitch = walker.legs, state[PITCH]
+    cos, sin = math.cos(pitch), math.sin(pitch)
+    alpha, beta = angle(legs, state, ANGLE_BACK), angle(legs, state, ANGLE_FRONT)
+    back = _limb(legs, walker, walker.back_x, walker.back_y, cos, sin, pitch, alpha, implicit)
+    front = _limb(legs, walker, walker.front_x, walker.front_y, cos, sin, pitch, beta, implicit)
+    b_xx, b_xy, b_xt, b_yy, b_yt, b_tt = _carried(legs, back, implicit)
+    f_xx, f_xy, f_xt, f_yy, f_yt, f_tt = _carried(legs, front, implicit)
+    xx, xy, xt = walker.mass + b_xx + f_xx, b_xy + f_xy, b_xt + f_xt
+    yy, yt, tt = walker.mass + b_yy + f_yy, b_yt + f_yt, walker.inertia + b_tt + f_tt
+    c_xx, c_xy, c_xt = yy * tt - yt * yt, xt * yt - xy * tt, xy * yt - yy * xt
+    d = 1.0 / (xx * c_xx + xy * c_xy + xt * c_xt)
+    return Chain(
+        c_xx * d, c_xy * d, c_xt * d,
+        (xx * tt - xt * xt) * d, (xy * xt - xx * yt) * d, (xx * yy - xy * xy) * d,
+        back, front,
+    )  # fmt: skip
+
+
+@kernel
+def _moved(chain, g_x, g_y, g_t, tau_back, tau_front):
+    b, f = chain.back, chain.front
+    v_x = chain.S_xx * g_x + chain.S_xy * g_y + chain.S_xt * g_t
+    v_y = chain.S_xy * g_x + chain.S_yy * g_y + chain.S_yt * g_t
+    spin = chain.S_xt * g_x + chain.S_yt * g_y + chain.S_tt * g_t
+    return (
+        v_x,
+        v_y,
+        spin,
+        b.mobility * tau_back - (b.k_x * v_x + b.k_y * v_y + b.k_t * spin),
+        f.mobility * tau_front - (f.k_x * v_x + f.k_y * v_y + f.k_t * spin),
+    )
+
+
+@kernel
+def respond(chain, f_x, f_y, f_t, tau_back, tau_front):
+    """Change of (v_x, v_y, spin, spin of back leg, of front leg) by generalised impulses.
+
+    f acts on the body's coordinates, tau on the absolute angle of either leg.
+    """
+    b, f = chain.back, chain.front
+    return _moved(
+        chain,
+        f_x - b.k_x * tau_back - f.k_x * tau_front,
+        f_y - b.k_y * tau_back - f.k_y * tau_front,
+        f_t - b.k_t * tau_back - f.k_t * tau_front,
+        tau_back,
+        tau_front,
+    )
+
+
+@kernel
+def push(chain, impulses):
+    """The same by impulses (back x, y, front x, y) at the feet, g mm/s."""
+    b, f = chain.back, chain.front
+    b_x, b_y, f_x, f_y = impulses
+    return _moved(
+        chain,
+        b.E_xx * b_x + b.E_yx * b_y + f.E_xx * f_x + f.E_yx * f_y,
+        b.E_xy * b_x + b.E_yy * b_y + f.E_xy * f_x + f.E_yy * f_y,
+        b.E_xt * b_x + b.E_yt * b_y + f.E_xt * f_x + f.E_yt * f_y,
+        b.r_x * b_y - b.r_y * b_x,
+        f.r_x * f_y - f.r_y * f_x,
+    )
+
+
+@kernel
+def accelerate(legs, state, change):
+    """Add a change of (v_x, v_y, spin, spins of the legs) to the rates of `state`."""
+    v_x, v_y, spin, back, front = change
+    state[V_X] += v_x
+    state[V_Y] += v_y
+    state[SPIN] += spin
+    if legs is not None:
+        state[RATE_BACK] += back - spin
+        state[RATE_FRONT] += front - spin
+
+
+@kernel
+def shift(legs, state, change):
+    """Shift the positions, as `accelerate` does the rates."""
+    x, y, turn, back, front = change
+    state[X] += x
+    state[Y] += y
+    state[PITCH] += turn
+    if legs is not None:
+        state[ANGLE_BACK] += back - turn
+        state[ANGLE_FRONT] += front - turn
+
+
+class Mobility(NamedTuple):
+    """Inverse mass felt at the two feet, 1/g: change of the feet's velocities by impulses there
+    (b back, f front; the block bf maps an impulse at the front to the back foot).
+    """
+
+    bb_xx: float
+    bb_xy: float
+    bb_yy: float
+    ff_xx: float
+    ff_xy: float
+    ff_yy: float
+    bf_xx: float
+    bf_xy: float
+    bf_yx: float
+    bf_yy: float
+
+
+@kernel
+def _carry(chain, e_x, e_y, e_t):
+    return (
+        chain.S_xx * e_x + chain.S_xy * e_y + chain.S_xt * e_t,
+        chain.S_xy * e_x + chain.S_yy * e_y + chain.S_yt * e_t,
+        chain.S_xt * e_x + chain.S_yt * e_y + chain.S_tt * e_t,
+    )
+
+
+@kernel
+def mobility_of(chain):
+    """Inverse mass at the feet: E S E^T, and on the diagonal the leg's own swing."""
+    b, f = chain.back, chain.front
+    x_x, x_y, x_t = _carry(chain, b.E_xx, b.E_xy, b.E_xt)
+    y_x, y_y, y_t = _carry(chain, b.E_yx, b.E_yy, b.E_yt)
+    p_x, p_y, p_t = _carry(chain, f.E_xx, f.E_xy, f.E_xt)
+    q_x, q_y, q_t = _carry(chain, f.E_yx, f.E_yy, f.E_yt)
+    return Mobility(
+        b.E_xx * x_x + b.E_xy * x_y + b.E_xt * x_t + b.mobility * b.r_y * b.r_y,
+        b.E_xx * y_x + b.E_xy * y_y + b.E_xt * y_t - b.mobility * b.r_x * b.r_y,
+        b.E_yx * y_x + b.E_yy * y_y + b.E_yt * y_t + b.mobility * b.r_x * b.r_x,
+        f.E_xx * p_x + f.E_xy * p_y + f.E_xt * p_t + f.mobility * f.r_y * f.r_y,
+        f.E_xx * q_x + f.E_xy * q_y + f.E_xt * q_t - f.mobility * f.r_x * f.r_y,
+        f.E_yx * q_x + f.E_yy * q_y + f.E_yt * q_t + f.mobility * f.r_x * f.r_x,
+        b.E_xx * p_x + b.E_xy * p_y + b.E_xt * p_t,
+        b.E_xx * q_x + b.E_xy * q_y + b.E_xt * q_t,
+        b.E_yx * p_x + b.E_yy * p_y + b.E_yt * p_t,
+        b.E_yx * q_x + b.E_yy * q_y + b.E_yt * q_t,
+    )
+
+
+@kernel
+def gaps(plate, state, chain):
+    """Height of the back and the front foot over the plate, mm."""
+    level = state[Y] - plates.height(plate, state[PHASE])
+    return level + chain.back.A_y + chain.back.r_y, level + chain.front.A_y + chain.front.r_y
+
+
+@kernel
+def feet_velocities(walker, plate, state, chain):
+    """Velocities (back x, y, front x, y) of the feet against the plate, mm/s."""
+    b, f, spin = chain.back, chain.front, state[SPIN]
+    spin_b = spin + angle(walker.legs, state, RATE_BACK)
+    spin_f = spin + angle(walker.legs, state, RATE_FRONT)
+    v_x, v_y = state[V_X], state[V_Y] - plates.velocity(plate, state[PHASE])
+    return (
+        v_x - spin * b.A_y - spin_b * b.r_y,
+        v_y + spin * b.A_x + spin_b * b.r_x,
+        v_x - spin * f.A_y - spin_f * f.r_y,
+        v_y + spin * f.A_x + spin_f * f.r_x,
+    )
+
+
+@kernel
+def feet_changes(chain, change):
+    """Changes of the feet's velocities by a change of (v_x, v_y, spin, spins of the legs)."""
+    b, f = chain.back, chain.front
+    v_x, v_y, spin, spin_b, spin_f = change
+    return (
+        v_x - spin * b.A_y - _leg_spin(b, spin, spin_b) * b.r_y,
+        v_y + spin * b.A_x + _leg_spin(b, spin, spin_b) * b.r_x,
+        v_x - spin * f.A_y - _leg_spin(f, spin, spin_f) * f.r_y,
+        v_y + spin * f.A_x + _leg_spin(f, spin, spin_f) * f.r_x,
+    )
+
+
+@kernel
+def _leg_spin(limb, spin, leg_spin):
+    return leg_spin if limb.mobility > 0.0 else spin  # a braced leg turns with the body
+
+
+@kernel
+def feet_turning(walker, state, chain):
+    """Accelerations (back x, y, front x, y) of the feet due to the rotations alone: -spin^2 r."""
+    b, f, spin = chain.back, chain.front, state[SPIN]
+    back = (spin + angle(walker.legs, state, RATE_BACK)) ** 2
+    front = (spin + angle(walker.legs, state, RATE_FRONT)) ** 2
+    spin = spin * spin
+    return (
+        -spin * b.A_x - back * b.r_x,
+        -spin * b.A_y - back * b.r_y,
+        -spin * f.A_x - front * f.r_x,
+        -spin * f.A_y - front * f.r_y,
+    )
+
+
+@kernel
+def corner_height(walker, plate, state):
+    """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
+    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
+    lower = min(sin * walker.corner_back_x, sin * walker.corner_front_x)
+    return state[Y] + lower + cos * walker.corner_y - plates.height(plate, state[PHASE])
+
+
+@kernel
+def energy(walker, state):
+    """Kinetic, gravitational and elastic energy, g mm^2/s^2 (1e-9 J)."""
+    v_x, v_y, spin = state[V_X], state[V_Y], state[SPIN]
+    body = 0.5 * (walker.mass * (v_x * v_x + v_y * v_y) + walker.inertia * spin * spin)
+    weight = walker.mass * (along(walker.gravity_x) * state[X] + walker.gravity_y * state[Y])
+    return body - weight + _legs_energy(walker.legs, walker, state)
+
+
+@kernel
+def _legs_energy(legs, walker, state):
+    if legs is None:
+        return 0.0
+    chain, spin, total = chain_of(walker, state, 0.0), state[SPIN], 0.0
+    for limb, alpha, rate in (
+        (chain.back, state[ANGLE_BACK], state[RATE_BACK]),
+        (chain.front, state[ANGLE_FRONT], state[RATE_FRONT]),
+    ):
+        v_x = state[V_X] - spin * limb.A_y - (spin + rate) * limb.C_y
+        v_y = state[V_Y] + spin * limb.A_x + (spin + rate) * limb.C_x
+        own = legs.inertia - legs.mass * (limb.C_x * limb.C_x + limb.C_y * limb.C_y)
+        total += 0.5 * (legs.mass * (v_x * v_x + v_y * v_y) + own * (spin + rate) ** 2)
+        total += 0.5 * legs.stiffness * alpha * alpha
+        total -= legs.mass * (
+            along(walker.gravity_x) * (state[X] + limb.A_x + limb.C_x)
+            + walker.gravity_y * (state[Y] + limb.A_y + limb.C_y)
+        )
+    return total
+
+
+@kernel
+def free_acceleration(walker, state, chain, ahead):
+    """Rate of change of the velocities without contact: gravity, centrifugal forces, springs.
+
+    `ahead` (s) evaluates the springs at alpha + ahead * rate: 0 for the true acceleration, half
+    the step in the trapezoidal rule.
+    """
+    return _free(walker.legs, walker, state, chain, ahead)
+
+
+@kernel
+def _free(legs, walker, state, chain, ahead):
+    g_x, g_y = along(walker.gravity_x), walker.gravity_y
+    if legs is None:
+        return respond(chain, walker.mass * g_x, walker.mass * g_y, 0.0, 0.0, 0.0)
+    b, f, m = chain.back, chain.front, legs.mass
+    spin = state[SPIN]
+    spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
+    spin, spin_b, spin_f = spin * spin, spin_b * spin_b, spin_f * spin_f
+    torque_b = _torque(legs, state[ANGLE_BACK], state[RATE_BACK], ahead)
+    torque_f = _torque(legs, state[ANGLE_FRONT], state[RATE_FRONT], ahead)
+    cross_b, cross_f = b.A_x * b.C_y - b.A_y * b.C_x, f.A_x * f.C_y - f.A_y * f.C_x
+    total = walker.mass + 2.0 * m
+    weight = m * ((b.A_x + f.A_x) * g_y - (b.A_y + f.A_y) * g_x)
+    return respond(
+        chain,
+        total * g_x + m * (spin * (b.A_x + f.A_x) + spin_b * b.C_x + spin_f * f.C_x),
+        total * g_y + m * (spin * (b.A_y + f.A_y) + spin_b * b.C_y + spin_f * f.C_y),
+        weight + m * (spin_b * cross_b + spin_f * cross_f) - torque_b - torque_f,
+        m * (b.C_x * g_y - b.C_y * g_x - spin * cross_b) + torque_b,
+        m * (f.C_x * g_y - f.C_y * g_x - spin * cross_f) + torque_f,
+    )
+
+
+@kernel
+def _torque(legs, alpha, rate, ahead):
+    return -legs.stiffness * (alpha + ahead * rate) - legs.damping * rate

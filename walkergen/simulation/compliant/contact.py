@@ -1,0 +1,292 @@
+"""Contact of two feet with the plate: impacts at one instant, and the modes of lasting contact.
+
+Modes of lasting contact are found exactly, by enumeration: each foot is open, sticks or slips
+either way; impulses follow from the linear equations of the mode pair, and the pair is the one
+whose signs agree with Coulomb and Signorini. The same serves velocities (a time step) and
+accelerations (between events). The last pair is tried first.
+
+Impacts: one foot after the other by the law of `theory.impact`. Feet that approach in the same
+instant are treated together, and mirror-symmetrically: (1 + e) times the impulses of the plastic
+impact of both. For every law of restitution, and it never creates energy.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
+from walkergen.simulation.compliant.chain import (
+    accelerate,
+    chain_of,
+    feet_velocities,
+    gaps,
+    mobility_of,
+    push,
+    shift,
+)
+from walkergen.simulation.compliant.legs import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    MODE_BACK,
+    MODE_FRONT,
+    PHASE,
+)
+from walkergen.simulation.record import (
+    ELAPSED,
+    IMPACT_LOSS,
+    PLATE_WORK,
+    note_event,
+    tally_impact,
+)
+from walkergen.theory.impact import impact
+
+OPEN, STICK, FORWARD, BACKWARD = range(4)
+"""Contact modes of a foot: in the air, stuck to the plate, sliding towards +x, towards -x."""
+
+SHARING = 1e-12
+"""Relative softness added to the friction of two feet that stick: a braced walker's two friction
+forces are undetermined by one, and it picks the pair of least squares (equal halves)."""
+
+ALTERNATIONS = 60
+"""Impacts at one instant before what is left of the sequence is taken as plastic."""
+
+
+class Contact(NamedTuple):
+    """Foot on plate."""
+
+    restitution: float
+    friction: float
+    law: int
+    """A value of theory.impact.Law."""
+
+
+@kernel
+def applied(W, F):
+    """Velocities (back x, y, front x, y) that impulses F at the feet add, W the mobility."""
+    b_x, b_y, f_x, f_y = F
+    return (
+        W.bb_xx * b_x + W.bb_xy * b_y + W.bf_xx * f_x + W.bf_xy * f_y,
+        W.bb_xy * b_x + W.bb_yy * b_y + W.bf_yx * f_x + W.bf_yy * f_y,
+        W.bf_xx * b_x + W.bf_yx * b_y + W.ff_xx * f_x + W.ff_xy * f_y,
+        W.bf_xy * b_x + W.bf_yy * b_y + W.ff_xy * f_x + W.ff_yy * f_y,
+    )
+
+
+@kernel
+def _single(xx, xy, yy, u_x, u_y, mode, friction):
+    """Impulse at one foot that stops it (stick) or its normal velocity (sliding)."""
+    if mode == STICK:
+        d = xx * yy - xy * xy
+        return (xy * u_y - yy * u_x) / d, (xy * u_x - xx * u_y) / d
+    ratio = -friction if mode == FORWARD else friction
+    normal = -u_y / (yy + ratio * xy)
+    return ratio * normal, normal
+
+
+@kernel
+def _row(rows, i, mode, friction, w_x, w_y, u_x, u_y):
+    """Two equations of one foot: it stays on the plate, and sticks or obeys sliding friction."""
+    for k in range(4):
+        rows[2 * i, k] = w_y[k]
+        rows[2 * i + 1, k] = w_x[k] if mode == STICK else 0.0
+    rows[2 * i, 4] = -u_y
+    if mode == STICK:
+        rows[2 * i + 1, 2 * i] += SHARING * w_x[2 * i]
+        rows[2 * i + 1, 4] = -u_x
+    else:
+        rows[2 * i + 1, 2 * i] = 1.0
+        rows[2 * i + 1, 2 * i + 1] = friction if mode == FORWARD else -friction
+        rows[2 * i + 1, 4] = 0.0
+
+
+@kernel
+def _eliminate(rows):
+    """Gauss with partial pivoting on 4 equations, in place; the solution as a tuple."""
+    for i in range(4):
+        pivot = i
+        for j in range(i + 1, 4):
+            if abs(rows[j, i]) > abs(rows[pivot, i]):
+                pivot = j
+        if pivot != i:
+            for k in range(i, 5):
+                rows[i, k], rows[pivot, k] = rows[pivot, k], rows[i, k]
+        for j in range(i + 1, 4):
+            factor = rows[j, i] / rows[i, i]
+            for k in range(i + 1, 5):
+                rows[j, k] -= factor * rows[i, k]
+    for i in range(3, -1, -1):
+        for k in range(i + 1, 4):
+            rows[i, 4] -= rows[i, k] * rows[k, 4]
+        rows[i, 4] /= rows[i, i]
+    return rows[0, 4], rows[1, 4], rows[2, 4], rows[3, 4]
+
+
+@kernel
+def impulses(W, u, back, front, friction, rows):
+    """Impulses (back x, y, front x, y) of a mode pair when the feet would move at u without them.
+
+    rows: work of shape (4, 5).
+    """
+    u_1, u_2, u_3, u_4 = u
+    if back == OPEN and front == OPEN:
+        return 0.0, 0.0, 0.0, 0.0
+    if front == OPEN:
+        b_x, b_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, u_1, u_2, back, friction)
+        return b_x, b_y, 0.0, 0.0
+    if back == OPEN:
+        f_x, f_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, u_3, u_4, front, friction)
+        return 0.0, 0.0, f_x, f_y
+    b_x, b_y = (W.bb_xx, W.bb_xy, W.bf_xx, W.bf_xy), (W.bb_xy, W.bb_yy, W.bf_yx, W.bf_yy)
+    f_x, f_y = (W.bf_xx, W.bf_yx, W.ff_xx, W.ff_xy), (W.bf_xy, W.bf_yy, W.ff_xy, W.ff_yy)
+    _row(rows, 0, back, friction, b_x, b_y, u_1, u_2)
+    _row(rows, 1, front, friction, f_x, f_y, u_3, u_4)
+    return _eliminate(rows)
+
+
+@kernel
+def _violation(mode, slides, w_x, w_y, F_x, F_y, xx, yy, friction):
+    """By how much (in units of u) a foot's mode contradicts its signs; w = velocity after."""
+    if mode == OPEN:
+        return -w_y
+    worst = -F_y * yy
+    if mode == STICK:
+        return max(worst, (abs(F_x) - friction * F_y) * xx)
+    if slides:
+        return worst
+    return max(worst, -w_x if mode == FORWARD else w_x)
+
+
+@kernel
+def solve(W, u, touching, sliding, guess, friction, rows):
+    """Modes and impulses of lasting contact: (back, front, impulses, violation).
+
+    u: velocities (or accelerations) of the feet without contact. touching: (bool, bool). sliding:
+    per foot the sign of a given sliding velocity, 0 when it is at rest (its direction, if any, is
+    then part of the answer; in a time step always). guess: the mode pair tried first. violation:
+    how far the best pair contradicts its signs relative to |u|; above 1e-9 there is no solution
+    (sliding that jams; Painleve).
+    """
+    scale = abs(u[0]) + abs(u[1]) + abs(u[2]) + abs(u[3]) + 1e-300
+    best, best_back, best_front = math.inf, OPEN, OPEN
+    best_F = (0.0, 0.0, 0.0, 0.0)
+    for trial in range(-1, 16):
+        back, front = (guess[0], guess[1]) if trial < 0 else (trial // 4, trial % 4)
+        if not _allowed(back, touching[0], sliding[0]):
+            continue
+        if not _allowed(front, touching[1], sliding[1]):
+            continue
+        F = impulses(W, u, back, front, friction, rows)
+        d = applied(W, F)
+        violation = 0.0
+        if touching[0]:
+            violation = _violation(
+                back, sliding[0] != 0, u[0] + d[0], u[1] + d[1], F[0], F[1],
+                W.bb_xx, W.bb_yy, friction,
+            )  # fmt: skip
+        if touching[1]:
+            other = _violation(
+                front, sliding[1] != 0, u[2] + d[2], u[3] + d[3], F[2], F[3],
+                W.ff_xx, W.ff_yy, friction,
+            )  # fmt: skip
+            violation = max(violation, other)
+        if violation < best:
+            best, best_back, best_front, best_F = violation, back, front, F
+        if best <= 1e-12 * scale:
+            break
+    return best_back, best_front, best_F, best / scale
+
+
+@kernel
+def _allowed(mode, touching, sliding):
+    if not touching or sliding == 0:
+        return touching or mode == OPEN
+    return mode == OPEN or mode == (FORWARD if sliding > 0 else BACKWARD)
+
+
+@kernel
+def one_foot(walker, plate, contact, restitution, state, chain, W, foot, tally):
+    """Impact of one foot, by the law of `theory.impact`; changes the velocities in `state`."""
+    u = feet_velocities(walker, plate, state, chain)
+    if foot == 0:
+        v_x, v_y, xx, xy, yy = u[0], u[1], W.bb_xx, W.bb_xy, W.bb_yy
+    else:
+        v_x, v_y, xx, xy, yy = u[2], u[3], W.ff_xx, W.ff_xy, W.ff_yy
+    hit = impact(xx, xy, yy, v_x, v_y, restitution, contact.friction, contact.law)
+    F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
+    accelerate(walker.legs, state, push(chain, F))
+    tally_impact(tally.counts, hit.kind, hit.sticks)
+    tally.sums[PLATE_WORK] += hit.F_y * plates.velocity(plate, state[PHASE])
+    tally.sums[IMPACT_LOSS] -= 0.5 * (hit.F_x * (v_x + hit.v_x) + hit.F_y * (v_y + hit.v_y))
+    note_event(tally.events, tally.sums[ELAPSED], foot, hit.F_x, hit.F_y, v_x, v_y, hit.kind)
+
+
+@kernel
+def both_feet(walker, plate, contact, restitution, state, chain, W, tally, rows):
+    """Impact of both feet at once: (1 + e) times the impulses of the plastic impact."""
+    u = feet_velocities(walker, plate, state, chain)
+    both = (True, True)
+    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), contact.friction, rows)
+    k = 1.0 + restitution
+    F = (k * F[0], k * F[1], k * F[2], k * F[3])
+    d = applied(W, F)
+    accelerate(walker.legs, state, push(chain, F))
+    tally.sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    for foot in range(2):
+        F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
+        d_x, d_y = d[2 * foot], d[2 * foot + 1]
+        tally.sums[IMPACT_LOSS] -= F_x * (v_x + 0.5 * d_x) + F_y * (v_y + 0.5 * d_y)
+        kind = 5 if v_x == 0.0 else (3 if abs(v_x + d_x) <= 1e-9 * abs(v_x) else 1)
+        if v_x < 0.0:
+            kind = 4 if kind == 1 else -3
+        tally_impact(tally.counts, kind, abs(kind) == 3)
+        note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
+
+
+@kernel
+def collide(walker, plate, contact, state, chain, touching, rest, tally, rows):
+    """All impacts of one instant: touching feet that approach faster than their speed in `rest`.
+
+    A foot that would rebound slower than that does not rebound: impacts without end (Zeno) stop
+    there. Changes the velocities in `state`.
+    """
+    W, e = mobility_of(chain), contact.restitution
+    u = feet_velocities(walker, plate, state, chain)
+    if touching[0] and touching[1] and u[1] < -rest[0] and u[3] < -rest[1]:
+        bounces = -u[1] * e > rest[0] or -u[3] * e > rest[1]
+        both_feet(walker, plate, contact, e if bounces else 0.0, state, chain, W, tally, rows)
+    for _ in range(ALTERNATIONS):
+        u = feet_velocities(walker, plate, state, chain)
+        back, front = touching[0] and u[1] < -rest[0], touching[1] and u[3] < -rest[1]
+        if not (back or front):
+            return
+        foot = 0 if back and (not front or u[1] <= u[3]) else 1
+        bounces = -u[2 * foot + 1] * e > rest[foot]
+        one_foot(
+            walker, plate, contact, e if bounces else 0.0, state, chain, W, foot, tally
+        )  # fmt: skip
+    both_feet(walker, plate, contact, 0.0, state, chain, W, tally, rows)
+
+
+@kernel
+def settle(walker, plate, state, implicit, rows):
+    """Shift the closed feet onto the plate: takes away the drift of their gaps.
+
+    implicit: as in `chain_of`; hinges stiffer than the step can follow then keep their angles.
+    """
+    chain = chain_of(walker, state, implicit)
+    back, front = gaps(plate, state, chain)
+    modes = (
+        (OPEN if state[MODE_BACK] == OPEN else FORWARD),
+        (OPEN if state[MODE_FRONT] == OPEN else FORWARD),
+    )
+    W = mobility_of(chain)
+    F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], 0.0, rows)
+    shift(walker.legs, state, push(chain, F))
+
+
+@kernel
+def folded(legs, state):
+    """True when a leg has turned by 90 degrees against the body: its stop."""
+    if legs is None:
+        return False
+    return max(abs(state[ANGLE_BACK]), abs(state[ANGLE_FRONT])) >= 0.5 * math.pi

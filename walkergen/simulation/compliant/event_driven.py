@@ -1,0 +1,275 @@
+"""Event-driven integration of the compliant (or braced) walker: the reference of model B.
+
+Between events the equations of motion of the present contact modes are integrated by the embedded
+Runge-Kutta pair of Dormand and Prince, order 5(4), with error control; feet on the plate are held
+there by contact forces found at acceleration level. Events (landing, lift-off, stop, break-away)
+are located by shortening the step itself, not by an interpolant, so that they are as accurate as
+the flow. Impacts follow the impact law; a rebound slower than `snap` stays on the plate, which
+ends infinite sequences of impacts. All three laws of restitution are supported.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.kernels import kernel
+from walkergen.simulation.compliant.chain import (
+    accelerate,
+    chain_of,
+    corner_height,
+    feet_velocities,
+    gaps,
+    mobility_of,
+    push,
+)
+from walkergen.simulation.compliant.contact import (
+    FORWARD,
+    OPEN,
+    STICK,
+    both_feet,
+    collide,
+    folded,
+    impulses,
+    settle,
+    solve,
+)
+from walkergen.simulation.compliant.flow import (
+    Work,
+    accelerations,
+    error_of,
+    scales_of,
+    shoot,
+    slopes_of,
+)
+from walkergen.simulation.compliant.legs import (
+    FAILED,
+    FOLDED,
+    MODE_BACK,
+    MODE_FRONT,
+    OK,
+    PHASE,
+    PITCH,
+    TOPPLED,
+)
+from walkergen.simulation.record import (
+    CONTACT_TIME,
+    DAMPING_LOSS,
+    ELAPSED,
+    FRICTION_LOSS,
+    LARGEST_PITCH,
+    PLATE_WORK,
+    next_sample,
+    take_sample,
+)
+
+TWO_PI = 2.0 * math.pi
+
+TOUCH = 1e-11
+"""Gap (mm) below which a foot that approaches takes part in an impact."""
+
+REST = 1e-8
+"""Sliding speed (mm/s) below which a foot on the plate is at rest."""
+
+SHORTEST = 1e-10
+"""Step (s) taken over an event that lasts no time, such as friction exactly at its limit."""
+
+STALLED = 10_000
+"""Steps below SHORTEST in a row before a run has failed."""
+
+
+class Options(NamedTuple):
+    """How accurately to integrate."""
+
+    tolerance: float = 1e-10
+    """Error of a step, relative to the speeds of a fall by a leg's length (1e-3 of the length)."""
+    snap: float = 1e-3
+    """Speed (mm/s) below which a foot does not rebound; larger than sqrt(2 a LEVEL), where the
+    spring's acceleration a of a foot reaches 1e6 mm/s^2."""
+    longest: float = 2e-4
+    """Longest step, s."""
+
+
+@kernel
+def _locate(walker, plate, contact, work, margin_0, t, margin_t):
+    """Shorten the step of t, which passes an event, to the event; work.trial is the state there.
+
+    Returns the time passed, 0 when the event is at once. Illinois' variant of regula falsi.
+    """
+    low, m_low, high, m_high = 0.0, margin_0, t, margin_t
+    while m_low <= 0.0:
+        low = 0.5 * high
+        m_low = shoot(walker, plate, contact, work, low)
+        if m_low <= 0.0:
+            high, m_high = low, m_low
+            if high < 1e-13:
+                return 0.0
+    side = 0
+    for _ in range(100):
+        if high - low <= 4e-16 + 1e-14 * high:
+            break
+        middle = (low * m_high - high * m_low) / (m_high - m_low)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        m = shoot(walker, plate, contact, work, middle)
+        if m > 0.0:
+            low, m_low, m_high = middle, m, 0.5 * m_high if side == 1 else m_high
+            side = 1
+        else:
+            high, m_high, m_low = middle, m, 0.5 * m_low if side == -1 else m_low
+            side = -1
+        if m == 0.0:
+            break
+    shoot(walker, plate, contact, work, high)
+    return high
+
+
+@kernel
+def _lowest(walker, plate, work, t):
+    """Time within the step at which an open foot turns from falling to rising; 0 when none does."""
+    first = feet_velocities(walker, plate, work.now, chain_of(walker, work.now, 0.0))
+    last = feet_velocities(walker, plate, work.trial, chain_of(walker, work.trial, 0.0))
+    for mode, i in ((MODE_BACK, 1), (MODE_FRONT, 3)):
+        if work.now[mode] == OPEN and first[i] < 0.0 < last[i]:
+            return t * first[i] / (first[i] - last[i])
+    return 0.0
+
+
+@kernel
+def _direction(v_x):
+    return 0 if abs(v_x) <= REST else (1 if v_x > 0.0 else -1)
+
+
+@kernel
+def _hold(walker, plate, state, chain, closed, rows):
+    """Remove what is left of the velocities of closed feet: normal, and tangential when at rest."""
+    u = feet_velocities(walker, plate, state, chain)
+    back = (STICK if abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
+    front = (STICK if abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
+    F = impulses(mobility_of(chain), u, back, front, 0.0, rows)
+    accelerate(walker.legs, state, push(chain, F))
+
+
+@kernel
+def decide(walker, plate, contact, state, tally, snap, rows):
+    """Impacts of this instant, then the modes of the feet that stay on the plate; in place."""
+    chain = chain_of(walker, state, 0.0)
+    gap, u = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+    touching = (
+        state[MODE_BACK] != OPEN or (gap[0] <= TOUCH and u[1] <= snap),
+        state[MODE_FRONT] != OPEN or (gap[1] <= TOUCH and u[3] <= snap),
+    )
+    collide(walker, plate, contact, state, chain, touching, (snap, snap), tally, rows)
+    u = feet_velocities(walker, plate, state, chain)
+    closed = (touching[0] and u[1] <= snap, touching[1] and u[3] <= snap)
+    guess = (
+        int(state[MODE_BACK]) if closed[0] else OPEN,
+        int(state[MODE_FRONT]) if closed[1] else OPEN,
+    )
+    state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
+    if not (closed[0] or closed[1]):
+        return
+    _hold(walker, plate, state, chain, closed, rows)
+    W = mobility_of(chain)
+    _, a = accelerations(walker, plate, state, chain)
+    u = feet_velocities(walker, plate, state, chain)
+    sliding = (_direction(u[0]), _direction(u[2]))
+    back, front, _, violation = solve(W, a, closed, sliding, guess, contact.friction, rows)
+    if violation > 1e-9 and closed[0] and closed[1]:  # sliding jams: it stops at once
+        both_feet(walker, plate, contact, 0.0, state, chain, W, tally, rows)
+        back, front, _, _ = solve(W, a, closed, (0, 0), guess, contact.friction, rows)
+    elif violation > 1e-9:
+        F = impulses(W, u, STICK * closed[0], STICK * closed[1], contact.friction, rows)
+        accelerate(walker.legs, state, push(chain, F))
+        back, front, _, _ = solve(W, a, closed, (0, 0), guess, contact.friction, rows)
+    state[MODE_BACK], state[MODE_FRONT] = back, front
+
+
+@kernel
+def _accept(walker, plate, state, work, passed, sums, rows):
+    """The step's end becomes the state; drift off the plate is taken away."""
+    n = state.size
+    closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
+    state[:] = work.trial[:n]
+    state[PHASE] %= TWO_PI
+    sums[PLATE_WORK] += work.trial[n]
+    sums[FRICTION_LOSS] += work.trial[n + 1]
+    sums[DAMPING_LOSS] += work.trial[n + 2]
+    sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
+    if closed[0] or closed[1]:
+        sums[CONTACT_TIME] += passed
+        settle(walker, plate, state, 0.0, rows)
+        _hold(walker, plate, state, chain_of(walker, state, 0.0), closed, rows)
+
+
+@kernel
+def _next(walker, plate, contact, options, work, length):
+    """Integrate to the next event or by at most `length`: (time, event, length to try next)."""
+    margins = slopes_of(walker, plate, contact, work.now, work.slopes[0], work.rows)
+    margin_0, t = min(margins[0], margins[1]), length
+    while True:
+        margin = shoot(walker, plate, contact, work, t)
+        error = error_of(work, t, options.tolerance)
+        if error <= 1.0:
+            break
+        t *= max(0.2, 0.9 * error**-0.2)
+        if not t > 1e-15:
+            return -1.0, False, t
+    grown = t * min(4.0, 0.9 * (error + 1e-12) ** -0.2)
+    if margin > 0.0:
+        dip = _lowest(walker, plate, work, t)
+        if dip <= 0.0:
+            return t, False, grown
+        margin = shoot(walker, plate, contact, work, dip)
+        if margin > 0.0:
+            shoot(walker, plate, contact, work, t)
+            return t, False, grown
+        return _locate(walker, plate, contact, work, margin_0, dip, margin), True, grown
+    return _locate(walker, plate, contact, work, margin_0, t, margin), True, grown
+
+
+@kernel
+def advance(walker, plate, contact, options, state, duration, tally):
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
+
+    walker: legs.Walker; plate: plate.Plate; contact: contact.Contact; options: Options;
+    state: as documented in `legs`.
+    """
+    n, sums = state.size, tally.sums
+    work = Work(
+        np.zeros(n + 3),
+        np.zeros(n + 3),
+        np.zeros(n + 3),
+        np.zeros((7, n + 3)),
+        np.empty((4, 5)),
+        scales_of(walker, state),
+    )
+    begin, t, stalled, length = sums[ELAPSED], 0.0, 0, 1e-6
+    decide(walker, plate, contact, state, tally, options.snap, work.rows)
+    while t < duration:
+        sums[ELAPSED] = begin + t
+        if begin + t >= next_sample(tally.samples) - 1e-12:
+            take_sample(tally.samples, begin + t, state)
+        if corner_height(walker, plate, state) <= 0.0:
+            return TOPPLED
+        if folded(walker.legs, state):
+            return FOLDED
+        work.now[:n] = state
+        work.now[n:] = 0.0
+        until = min(duration - t, max(next_sample(tally.samples) - begin - t, 1e-12))
+        passed, event, grown = _next(
+            walker, plate, contact, options, work, min(length, options.longest, until)
+        )
+        if passed < 0.0 or stalled > STALLED:
+            return FAILED
+        length = max(grown, 1e-9)
+        if event and passed == 0.0:
+            passed = min(SHORTEST, until)
+            shoot(walker, plate, contact, work, passed)
+        stalled = stalled + 1 if passed <= SHORTEST else 0
+        _accept(walker, plate, state, work, passed, sums, work.rows)
+        t = duration if duration - t - passed < 1e-15 else t + passed
+        sums[ELAPSED] = begin + t
+        if event:
+            decide(walker, plate, contact, state, tally, options.snap, work.rows)
+    return OK

@@ -1,0 +1,202 @@
+"""Flight of the compliant walker: exact for the linear legs, corrected for what is not linear.
+
+The centre of mass of all falls freely and is exact. In the body's frame the two legs are two
+uncoupled damped oscillators (`Swing`), whatever the pitch, also exact; the small rest (finite
+angles, centrifugal forces) is a kick in the middle of the flight, so that the flow is of second
+order in its length with an error that vanishes for small leg angles. A braced walker's flight is
+exact.
+"""
+
+import math
+
+from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
+from walkergen.simulation.compliant.chain import along, chain_of, free_acceleration
+from walkergen.simulation.compliant.legs import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    V_X,
+    V_Y,
+    X,
+    Y,
+)
+from walkergen.simulation.record import DAMPING_LOSS
+
+TWO_PI = 2.0 * math.pi
+
+
+@kernel
+def advance_phase(plate, state, t):
+    """Move the drive on by t seconds; the phase stays in 0..2 pi."""
+    state[PHASE] = (state[PHASE] + plate.omega * t) % TWO_PI
+
+
+@kernel
+def fly(walker, plate, state, t, sums):
+    """Free flight of `t` seconds, in place; the damping's loss goes to `sums`."""
+    _fly(walker.legs, walker, state, t, sums)
+    advance_phase(plate, state, t)
+
+
+@kernel
+def _fly(legs, walker, state, t, sums):
+    if legs is None:
+        state[X] += t * (state[V_X] + 0.5 * t * along(walker.gravity_x))
+        state[Y] += t * (state[V_Y] + 0.5 * t * walker.gravity_y)
+        state[V_X] += t * along(walker.gravity_x)
+        state[V_Y] += t * walker.gravity_y
+        state[PITCH] += t * state[SPIN]
+    else:
+        x, y, v_x, v_y = _centre(legs, walker, state)
+        _swing(legs, state, 0.5 * t, sums)
+        _kick(legs, walker, state, t)
+        _swing(legs, state, 0.5 * t, sums)
+        x_1, y_1, v_x1, v_y1 = _centre(legs, walker, state)
+        state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * along(walker.gravity_x))
+        state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * walker.gravity_y)
+        state[V_X] += v_x - v_x1 + t * along(walker.gravity_x)
+        state[V_Y] += v_y - v_y1 + t * walker.gravity_y
+
+
+@kernel
+def _centre(legs, walker, state):
+    """Centre of mass of body and legs against O, and its velocity against that of O."""
+    share = legs.mass / (walker.mass + 2.0 * legs.mass)
+    cos, sin = math.cos(state[PITCH]), math.sin(state[PITCH])
+    a_x, a_y = walker.back_x + walker.front_x, walker.back_y + walker.front_y
+    x, y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
+    v_x, v_y = -y * state[SPIN], x * state[SPIN]
+    for index, rate in ((ANGLE_BACK, RATE_BACK), (ANGLE_FRONT, RATE_FRONT)):
+        psi, spin = state[PITCH] + state[index], state[SPIN] + state[rate]
+        c, s = math.cos(psi), math.sin(psi)
+        c_x = c * legs.centre_x - s * legs.centre_y
+        c_y = s * legs.centre_x + c * legs.centre_y
+        x, y, v_x, v_y = x + c_x, y + c_y, v_x - c_y * spin, v_y + c_x * spin
+    return share * x, share * y, share * v_x, share * v_y
+
+
+@kernel
+def _oscillate(value, rate, square, decay, t):
+    """Damped oscillator value'' = -square value - 2 decay rate, after t; any damping."""
+    d = square - decay * decay
+    if d > 0.0:
+        w, fade = math.sqrt(d), math.exp(-decay * t)
+        cos, sin = fade * math.cos(w * t), fade * math.sin(w * t) / w
+    elif d < 0.0:
+        w = math.sqrt(-d)
+        slow, fast = math.exp(-square / (decay + w) * t), math.exp(-(decay + w) * t)
+        cos, sin = 0.5 * (slow + fast), 0.5 * (slow - fast) / w
+    else:
+        cos = math.exp(-decay * t)
+        sin = cos * t
+    return (
+        cos * value + sin * (rate + decay * value),
+        cos * rate - sin * (decay * rate + square * value),
+    )
+
+
+@kernel
+def _swing(legs, state, t, sums):
+    s, k, c = legs.swing, legs.stiffness, legs.damping
+    b, f, p, q = state[ANGLE_BACK], state[ANGLE_FRONT], state[RATE_BACK], state[RATE_FRONT]
+    u, v = s.cos * b + s.sin * f, s.cos * f - s.sin * b
+    du, dv = s.cos * p + s.sin * q, s.cos * q - s.sin * p
+    m_1, m_2 = s.mobility_1, s.mobility_2
+    u_1, du_1 = _oscillate(u, du, k * m_1, 0.5 * c * m_1, t)
+    v_1, dv_1 = _oscillate(v, dv, k * m_2, 0.5 * c * m_2, t)
+    sums[DAMPING_LOSS] += 0.5 * (
+        k * (u * u + v * v - u_1 * u_1 - v_1 * v_1)
+        + (du * du - du_1 * du_1) / m_1
+        + (dv * dv - dv_1 * dv_1) / m_2
+    )
+    state[ANGLE_BACK], state[ANGLE_FRONT] = s.cos * u_1 - s.sin * v_1, s.sin * u_1 + s.cos * v_1
+    state[RATE_BACK], state[RATE_FRONT] = s.cos * du_1 - s.sin * dv_1, s.sin * du_1 + s.cos * dv_1
+    turned = s.share_back * p + s.share_front * q
+    steady = state[SPIN] + turned
+    state[SPIN] = steady - s.share_back * state[RATE_BACK] - s.share_front * state[RATE_FRONT]
+    swung = s.share_back * (state[ANGLE_BACK] - b) + s.share_front * (state[ANGLE_FRONT] - f)
+    state[PITCH] += steady * t - swung
+
+
+@kernel
+def _rest(legs, walker, state, chain):
+    """What the true accelerations (spin, leg rates) have beyond the linear ones."""
+    _, _, spin, back, front = free_acceleration(walker, state, chain, 0.0)
+    s, k, c = legs.swing, legs.stiffness, legs.damping
+    t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
+    t_f = -k * state[ANGLE_FRONT] - c * state[RATE_FRONT]
+    u, v = s.mobility_1 * (s.cos * t_b + s.sin * t_f), s.mobility_2 * (s.cos * t_f - s.sin * t_b)
+    b, f = s.cos * u - s.sin * v, s.sin * u + s.cos * v
+    return spin + s.share_back * b + s.share_front * f, back - spin - b, front - spin - f
+
+
+@kernel
+def _kick(legs, walker, state, t):
+    """The rest over t at a fixed pose, by the midpoint rule in the rates."""
+    chain = chain_of(walker, state, 0.0)
+    spin, back, front = state[SPIN], state[RATE_BACK], state[RATE_FRONT]
+    for ahead in (0.5 * t, t):
+        d_spin, d_back, d_front = _rest(legs, walker, state, chain)
+        state[SPIN], state[RATE_BACK] = spin + ahead * d_spin, back + ahead * d_back
+        state[RATE_FRONT] = front + ahead * d_front
+
+
+@kernel
+def _harmonic_pull(harmonic):
+    if harmonic is None:
+        return 0.0
+    return 4.0 * abs(harmonic.ratio)
+
+
+@kernel
+def clear_time(walker, plate, state, chain, gaps):
+    """Time (s) within which neither foot can reach the plate; 0 when one is in reach.
+
+    A bound: no acceleration towards the plate is larger than gravity and the plate's largest
+    together, and the legs never swing further than their energy allows.
+    """
+    largest = plate.amplitude * plate.omega**2 * (1.0 + _harmonic_pull(plate.harmonic))
+    pull = math.hypot(along(walker.gravity_x), walker.gravity_y) + largest
+    return _clear_time(walker.legs, walker, plate, state, chain, gaps, pull)
+
+
+@kernel
+def _fall_time(gap, rise, pull):
+    if gap <= 0.0:
+        return 0.0
+    return (rise + math.sqrt(rise * rise + 2.0 * pull * gap)) / pull
+
+
+@kernel
+def _clear_time(legs, walker, plate, state, chain, gaps, pull):
+    b, f, spin = chain.back, chain.front, state[SPIN]
+    back_x, front_x = b.A_x + b.r_x, f.A_x + f.r_x
+    rise = state[V_Y] - plates.velocity(plate, state[PHASE])
+    if legs is None:
+        pull += spin * spin * math.hypot(back_x, b.A_y + b.r_y)
+        return min(
+            _fall_time(gaps[0], rise + spin * back_x, pull),
+            _fall_time(gaps[1], rise + spin * front_x, pull),
+        )
+    s = legs.swing
+    amplitude = math.sqrt(
+        state[ANGLE_BACK] ** 2
+        + state[ANGLE_FRONT] ** 2
+        + (state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2) / (legs.stiffness * s.mobility_1)
+    )
+    steady = spin + s.share_back * state[RATE_BACK] + s.share_front * state[RATE_FRONT]
+    centre_x, _, _, turning = _centre(legs, walker, state)
+    rise += turning - steady * centre_x  # of O, without its share of the legs' swing
+    length = math.hypot(walker.reach_x, walker.reach_y)
+    pull += steady * steady * (length + abs(back_x) + abs(front_x))
+    swing_b = amplitude * (abs(b.r_x) + 0.15 * length) + state[ANGLE_BACK] * b.r_x
+    swing_f = amplitude * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x
+    return min(
+        _fall_time(gaps[0] - swing_b, rise + steady * back_x, pull),
+        _fall_time(gaps[1] - swing_f, rise + steady * front_x, pull),
+    )

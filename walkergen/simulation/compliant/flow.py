@@ -1,0 +1,183 @@
+"""Flow of the compliant (or braced) walker between events: fixed contact modes, high order.
+
+Feet on the plate are held there by contact forces found at acceleration level; the embedded
+Runge-Kutta pair of Dormand and Prince (1980), order 5(4), with an error estimate.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
+from walkergen.simulation.compliant.chain import (
+    along,
+    chain_of,
+    feet_changes,
+    feet_turning,
+    feet_velocities,
+    free_acceleration,
+    gaps,
+    mobility_of,
+    push,
+)
+from walkergen.simulation.compliant.contact import (
+    FORWARD,
+    OPEN,
+    STICK,
+    impulses,
+)
+from walkergen.simulation.compliant.legs import (
+    ANGLE_BACK,
+    MODE_BACK,
+    MODE_FRONT,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    V_X,
+    V_Y,
+    X,
+    Y,
+)
+
+LEVEL = 2e-14
+"""Depth (mm) below the plate at which a foot has landed: the rounding of a foot's height."""
+
+STAGES = np.array(
+    [
+        [1 / 5, 0, 0, 0, 0, 0],
+        [3 / 40, 9 / 40, 0, 0, 0, 0],
+        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
+        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+ERRORS = np.array(
+    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
+)  # Dormand and Prince (1980): fifth order minus fourth
+
+
+class Work(NamedTuple):
+    """Arrays of one run: state and three integrals (plate work, friction, damping loss)."""
+
+    now: np.ndarray
+    trial: np.ndarray
+    stage: np.ndarray
+    slopes: np.ndarray
+    rows: np.ndarray
+    scales: np.ndarray
+
+
+@kernel
+def _leg_slopes(legs, z, dz, change):
+    """Slopes of the legs' coordinates; returns the power lost to damping."""
+    if legs is None:
+        return 0.0
+    _, _, spin, back, front = change
+    for i in range(2):
+        dz[ANGLE_BACK + i] = z[RATE_BACK + i]
+    dz[RATE_BACK], dz[RATE_FRONT] = back - spin, front - spin
+    return legs.damping * (z[RATE_BACK] ** 2 + z[RATE_FRONT] ** 2)
+
+
+@kernel
+def _margin(mode, gap, v_x, F_x, F_y, yy, friction):
+    """Positive while a foot's mode holds; passes zero at its event."""
+    if mode == OPEN:
+        return gap + LEVEL
+    if mode == STICK:
+        return yy * min(F_y, friction * F_y - abs(F_x))
+    return min(yy * F_y, v_x if mode == FORWARD else -v_x)
+
+
+@kernel
+def accelerations(walker, plate, z, chain):
+    """Free acceleration of the chain, and of its feet against the plate."""
+    free = free_acceleration(walker, z, chain, 0.0)
+    d, turning = feet_changes(chain, free), feet_turning(walker, z, chain)
+    lift = plates.acceleration(plate, z[PHASE])
+    return free, (
+        d[0] + turning[0],
+        d[1] + turning[1] - lift,
+        d[2] + turning[2],
+        d[3] + turning[3] - lift,
+    )
+
+
+@kernel
+def slopes_of(walker, plate, contact, z, dz, rows):
+    """Time derivative of state and integrals in the present modes; returns the feet's margins."""
+    back, front, friction = int(z[MODE_BACK]), int(z[MODE_FRONT]), contact.friction
+    chain = chain_of(walker, z, 0.0)
+    free, a = accelerations(walker, plate, z, chain)
+    W = mobility_of(chain)
+    F = impulses(W, a, back, front, friction, rows)
+    held = push(chain, F)
+    change = (
+        free[0] + held[0],
+        free[1] + held[1],
+        free[2] + held[2],
+        free[3] + held[3],
+        free[4] + held[4],
+    )
+    dz[X], dz[Y], dz[PITCH], dz[PHASE] = z[V_X], z[V_Y], z[SPIN], plate.omega
+    dz[V_X], dz[V_Y], dz[SPIN] = change[0], change[1], change[2]
+    dz[MODE_BACK] = dz[MODE_FRONT] = 0.0
+    u = feet_velocities(walker, plate, z, chain)
+    n = z.size - 3
+    dz[n] = (F[1] + F[3]) * plates.velocity(plate, z[PHASE])
+    dz[n + 1] = -F[0] * u[0] - F[2] * u[2]
+    dz[n + 2] = _leg_slopes(walker.legs, z, dz, change)
+    gap = gaps(plate, z, chain)
+    return (
+        _margin(back, gap[0], u[0], F[0], F[1], W.bb_yy, friction),
+        _margin(front, gap[1], u[2], F[2], F[3], W.ff_yy, friction),
+    )
+
+
+@kernel
+def shoot(walker, plate, contact, work, t):
+    """One Runge-Kutta step of t from work.now to work.trial; returns the lesser margin there.
+
+    The first row of work.slopes must hold the slopes at work.now.
+    """
+    now, stage, slopes = work.now, work.stage, work.slopes
+    margins = (0.0, 0.0)
+    for i in range(6):
+        target = work.trial if i == 5 else stage
+        for k in range(now.size):
+            total = 0.0
+            for j in range(i + 1):
+                total += STAGES[i, j] * slopes[j, k]
+            target[k] = now[k] + t * total
+        margins = slopes_of(walker, plate, contact, target, slopes[i + 1], work.rows)
+    return min(margins[0], margins[1])
+
+
+@kernel
+def scales_of(walker, state):
+    """What an error is compared with: speeds of a fall by a leg's length, 1e-3 of that length."""
+    length = math.hypot(walker.reach_x, walker.reach_y)
+    gravity = math.hypot(along(walker.gravity_x), walker.gravity_y)
+    scales = np.full(state.size, 1e-3)
+    scales[X], scales[Y] = 1e-3 * length, 1e-3 * length
+    scales[V_X], scales[V_Y] = math.sqrt(gravity * length), math.sqrt(gravity * length)
+    scales[SPIN] = math.sqrt(gravity / length)
+    scales[RATE_BACK:] = scales[SPIN]
+    return scales
+
+
+@kernel
+def error_of(work, t, tolerance):
+    """Largest error of the step relative to the tolerance."""
+    worst = 0.0
+    for k in range(work.scales.size):
+        total = 0.0
+        for j in range(7):
+            total += ERRORS[j] * work.slopes[j, k]
+        worst = max(worst, abs(t * total) / work.scales[k])
+    return worst / tolerance

@@ -1,0 +1,321 @@
+"""Time stepping: Moreau and Jean's scheme with located landings, for compliant and braced walkers.
+
+While a foot lies on the plate, steps of fixed length h: trapezoidal rule (legs' springs implicit),
+contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
+of modes (physics.md section 5). In the air, closed-form flight, in long steps when no foot can
+reach the plate. A landing is located inside its step and resolved by the impact law there, so
+that every law of restitution is supported; rebounds too short for a step (less than 2 h) are
+absorbed. Second order in h.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
+from walkergen.simulation.compliant.chain import (
+    accelerate,
+    angle,
+    chain_of,
+    corner_height,
+    feet_changes,
+    feet_turning,
+    feet_velocities,
+    free_acceleration,
+    gaps,
+    mobility_of,
+    push,
+)
+from walkergen.simulation.compliant.contact import (
+    BACKWARD,
+    FORWARD,
+    OPEN,
+    STICK,
+    applied,
+    collide,
+    folded,
+    impulses,
+    settle,
+    solve,
+)
+from walkergen.simulation.compliant.flight import advance_phase, clear_time, fly
+from walkergen.simulation.compliant.legs import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    FAILED,
+    FOLDED,
+    MODE_BACK,
+    MODE_FRONT,
+    OK,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    TOPPLED,
+    V_X,
+    V_Y,
+    X,
+    Y,
+)
+from walkergen.simulation.record import (
+    CONTACT_TIME,
+    DAMPING_LOSS,
+    ELAPSED,
+    FRICTION_LOSS,
+    LARGEST_PITCH,
+    PLATE_WORK,
+    next_sample,
+    take_sample,
+)
+
+REACH = 1e-9
+"""Gap (mm) below which an open foot that approaches has landed."""
+
+INSTANT = 1e-12
+"""Time (s) that counts as none."""
+
+TOGETHER = 1e-9
+"""Part of a step within which two landings are one."""
+
+STALLED = 200
+"""Landings in a row without any time passing before a run has failed."""
+
+
+class Options(NamedTuple):
+    """How finely to step."""
+
+    step: float = 3e-5
+    """Length h of a step in contact, s."""
+    flight: int = 50
+    """Longest step in the air, in units of h."""
+
+
+@kernel
+def _drift(legs, state, t):
+    """Positions move on for t seconds at the present rates."""
+    state[X] += t * state[V_X]
+    state[Y] += t * state[V_Y]
+    state[PITCH] += t * state[SPIN]
+    if legs is not None:
+        state[ANGLE_BACK] += t * state[RATE_BACK]
+        state[ANGLE_FRONT] += t * state[RATE_FRONT]
+
+
+@kernel
+def _stiffening(legs, t):
+    """Inertia that the trapezoidal rule adds to the hinges for a step of t."""
+    if legs is None:
+        return 0.0
+    return t * (0.5 * legs.damping + 0.25 * t * legs.stiffness)
+
+
+@kernel
+def _damping_power(legs, rate_b, rate_f):
+    if legs is None:
+        return 0.0
+    return legs.damping * (rate_b * rate_b + rate_f * rate_f)
+
+
+@kernel
+def _sliding_on(mode, v_x):
+    """The mode of a closed foot that goes on sliding at v_x."""
+    if mode == OPEN or v_x == 0.0:
+        return mode
+    return FORWARD if v_x > 0.0 else BACKWARD
+
+
+@kernel
+def _stop(W, u, before, back, front, friction, rows):
+    """Part of the step after which a foot stops sliding, by the speeds with friction as it was.
+
+    Friction jumps there: a step across would be of first order only.
+    """
+    on_b, on_f = _sliding_on(back, before[0]), _sliding_on(front, before[2])
+    if on_b == back and on_f == front:
+        return 1.0
+    d = applied(W, impulses(W, u, on_b, on_f, friction, rows))
+    part = 1.0
+    if on_b != back:
+        part = min(part, _zero(before[0], u[0] + d[0]))
+    if on_f != front:
+        part = min(part, _zero(before[2], u[2] + d[2]))
+    return part
+
+
+@kernel
+def _zero(first, last):
+    """Where a speed linear from `first` (0) to `last` (1) vanishes; 1 when it does not, or at once
+    (a foot that has just stopped keeps an error of second order).
+    """
+    if first * last >= 0.0 or abs(first) < 1e-3 * abs(last):
+        return 1.0
+    return first / (first - last)
+
+
+@kernel
+def _contact_step(walker, plate, contact, state, t, sums, rows):
+    """One step of t seconds with at least one foot closed; sets the modes.
+
+    Returns the part of the step after which a sliding foot stops, 1 when none does.
+    """
+    legs = walker.legs
+    rate_b, rate_f = angle(legs, state, RATE_BACK), angle(legs, state, RATE_FRONT)
+    plate_before = plates.velocity(plate, state[PHASE])
+    _drift(legs, state, 0.5 * t)
+    advance_phase(plate, state, t)
+    chain = chain_of(walker, state, _stiffening(legs, t))
+    before = feet_velocities(walker, plate, state, chain)
+    a_x, a_y, a_t, a_b, a_f = free_acceleration(walker, state, chain, 0.0)
+    free = (t * a_x, t * a_y, t * a_t, t * a_b, t * a_f)
+    d, turning = feet_changes(chain, free), feet_turning(walker, state, chain)
+    u = (
+        before[0] + d[0] + 0.5 * t * turning[0],
+        before[1] + d[1] + 0.5 * t * turning[1],
+        before[2] + d[2] + 0.5 * t * turning[2],
+        before[3] + d[3] + 0.5 * t * turning[3],
+    )
+    closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
+    guess, W = (int(state[MODE_BACK]), int(state[MODE_FRONT])), mobility_of(chain)
+    back, front, F, _ = solve(W, u, closed, (0, 0), guess, contact.friction, rows)
+    part = _stop(W, u, before, back, front, contact.friction, rows)
+    accelerate(legs, state, free)
+    accelerate(legs, state, push(chain, F))
+    state[MODE_BACK], state[MODE_FRONT] = back, front
+    after = feet_velocities(walker, plate, state, chain)
+    _drift(legs, state, 0.5 * t)
+
+    plate_after = plates.velocity(plate, state[PHASE])
+    work = 0.5 * (F[1] + F[3]) * (plate_before + plate_after)
+    gained = 0.0
+    for i in range(4):
+        gained += 0.5 * F[i] * (before[i] + after[i])
+    # `before` was taken against the plate's velocity at the end of the step
+    gained += (F[1] + F[3]) * plate_after
+    sums[PLATE_WORK] += work
+    sums[FRICTION_LOSS] += work - gained
+    mean_b = 0.5 * (rate_b + angle(legs, state, RATE_BACK))
+    mean_f = 0.5 * (rate_f + angle(legs, state, RATE_FRONT))
+    sums[DAMPING_LOSS] += t * _damping_power(legs, mean_b, mean_f)
+    return part
+
+
+@kernel
+def _step(walker, plate, contact, state, t, sums, rows):
+    """One step of t seconds; returns the part of it after which a foot stops, else 1."""
+    if state[MODE_BACK] == OPEN and state[MODE_FRONT] == OPEN:
+        fly(walker, plate, state, t, sums)
+        return 1.0
+    return _contact_step(walker, plate, contact, state, t, sums, rows)
+
+
+@kernel
+def _crossing(gap_0, rate_0, gap_1, rate_1, t):
+    """Part of the step after which a foot lands: root of the cubic through gaps and rates."""
+    c_1, c_2 = t * rate_0, 3.0 * (gap_1 - gap_0) - t * (2.0 * rate_0 + rate_1)
+    c_3 = 2.0 * (gap_0 - gap_1) + t * (rate_0 + rate_1)
+    low, high = 0.0, 1.0
+    for _ in range(48):
+        middle = 0.5 * (low + high)
+        if gap_0 + middle * (c_1 + middle * (c_2 + middle * c_3)) > 0.0:
+            low = middle
+        else:
+            high = middle
+    return high if high > 1e-6 else 1.0  # it starts below: a dip that ends with the step
+
+
+@kernel
+def _step_to_landing(walker, plate, contact, state, start, t, gap_0, u_0, sums, trial, rows):
+    """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
+
+    gap_0, u_0: gaps and velocities of the feet now; `start` keeps the state before the step.
+    """
+    start[:] = state
+    part, located, back, front = 1.0, False, False, False
+    while True:
+        trial[:] = sums
+        turn = _step(walker, plate, contact, state, part * t, trial, rows)
+        if located:
+            break
+        chain = chain_of(walker, state, 0.0)
+        gap_1, u_1 = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+        back = start[MODE_BACK] == OPEN and gap_1[0] < 0.0 and (gap_0[0] > 0.0 or u_1[1] < 0.0)
+        front = start[MODE_FRONT] == OPEN and gap_1[1] < 0.0 and (gap_0[1] > 0.0 or u_1[3] < 0.0)
+        part_b = _crossing(gap_0[0], u_0[1], gap_1[0], u_1[1], t) if back else 2.0
+        part_f = _crossing(gap_0[1], u_0[3], gap_1[1], u_1[3], t) if front else 2.0
+        part = min(part_b, part_f, turn)
+        back, front = part_b <= part + TOGETHER, part_f <= part + TOGETHER
+        if part == 1.0 and not (back or front):
+            break
+        located = True
+        state[:] = start
+    sums[:] = trial
+    return part * t, back, front
+
+
+@kernel
+def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
+    """Impacts of the feet that land (and of those on the plate); sets who stays on it."""
+    touching = (landed[0] or state[MODE_BACK] != OPEN, landed[1] or state[MODE_FRONT] != OPEN)
+    d = feet_changes(chain, free_acceleration(walker, state, chain, 0.0))
+    turning = feet_turning(walker, state, chain)
+    lift = plates.acceleration(plate, state[PHASE])
+    least = step * abs(walker.gravity_y)
+    rest = (
+        max(step * (lift - d[1] - turning[1]), least),
+        max(step * (lift - d[3] - turning[3]), least),
+    )
+    collide(walker, plate, contact, state, chain, touching, rest, tally, rows)
+    u = feet_velocities(walker, plate, state, chain)
+    if touching[0]:
+        state[MODE_BACK] = OPEN if u[1] > rest[0] else max(state[MODE_BACK], STICK)
+    if touching[1]:
+        state[MODE_FRONT] = OPEN if u[3] > rest[1] else max(state[MODE_FRONT], STICK)
+
+
+@kernel
+def advance(walker, plate, contact, options, state, duration, tally):
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
+
+    walker: legs.Walker; plate: plate.Plate; contact: contact.Contact; options: Options;
+    state: as documented in `legs` (its rates are those at the end of the step).
+    """
+    start, trial, rows = np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5))
+    sums, h = tally.sums, options.step
+    begin, t, stalled, back, front = sums[ELAPSED], 0.0, 0, False, False
+    while t < duration:
+        sums[ELAPSED] = begin + t
+        if begin + t >= next_sample(tally.samples) - INSTANT:
+            take_sample(tally.samples, begin + t, state)
+        if corner_height(walker, plate, state) <= 0.0:
+            return TOPPLED
+        if folded(walker.legs, state):
+            return FOLDED
+        chain = chain_of(walker, state, 0.0)
+        gap, u = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+        back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
+        front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
+        if back or front:
+            _land(walker, plate, contact, state, chain, (back, front), h, tally, rows)
+            u = feet_velocities(walker, plate, state, chain)
+        length = h
+        closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
+        if not closed:
+            clear = clear_time(walker, plate, state, chain, gap)
+            length = min(max(clear, h), options.flight * h)
+        length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
+        passed, back, front = _step_to_landing(
+            walker, plate, contact, state, start, length, gap, u, sums, trial, rows
+        )
+        if closed:
+            sums[CONTACT_TIME] += passed
+            settle(walker, plate, state, _stiffening(walker.legs, h), rows)
+        sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
+        stalled = stalled + 1 if passed <= INSTANT else 0
+        if stalled > STALLED or not math.isfinite(state[Y]):
+            return FAILED
+        t = duration if duration - t - passed < 1e-15 else t + passed
+    sums[ELAPSED] = begin + duration
+    return OK

@@ -1,0 +1,211 @@
+"""The event-driven simulator of the relaxed-legs walker: from event to event, without a time step.
+
+Flight is exact, contacts are found with a guarantee (`flight`); what happens at one instant is
+resolved in finite work (`landing`, `cascade`); sustained contact is in closed form on both feet
+(`sustained`) and integrated to high order on one (`rocking`). Source: physics.md section 5,
+model A; the paper's flexible tensors enter only the impulses.
+"""
+
+import math
+
+import numpy as np
+
+from walkergen.kernels import kernel
+from walkergen.simulation.plate import TWO_PI, Plate, acceleration, height
+from walkergen.simulation.record import (
+    CONTACT_TIME,
+    ELAPSED,
+    FRICTION_LOSS,
+    LARGEST_PITCH,
+    PLATE_WORK,
+    Tally,
+    next_sample,
+    take_sample,
+)
+from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
+from walkergen.simulation.relaxed.landing import land
+from walkergen.simulation.relaxed.rocking import FIRST, closed_foot, end_of_step, new_stages, rock
+from walkergen.simulation.relaxed.sustained import (
+    BREAK,
+    LIFT,
+    LIFT_BACK,
+    LIFT_FRONT,
+    end_of_stand,
+    on_one_foot,
+    stand,
+)
+from walkergen.simulation.relaxed.walker import (
+    MODE_BACK,
+    MODE_FRONT,
+    OMEGA,
+    OPEN,
+    PHASE,
+    PITCH,
+    SLIP_BACKWARD,
+    SLIP_FORWARD,
+    STATE_SIZE,
+    STICK,
+    TRIAL_FRICTION,
+    TRIAL_SIZE,
+    TRIAL_WORK,
+    Contact,
+    Options,
+    State,
+    Walker,
+    Y,
+    across,
+    along,
+    lever,
+)
+
+OK, TOPPLED, FAILED, INSIDE = 0, 1, 2, 3
+"""Status: ran to the end; a corner of the body touched the plate; no progress or no end of a
+landing (the law of impact made energy without bound); started with a foot inside the plate."""
+
+# Events in a row without a step of time; how deep a start may be inside, in gap tolerances.
+MOST_AT_ONCE, DEEPEST_START = 1000, 1e7
+INSTANT = 1e-12  # rad of the drive
+
+
+@kernel
+def advance(
+    walker: Walker,
+    plate: Plate,
+    contact: Contact,
+    options: Options,
+    state: State,
+    duration: float,
+    tally: Tally,
+) -> int:
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns the status.
+
+    State (9,): see `walker` for its layout. Two calls of half the duration agree with one to the
+    integrator's tolerance, until chaos takes over. After TOPPLED or FAILED the state is that of
+    the event, and the tally's elapsed time tells when.
+    """
+    if not _lift_out(walker, plate, options, state):
+        return INSIDE
+    began, t, at_once = tally.sums[ELAPSED], 0.0, 0
+    trial, stages = np.zeros(TRIAL_SIZE), new_stages()
+    trial[:STATE_SIZE] = state
+    step = FIRST * TWO_PI / plate.omega
+    status, running = OK, True
+    while running:
+        left = duration - t
+        dt, event, step = _stretch(
+            walker, plate, contact, options, state, left, step, trial, stages
+        )
+        running = event != NOTHING or dt < left
+        _sample(walker, plate, contact, options, state, began + t, dt, tally.samples, stages)
+        _tally(state, trial, dt, tally.sums)
+        t = t + dt if running else duration
+        tally.sums[ELAPSED] = began + t
+        state[:] = trial[:STATE_SIZE]
+        at_once = at_once + 1 if dt * plate.omega < INSTANT else 0
+        if event == CORNER:
+            return TOPPLED
+        if event == STUCK or at_once > MOST_AT_ONCE:
+            return FAILED
+        if event != NOTHING:
+            step = FIRST * TWO_PI / plate.omega
+            if not _change(walker, plate, contact, options, state, event, began + t, tally):
+                return FAILED
+            running = t < duration
+    return status
+
+
+@kernel
+def _stretch(walker, plate, contact, options, state, left, step, trial, stages):
+    """Smooth motion up to the next event within `left` seconds; fills `trial` with its end."""
+    feet = _closed_feet(state)
+    if feet == 0:
+        dt, event = first_contact(walker, plate, options, state, left)
+        drift(options, plate, state, dt, trial)
+    elif feet == 2:
+        dt, event = end_of_stand(walker, plate, contact, options, state, left)
+        stand(walker, plate, contact, options, state, dt, trial)
+    else:
+        dt, event, step = end_of_step(
+            walker, plate, contact, options, state, left, step, trial, stages
+        )
+    return dt, event, step
+
+
+@kernel
+def _closed_feet(state):
+    return (state[MODE_BACK] != OPEN) + (state[MODE_FRONT] != OPEN)
+
+
+@kernel
+def _change(walker, plate, contact, options, state, event, t, tally):
+    """What an event changes at its instant; False when a landing finds no end."""
+    if event == LIFT:
+        state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
+    elif event == LIFT_BACK:
+        state[MODE_BACK] = OPEN
+    elif event == LIFT_FRONT:
+        state[MODE_FRONT] = OPEN
+    elif event == BREAK:
+        _break_away(walker, plate, contact, options, state)
+    else:
+        return land(walker, plate, contact, options, state, t, tally)
+    return True
+
+
+@kernel
+def _break_away(walker, plate, contact, options, state):
+    """Stuck feet begin to slip against the force that held them."""
+    pull = -along(options)
+    if _closed_feet(state) == 1:
+        d, _, _ = closed_foot(walker, state)
+        r = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
+        into = across(options) + acceleration(plate, state[PHASE])
+        pull = on_one_foot(
+            walker, r, state[OMEGA], into, along(options), contact.friction, STICK
+        ).F_x
+    slip = SLIP_BACKWARD if pull > 0.0 else SLIP_FORWARD
+    if state[MODE_BACK] != OPEN:
+        state[MODE_BACK] = slip
+    if state[MODE_FRONT] != OPEN:
+        state[MODE_FRONT] = slip
+
+
+@kernel
+def _sample(walker, plate, contact, options, state, t, dt, samples, stages):
+    """Take the samples wanted between t and t + dt; the run itself is not disturbed by them."""
+    if samples is not None:
+        wanted = next_sample(samples)
+        if wanted <= t + dt:
+            feet, out = _closed_feet(state), np.zeros(TRIAL_SIZE)
+            while wanted <= t + dt:
+                since = max(wanted - t, 0.0)
+                if feet == 0:
+                    drift(options, plate, state, since, out)
+                elif feet == 2:
+                    stand(walker, plate, contact, options, state, since, out)
+                else:
+                    rock(walker, plate, contact, options, state, since, out, stages)
+                take_sample(samples, wanted, out[:STATE_SIZE])
+                wanted = next_sample(samples)
+
+
+@kernel
+def _tally(state, trial, dt, sums):
+    if _closed_feet(state) > 0:
+        sums[CONTACT_TIME] += dt
+        sums[PLATE_WORK] += trial[TRIAL_WORK]
+        sums[FRICTION_LOSS] += trial[TRIAL_FRICTION]
+    sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(trial[PITCH]))
+
+
+@kernel
+def _lift_out(walker, plate, options, state):
+    """Raise a walker that starts inside the plate by no more than rounding of its maker."""
+    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
+    lowest = min(lever(walker.d_back, sin, cos)[1], lever(walker.d_front, sin, cos)[1])
+    depth = height(plate, state[PHASE]) - (state[Y] + lowest)
+    if depth > 2.0 * options.gap_tolerance:
+        if depth > DEEPEST_START * options.gap_tolerance:
+            return False
+        state[Y] += depth
+    return True

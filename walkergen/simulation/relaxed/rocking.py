@@ -1,0 +1,253 @@
+"""Sustained contact of one foot: the body rocks about it, stuck or slipping.
+
+Integrated by the Dormand-Prince pair of orders 5 and 4 with adaptive steps in (x, pitch, v_x,
+Omega); the height follows from the contact itself, so that the gap stays exactly zero. What ends
+the motion (other foot or corner touches, lift-off, stop, break-away) is located by varying the
+length of the last step, so that the state at an event has the order of the method.
+Source of the coefficients: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26.
+"""
+
+import math
+
+import numpy as np
+
+from walkergen.kernels import kernel
+from walkergen.simulation.plate import TWO_PI, acceleration, height, velocity
+from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
+from walkergen.simulation.relaxed.sustained import BREAK, LIFT, STOP, direction, on_one_foot
+from walkergen.simulation.relaxed.walker import (
+    MODE_BACK,
+    MODE_FRONT,
+    OMEGA,
+    OPEN,
+    PHASE,
+    PITCH,
+    STICK,
+    TRIAL_FRICTION,
+    TRIAL_WORK,
+    V_X,
+    V_Y,
+    X,
+    Y,
+    across,
+    along,
+    lever,
+)
+
+NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
+WEIGHTS = np.array(
+    [
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
+        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
+        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
+        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
+        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
+        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
+    ]
+)
+ERROR_WEIGHTS = np.array(
+    [71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
+)
+# Tolerated error of a step, in gap tolerances; longest and first step, in periods of the drive.
+TOLERANCE, LONGEST, FIRST = 50.0, 1 / 16, 1 / 128
+MOST_TRIALS, MOST_HALVINGS = 60, 200
+# Columns of the integration: x, pitch, v_x, Omega, work of the plate, loss to friction.
+COLUMNS = 6
+
+
+@kernel
+def new_stages():
+    """Work space of the integrator: one row of derivatives per stage."""
+    return np.zeros((7, COLUMNS))
+
+
+@kernel
+def closed_foot(walker, state):
+    """The foot that stands, the other one, and the standing one's mode."""
+    if state[MODE_BACK] != OPEN:
+        return walker.d_back, walker.d_front, state[MODE_BACK]
+    return walker.d_front, walker.d_back, state[MODE_FRONT]
+
+
+@kernel
+def rock(walker, plate, contact, options, state, dt, out, stages):
+    """One step of `dt` seconds: fills `out`, returns the error estimate (1: as tolerated)."""
+    d, _, mode = closed_foot(walker, state)
+    g_x, g_y = along(options), across(options)
+    for i in range(7):
+        pitch, v_x, Omega = state[PITCH], state[V_X], state[OMEGA]
+        for j in range(i):
+            pitch += dt * WEIGHTS[i, j] * stages[j, 1]
+            v_x += dt * WEIGHTS[i, j] * stages[j, 2]
+            Omega += dt * WEIGHTS[i, j] * stages[j, 3]
+        phase = state[PHASE] + plate.omega * dt * NODES[i]
+        r = lever(d, math.sin(pitch), math.cos(pitch))
+        pull = g_y + acceleration(plate, phase)
+        pivot = on_one_foot(walker, r, Omega, pull, g_x, contact.friction, mode)
+        stages[i, 0] = v_x
+        stages[i, 1] = Omega
+        stages[i, 2] = pivot.a_x
+        stages[i, 3] = pivot.alpha
+        stages[i, 4] = pivot.N * velocity(plate, phase)
+        stages[i, 5] = 0.0 if mode == STICK else -pivot.F_x * (v_x - Omega * r[1])
+    _combine(state, dt, out, stages)
+    _place(plate, d, mode, state, dt, out)
+    size = math.hypot(d[0], d[1])
+    return _error(dt, stages, size, plate.omega) / (TOLERANCE * options.gap_tolerance)
+
+
+@kernel
+def _combine(state, dt, out, stages):
+    change = np.zeros(COLUMNS)
+    for j in range(6):
+        for column in range(COLUMNS):
+            change[column] += dt * WEIGHTS[6, j] * stages[j, column]
+    out[:9] = state[:9]
+    out[X] += change[0]
+    out[PITCH] += change[1]
+    out[V_X] += change[2]
+    out[OMEGA] += change[3]
+    out[TRIAL_WORK] = change[4]
+    out[TRIAL_FRICTION] = change[5]
+
+
+@kernel
+def _place(plate, d, mode, state, dt, out):
+    """Height (and x, when the foot sticks) from the contact."""
+    before = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
+    r = lever(d, math.sin(out[PITCH]), math.cos(out[PITCH]))
+    out[PHASE] = (state[PHASE] + plate.omega * dt) % TWO_PI
+    out[Y] = height(plate, out[PHASE]) - r[1]
+    out[V_Y] = velocity(plate, out[PHASE]) - out[OMEGA] * r[0]
+    if mode == STICK:
+        out[X] = state[X] + (before[0] - r[0])
+        out[V_X] = out[OMEGA] * r[1]
+
+
+@kernel
+def _error(dt, stages, size, omega):
+    """Largest estimated error of a step as a length, mm; speeds count over 1/omega."""
+    largest = 0.0
+    for column in range(4):
+        error = 0.0
+        for i in range(7):
+            error += dt * ERROR_WEIGHTS[i] * stages[i, column]
+        scale = size if column in (1, 3) else 1.0
+        if column >= 2:
+            scale /= omega
+        largest = max(largest, abs(error) * scale)
+    return largest
+
+
+@kernel
+def _gap_rate(walker, plate, state):
+    _, other, _ = closed_foot(walker, state)
+    r = lever(other, math.sin(state[PITCH]), math.cos(state[PITCH]))
+    return state[V_Y] + state[OMEGA] * r[0] - velocity(plate, state[PHASE])
+
+
+@kernel
+def margin(walker, plate, contact, options, state, event):
+    """What stays positive until `event`: a gap (mm), a force (g mm/s^2) or a speed (mm/s)."""
+    d, other, mode = closed_foot(walker, state)
+    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
+    if event == TOUCH:
+        gap = state[Y] + lever(other, sin, cos)[1] - height(plate, state[PHASE])
+        # A foot that leaves from within the tolerance of closed contacts does not touch.
+        return gap if _gap_rate(walker, plate, state) < 0.0 else max(gap, 0.0)
+    if event == CORNER:
+        lowest = math.inf
+        for corner in walker.corners:
+            lowest = min(lowest, lever(corner, sin, cos)[1])
+        return state[Y] + lowest - height(plate, state[PHASE])
+    r, Omega = lever(d, sin, cos), state[OMEGA]
+    if event == STOP:
+        return math.inf if mode == STICK else direction(mode) * (state[V_X] - Omega * r[1])
+    pull = across(options) + acceleration(plate, state[PHASE])
+    pivot = on_one_foot(walker, r, Omega, pull, along(options), contact.friction, mode)
+    if event == LIFT:
+        return pivot.N
+    return contact.friction * pivot.N - abs(pivot.F_x) if mode == STICK else math.inf
+
+
+@kernel
+def end_of_step(walker, plate, contact, options, state, limit, suggested, out, stages):
+    """One accepted step within `limit`: (its length s, what ended it, next suggested length).
+
+    Fills `out` with the state at its end. STUCK when no step is short enough.
+    """
+    dt = min(limit, suggested)
+    for _ in range(MOST_HALVINGS):
+        error = rock(walker, plate, contact, options, state, dt, out, stages)
+        if error <= 1.0:
+            break
+        dt *= max(0.2, 0.9 * error**-0.2) if error < 1e10 else 0.1
+    if not error <= 1.0:
+        return dt, STUCK, suggested
+    growth = min(4.0, 0.9 * max(error, 1e-6) ** -0.2)
+    following = min(LONGEST * TWO_PI / plate.omega, max(dt * growth, 0.5 * suggested))
+    if _dips(walker, plate, contact, options, state, dt, out, stages):
+        dt = _lowest(walker, plate, contact, options, state, dt, out, stages)
+    found = NOTHING
+    for event in (TOUCH, LIFT, STOP, BREAK, CORNER):
+        if margin(walker, plate, contact, options, out, event) < -_slack(options, walker, event):
+            dt = _locate(walker, plate, contact, options, state, dt, event, out, stages)
+            found = event
+    return dt, found, following
+
+
+@kernel
+def _slack(options, walker, event):
+    """Rounding of a margin, in its unit."""
+    if event in (LIFT, BREAK):
+        return 1e-13 * walker.M * options.gravity
+    return 1e-8 * options.snap_speed if event == STOP else 0.5 * options.gap_tolerance
+
+
+@kernel
+def _locate(walker, plate, contact, options, state, dt, event, out, stages):
+    """Length (s) of the step at whose end `event` happens, by the Illinois method; fills `out`."""
+    slack = _slack(options, walker, event)
+    low, above = 0.0, max(margin(walker, plate, contact, options, state, event), 0.0) + 0.5 * slack
+    high, below = dt, margin(walker, plate, contact, options, out, event) + 0.5 * slack
+    side = 0
+    for _ in range(MOST_TRIALS):
+        middle = high - below * (high - low) / (below - above)
+        if not low < middle < high:
+            middle = 0.5 * (low + high)
+        rock(walker, plate, contact, options, state, middle, out, stages)
+        value = margin(walker, plate, contact, options, out, event) + 0.5 * slack
+        if abs(value) <= 0.5 * slack or high - low <= 1e-14 / plate.omega:
+            return middle
+        if value > 0.0:  # an end kept twice counts half
+            low, above, below = middle, value, 0.5 * below if side == 1 else below
+            side = 1
+        else:
+            high, below, above = middle, value, 0.5 * above if side == -1 else above
+            side = -1
+    return middle
+
+
+@kernel
+def _dips(walker, plate, contact, options, state, dt, out, stages):
+    """True when the other foot is low enough to touch and rise again within the step."""
+    start, end = _gap_rate(walker, plate, state), _gap_rate(walker, plate, out)
+    gap = margin(walker, plate, contact, options, out, TOUCH)
+    return start < 0.0 < end and gap >= 0.0 and gap < 0.5 * end * dt
+
+
+@kernel
+def _lowest(walker, plate, contact, options, state, dt, out, stages):
+    """Length (s) of the step at whose end the other foot is lowest, by bisection; fills `out`."""
+    low, high = 0.0, dt
+    for _ in range(MOST_TRIALS):
+        middle = 0.5 * (low + high)
+        rock(walker, plate, contact, options, state, middle, out, stages)
+        if _gap_rate(walker, plate, out) < 0.0:
+            low = middle
+        else:
+            high = middle
+        if high - low <= 1e-9 * dt:
+            break
+    return middle

@@ -1,0 +1,235 @@
+"""The relaxed-legs walker: what a simulation needs of it, its state, and the motion of its points.
+
+Model A of physics.md section 5: a rigid body (x, y, pitch) on two feet fixed to it. An impulse F
+at a foot comes from the flexible tensor H of that foot, then the legs relax at once and the body
+alone receives it: M dv = F, J dOmega = r x F. A braced walker has no flexible tensors: its rigid
+tensor serves both purposes.
+
+Pitch turns counter-clockwise; a point d of the body lies at O + r, r = R(pitch) d, and moves at
+(v_x - Omega r_y, v_y + Omega r_x).
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.design import Design
+from walkergen.kernels import kernel
+from walkergen.mass import MassProperties
+from walkergen.simulation.plate import Plate, derivative_bound, height, velocity
+from walkergen.theory.tensors import InverseMass, feet
+
+State = npt.NDArray[np.float64]
+Point = tuple[float, float]
+
+# Layout of the state: mm, rad, s; the drive's phase in 0..2 pi; the contact mode of each foot.
+X, Y, PITCH, V_X, V_Y, OMEGA, PHASE, MODE_BACK, MODE_FRONT = range(9)
+STATE_SIZE = 9
+# Two places behind a trial state: the energies (g mm^2/s^2) exchanged on the way to it.
+TRIAL_WORK, TRIAL_FRICTION, TRIAL_SIZE = 9, 10, 11
+
+# Modes of a foot; a foot slips forward when it moves toward +x over the plate.
+OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = 0.0, 1.0, 2.0, 3.0
+
+
+class Tensor(NamedTuple):
+    """Symmetric inverse-mass tensor of one foot, 1/g."""
+
+    xx: float
+    xy: float
+    yy: float
+
+
+class FlexibleTensors(NamedTuple):
+    """Tensors that the feet oppose to an impulse, in the body's frame (at pitch 0)."""
+
+    back: Tensor
+    front: Tensor
+
+
+class Walker(NamedTuple):
+    """A body on two feet; vectors from its centre of mass O, in mm, in the body's frame."""
+
+    M: float
+    """g; of the body (flexible) or of the whole (braced)."""
+    J: float
+    """About O, g mm^2."""
+    d_back: Point
+    """O -> back foot."""
+    d_front: Point
+    """O -> front foot."""
+    corners: tuple[Point, Point, Point, Point]
+    """O -> corners of the body, which end the run when one touches the plate."""
+    safe_pitch: float
+    """Below this |pitch| (rad) every corner is higher than the lower foot (`safe_pitch`)."""
+    flexible: FlexibleTensors | None
+    """None: rigid."""
+
+
+class Contact(NamedTuple):
+    """Foot on plate."""
+
+    restitution: float
+    """0..1"""
+    friction: float
+    """Coulomb's coefficient, >= 0."""
+    law: int
+    """A value of `impact.Law`."""
+
+
+class Options(NamedTuple):
+    """Gravity and the two tolerances, which belong together (`options_for`)."""
+
+    gravity: float
+    """mm/s^2, > 0"""
+    slope: float | None
+    """Descent of the plate toward +x, rad; None: level."""
+    gap_tolerance: float
+    """A foot is let this deep into the plate, mm: some tens of roundings of its height."""
+    snap_speed: float
+    """Closed contacts whose normal speeds are below this (mm/s) close for good. It must exceed
+    sqrt(2 a gap_tolerance), the speed that the tolerance itself can feed (physics.md, trap 2)."""
+
+
+def options_for(
+    walker: Walker, plate: Plate, gravity: float = 9806.65, slope: float | None = None
+) -> Options:
+    """Options whose tolerances follow from the sizes of walker and drive, so that they scale."""
+    size = max(math.hypot(*point) for point in (walker.d_back, walker.d_front, *walker.corners))
+    gap = 64 * np.finfo(float).eps * (size + abs(plate.amplitude))
+    largest_acceleration = gravity + derivative_bound(plate, 2)
+    return Options(gravity, slope, gap, 4.0 * math.sqrt(2.0 * largest_acceleration * gap))
+
+
+def safe_pitch(d_back: Point, d_front: Point, corners: tuple[Point, ...]) -> float:
+    """Smallest |pitch| (rad) at which a corner is as low as the lower foot; 0..pi."""
+    smallest = math.pi
+    for corner in corners:
+        for sign in (1.0, -1.0):
+            crossings = [
+                math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0]))
+                for foot in (d_back, d_front)
+            ]
+            smallest = min(smallest, max(crossings))
+    return max(smallest, 0.0)
+
+
+def new(
+    M: float,
+    J: float,
+    d_back: Point,
+    d_front: Point,
+    corners: tuple[Point, Point, Point, Point],
+    flexible: tuple[InverseMass, InverseMass] | None = None,
+) -> Walker:
+    """A walker from its numbers (g, mm); `flexible` holds the back and the front foot's tensor."""
+    tensors = None
+    if flexible is not None:
+        back, front = (Tensor(float(H.xx), float(H.xy), float(H.yy)) for H in flexible)
+        tensors = FlexibleTensors(back, front)
+    return Walker(
+        float(M), float(J), d_back, d_front, corners, safe_pitch(d_back, d_front, corners), tensors
+    )
+
+
+def walker_of(design: Design, mass: MassProperties) -> Walker:
+    """The walker of one design and its (unbatched) mass properties."""
+    a, foot = mass.a, mass.c_A + mass.c_T
+    middle = a - np.array(design.anchors[0])  # O -> middle of the body
+    half_length, half_height = 0.5 * design.body.length_mm, 0.5 * design.body.thickness_mm
+    left, right = float(middle[0] - half_length), float(middle[0] + half_length)
+    low, high = float(middle[1] - half_height), float(middle[1] + half_height)
+    back, front = a + foot, mass.b + foot
+    return new(
+        float(mass.M),
+        float(mass.J),
+        (float(back[0]), float(back[1])),
+        (float(front[0]), float(front[1])),
+        ((left, low), (right, low), (left, high), (right, high)),
+        None if mass.rigid else feet(mass),
+    )
+
+
+def level_pitch(walker: Walker) -> float:
+    """Pitch at which both feet stand on the plate, rad."""
+    (back_x, back_y), (front_x, front_y) = walker.d_back, walker.d_front
+    return math.atan((back_y - front_y) / (front_x - back_x))
+
+
+_level_pitch = kernel(level_pitch)
+
+
+def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0.0) -> State:
+    """Level, both feet `gap` (mm) over the plate and moving with it; the plate's phase in rad."""
+    state = np.zeros(STATE_SIZE)
+    state[PHASE] = phase
+    state[PITCH] = level_pitch(walker)
+    state[V_Y] = velocity(plate, phase)
+    r_y = lever(walker.d_back, math.sin(state[PITCH]), math.cos(state[PITCH]))[1]
+    state[Y] = height(plate, phase) - r_y + gap
+    return state
+
+
+@kernel
+def lever(d: Point, sin: float, cos: float) -> Point:
+    """R = R(pitch) d, from the sine and cosine of the pitch."""
+    return d[0] * cos - d[1] * sin, d[1] * cos + d[0] * sin
+
+
+@kernel
+def along(options: Options) -> float:
+    """Gravity along the plate, mm/s^2."""
+    return options.gravity * _sine(options.slope)
+
+
+@kernel
+def across(options: Options) -> float:
+    """Gravity into the plate, mm/s^2, positive."""
+    return options.gravity * _cosine(options.slope)
+
+
+@kernel
+def _sine(slope):
+    return 0.0 if slope is None else math.sin(slope)
+
+
+@kernel
+def _cosine(slope):
+    return 1.0 if slope is None else math.cos(slope)
+
+
+@kernel
+def rigid_tensor(walker: Walker, r: Point) -> Tensor:
+    """I/M + P(r)/J: how the relaxed body answers to an impulse at r."""
+    return Tensor(
+        1.0 / walker.M + r[1] * r[1] / walker.J,
+        -r[0] * r[1] / walker.J,
+        1.0 / walker.M + r[0] * r[0] / walker.J,
+    )
+
+
+@kernel
+def back_tensor(flexible):
+    """The back foot's tensor in the body's frame; None when rigid."""
+    return None if flexible is None else flexible.back
+
+
+@kernel
+def front_tensor(flexible):
+    """The front foot's tensor in the body's frame; None when rigid."""
+    return None if flexible is None else flexible.front
+
+
+@kernel
+def impulse_tensor(own, rigid, sin, cos):
+    """The tensor that sets the impulse, in the plate's frame: R own R^T, or `rigid` if None."""
+    if own is None:
+        return rigid
+    squares, product = cos * cos - sin * sin, cos * sin
+    return Tensor(
+        (cos * cos) * own.xx - 2.0 * product * own.xy + (sin * sin) * own.yy,
+        product * (own.xx - own.yy) + squares * own.xy,
+        (sin * sin) * own.xx + 2.0 * product * own.xy + (cos * cos) * own.yy,
+    )

@@ -1,0 +1,66 @@
+"""Trajectories of one run: sampled at a fixed rate, written as CSV or NPZ."""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import output
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation.run import Engine, simulate
+
+Array = npt.NDArray[np.float64]
+
+MOST_SAMPLES = 20_000_000
+
+
+class Trajectory(NamedTuple):
+    """Samples of one run."""
+
+    columns: tuple[str, ...]
+    """t_s, then the state's own names with their units."""
+    rows: Array
+    """Shape (samples, columns); the time counts from the end of the discarded start."""
+
+
+def sample(engine: Engine, scene: Scene, interval: float, number: int = 0) -> Trajectory:
+    """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
+    wanted = scene.run.seconds / interval
+    if wanted > MOST_SAMPLES:
+        raise InputError(
+            f"a trajectory of {wanted:.3g} samples; at most {MOST_SAMPLES}: "
+            "lower --rate or --seconds"
+        )
+    result = simulate(engine, scene, number, sample_interval=interval)
+    samples = result.tally.samples
+    assert samples is not None
+    rows = samples.rows[: samples.cursor[0], : 1 + len(engine.columns)]
+    return Trajectory(("t_s", *engine.columns), rows)
+
+
+def to_csv(trajectory: Trajectory) -> bytes:
+    """Comma-separated values, every digit."""
+    text = io.StringIO()
+    text.write(",".join(trajectory.columns) + "\n")
+    np.savetxt(text, trajectory.rows, fmt="%.17g", delimiter=",")
+    return text.getvalue().encode()
+
+
+def to_npz(trajectory: Trajectory) -> bytes:
+    """NumPy's archive, one array a column."""
+    data = io.BytesIO()
+    columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
+    np.savez(data, allow_pickle=False, **columns)
+    return data.getvalue()
+
+
+FORMATS: dict[str, Callable[[Trajectory], bytes]] = {"csv": to_csv, "npz": to_npz}
+
+
+def write(engine: Engine, scene: Scene, path: Path, form: str, interval: float) -> None:
+    """Sample the ensemble's first run and write it in one of FORMATS."""
+    output.write(path, FORMATS[form](sample(engine, scene, interval)))
