@@ -140,7 +140,7 @@ class Run(Section):
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     method: Literal["auto", "event", "step"] = "auto"
-    step_us: Annotated[float, Field(ge=0.01, le=1000)] = 20.0
+    step_us: Annotated[float, Field(ge=0.01, le=1000)] = 30.0
     """Step of the time-stepping method while a foot is in contact."""
     energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
     """Largest share of the exchanged energy that may go unaccounted for."""

@@ -80,6 +80,10 @@ INSTANT = 1e-12
 TOGETHER = 1e-9
 """Part of a step within which two landings are one."""
 
+SLIVER = 0.1
+"""Steps shorter than this part of h, and those after a stop, are not ended at a foot's stop: the
+error of second order that a stopped foot keeps would be stopped again and again."""
+
 STALLED = 200
 """Landings in a row without any time passing before a run has failed."""
 
@@ -227,10 +231,11 @@ def _crossing(gap_0, rate_0, gap_1, rate_1, t):
 
 
 @kernel
-def _step_to_landing(walker, plate, contact, state, start, t, gap_0, u_0, sums, trial, rows):
+def _step_to_landing(walker, plate, contact, state, start, t, stops, gap_0, u_0, sums, trial, rows):
     """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
 
-    gap_0, u_0: gaps and velocities of the feet now; `start` keeps the state before the step.
+    stops: whether to end at a foot's stop as well. gap_0, u_0: gaps and velocities of the feet
+    now; `start` keeps the state before the step.
     """
     start[:] = state
     part, located, back, front = 1.0, False, False, False
@@ -245,7 +250,7 @@ def _step_to_landing(walker, plate, contact, state, start, t, gap_0, u_0, sums, 
         front = start[MODE_FRONT] == OPEN and gap_1[1] < 0.0 and (gap_0[1] > 0.0 or u_1[3] < 0.0)
         part_b = _crossing(gap_0[0], u_0[1], gap_1[0], u_1[1], t) if back else 2.0
         part_f = _crossing(gap_0[1], u_0[3], gap_1[1], u_1[3], t) if front else 2.0
-        part = min(part_b, part_f, turn)
+        part = min(part_b, part_f, turn if stops else 1.0)
         back, front = part_b <= part + TOGETHER, part_f <= part + TOGETHER
         if part == 1.0 and not (back or front):
             break
@@ -285,6 +290,7 @@ def advance(walker, plate, contact, options, state, duration, tally):
     start, trial, rows = np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5))
     sums, h = tally.sums, options.step
     begin, t, stalled, back, front = sums[ELAPSED], 0.0, 0, False, False
+    stopped = False
     while t < duration:
         sums[ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - INSTANT:
@@ -307,8 +313,20 @@ def advance(walker, plate, contact, options, state, duration, tally):
             length = min(max(clear, h), options.flight * h)
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         passed, back, front = _step_to_landing(
-            walker, plate, contact, state, start, length, gap, u, sums, trial, rows
+            walker,
+            plate,
+            contact,
+            state,
+            start,
+            length,
+            length > SLIVER * h and not stopped,
+            gap,
+            u,
+            sums,
+            trial,
+            rows,
         )
+        stopped = passed < length and not (back or front)
         if closed:
             sums[CONTACT_TIME] += passed
             settle(walker, plate, state, _stiffening(walker.legs, h), rows)

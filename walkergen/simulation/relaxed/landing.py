@@ -116,7 +116,7 @@ def _meet(rigid, own, r, near, state, v_p, contact, options, counts):
 
 @kernel
 def _share(walker, back, front, at_back, at_front):
-    """Kappa of the module's second rule; 1 unless both feet are struck."""
+    """The kappa of the module's second rule; 1 unless both feet are struck."""
     if at_back.kind == 0 or at_front.kind == 0:
         return 1.0
     torque_back, torque_front = _torque(back, at_back), _torque(front, at_front)

@@ -158,9 +158,6 @@ def level_pitch(walker: Walker) -> float:
     return math.atan((back_y - front_y) / (front_x - back_x))
 
 
-_level_pitch = kernel(level_pitch)
-
-
 def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0.0) -> State:
     """Level, both feet `gap` (mm) over the plate and moving with it; the plate's phase in rad."""
     state = np.zeros(STATE_SIZE)
@@ -174,7 +171,7 @@ def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0
 
 @kernel
 def lever(d: Point, sin: float, cos: float) -> Point:
-    """R = R(pitch) d, from the sine and cosine of the pitch."""
+    """Rotate d into the plate's frame: r = R(pitch) d, from the sine and cosine of the pitch."""
     return d[0] * cos - d[1] * sin, d[1] * cos + d[0] * sin
 
 

@@ -1,0 +1,103 @@
+"""Sustained contact: rocking on one foot and sliding on both, against independent solutions."""
+
+import math
+
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from test_event_driven import GRAVITY, go, shaken, walker
+
+from walkergen.simulation import plate as drive
+from walkergen.simulation import record
+from walkergen.simulation.plate import Harmonic, Plate
+from walkergen.simulation.relaxed import walker as walkers
+from walkergen.simulation.relaxed.event_driven import OK
+from walkergen.simulation.relaxed.walker import (
+    MODE_BACK,
+    MODE_FRONT,
+    OMEGA,
+    OPEN,
+    PHASE,
+    PITCH,
+    SLIP_BACKWARD,
+    STICK,
+    V_X,
+    V_Y,
+    Contact,
+    X,
+    Y,
+)
+
+
+def independent_motion(w, plate, friction, slip):
+    """Right-hand side with the back foot closed: Newton, Euler and constraints as one system."""
+
+    def derivative(t, q):
+        _, _, pitch, v_x, v_y, Omega = q
+        sin, cos = math.sin(pitch), math.cos(pitch)
+        r_x = w.d_back[0] * cos - w.d_back[1] * sin
+        r_y = w.d_back[1] * cos + w.d_back[0] * sin
+        a_p = drive.acceleration(plate, q_phase + plate.omega * t)
+        # unknowns a_x, a_y, alpha, F_x, N
+        system = np.zeros((5, 5))
+        right = np.zeros(5)
+        system[0, [0, 3]] = w.M, -1.0
+        system[1, [1, 4]] = w.M, -1.0
+        right[1] = -w.M * GRAVITY
+        system[2, [2, 3, 4]] = w.J, r_y, -r_x
+        system[3, [1, 2]] = 1.0, r_x
+        right[3] = a_p + Omega**2 * r_y
+        if slip == 0:
+            system[4, [0, 2]] = 1.0, -r_y
+            right[4] = Omega**2 * r_x
+        else:
+            system[4, [3, 4]] = 1.0, slip * friction
+        a = np.linalg.solve(system, right)
+        return [v_x, v_y, Omega, a[0], a[1], a[2]]
+
+    q_phase = 0.4
+    return derivative
+
+
+@pytest.mark.parametrize(("friction", "slip"), [(3.0, 0), (0.1, -1)])
+@pytest.mark.parametrize("gamma", [0.0, 0.5])
+def test_rocking_block_follows_an_independent_integration(gamma, friction, slip):
+    w = walker()
+    plate = shaken(gamma)
+    state = walkers.level_state(w, plate, phase=0.4)
+    state[PITCH] = 0.3
+    r = walkers.lever(w.d_back, math.sin(0.3), math.cos(0.3))
+    state[OMEGA] = -3.0
+    state[Y] = drive.height(plate, 0.4) - r[1]
+    state[V_Y] -= state[OMEGA] * r[0]
+    state[V_X] = state[OMEGA] * r[1] + slip * 60.0
+    state[MODE_BACK] = STICK if slip == 0 else SLIP_BACKWARD
+    start = state[:6].copy()
+    assert go(w, plate, Contact(0.5, friction, 0), state, 0.03)[0] == OK
+    assert (state[MODE_BACK] != OPEN) & (state[MODE_FRONT] == OPEN)
+    truth = solve_ivp(
+        independent_motion(w, plate, friction, slip),
+        (0.0, 0.03),
+        start,
+        method="DOP853",
+        rtol=1e-12,
+        atol=1e-12,
+    )
+    assert state[:6] == pytest.approx(truth.y[:, -1], abs=1e-8)  # both to about 1e-10
+
+
+@pytest.mark.slow  # compiles
+def test_block_slides_down_a_slope_as_coulomb_says():
+    """On both feet of a tilted plate; with a second harmonic, to cover both effects at once."""
+    w, slope, mu = walker(), 0.4, 0.2
+    plate = Plate(shaken(0.4).amplitude, 2 * math.pi * 90, Harmonic(0.1, 0.3))
+    state = walkers.level_state(w, plate)
+    tally = record.new(9)
+    assert go(w, plate, Contact(0.0, mu, 0), state, 0.5, slope, tally)[0] == OK
+    gained = drive.velocity(plate, state[PHASE]) - drive.velocity(plate, 0.0)
+    g_x, g_y = GRAVITY * math.sin(slope), GRAVITY * math.cos(slope)
+    assert tally.sums[record.CONTACT_TIME] == pytest.approx(0.5, abs=1e-6)
+    assert state[V_X] == pytest.approx((g_x - mu * g_y) * 0.5 - mu * gained, rel=1e-6)
+    held = walkers.level_state(w, plate)
+    assert go(w, plate, Contact(0.0, 1.5, 0), held, 0.5, slope)[0] == OK
+    assert abs(held[X]) < 1e-9  # it falls by a rounding before it stands
