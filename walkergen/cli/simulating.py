@@ -69,6 +69,8 @@ def simulate(
         restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
     )
     resolved_scene = opt.scene_of(scene, changes)
+    if trajectory is not None:
+        trajectories.check(resolved_scene, 1.0 / rate)
     chosen, mass = _one_design(design, tilt, legs)
     with show.progress("simulate", wanted=not quiet) as progress:
         plan = engines.prepare(resolved_scene, chosen, mass)

@@ -3,6 +3,7 @@
 import csv
 import io
 from collections.abc import Sequence
+from typing import Literal
 
 from rich import box
 from rich.console import Console
@@ -13,7 +14,7 @@ from walkergen.simulation.ensemble import Simulated
 
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
 UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
-MASSES = ("M", "J", "m", "j")
+DETAILS = ("M", "J", "m", "j", "back", "front")
 """Columns that the console leaves out when it shows simulated speeds, to stay within 80."""
 
 
@@ -34,10 +35,11 @@ def to_table(
     """The table for the console; rows with a note carry its number."""
     table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
     columns = _columns(rows, simulated)
-    shown = [name for name in columns if not (simulated and name[0] in MASSES)]
+    shown = [name for name in columns if not (simulated and name[0] in DETAILS)]
     for heading, unit in shown:
-        left = heading in ("legs", "speed", "simulated")
-        table.add_column(f"{heading}\n{unit}", justify="left" if left else "right", no_wrap=True)
+        left = heading in ("legs", "speed", "simulated", "outcomes")
+        justify: Literal["left", "right"] = "left" if left else "right"
+        table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=heading != "outcomes")
     for cells in zip(*(columns[name] for name in shown), strict=True):
         table.add_row(*cells)
     return table

@@ -27,14 +27,19 @@ class Trajectory(NamedTuple):
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
 
-def sample(engine: Engine, scene: Scene, interval: float, number: int = 0) -> Trajectory:
-    """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
+def check(scene: Scene, interval: float) -> None:
+    """Raise InputError when a trajectory would have too many samples to keep."""
     wanted = scene.run.seconds / interval
     if wanted > MOST_SAMPLES:
         raise InputError(
             f"a trajectory of {wanted:.3g} samples; at most {MOST_SAMPLES}: "
             "lower --rate or --seconds"
         )
+
+
+def sample(engine: Engine, scene: Scene, interval: float, number: int = 0) -> Trajectory:
+    """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
+    check(scene, interval)
     result = simulate(engine, scene, number, sample_interval=interval)
     samples = result.tally.samples
     assert samples is not None

@@ -1,0 +1,19 @@
+"""Compile one engine in this process and print how often its code calls sine and cosine."""
+
+import json
+import re
+import sys
+
+from walkergen import solids
+from walkergen.design import Design
+from walkergen.scene import Scene
+from walkergen.simulation import engines, record
+
+design = Design()
+scene = Scene.model_validate(json.loads(sys.argv[1]))
+engine = engines.prepare(scene, design, solids.weigh(design, solids.build(design))).engine
+state = engine.start(0.05, 0.0, 0.0)
+engine.advance(*engine.arguments, state, 1e-5, record.new(len(state)))
+kernel = engine.advance
+text = kernel.inspect_llvm(kernel.signatures[0])  # type: ignore[attr-defined]
+print(len(re.findall(r"call double @(?:llvm\.)?(?:sin|cos)", text)), text.count("\n"))

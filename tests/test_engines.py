@@ -1,0 +1,214 @@
+"""Laws that every model and method obeys, through the engines that a scene builds."""
+
+import math
+
+import numpy as np
+import pytest
+
+from walkergen import mass as masses
+from walkergen import solids
+from walkergen.design import Design
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation import effects, engines, ensemble, record
+from walkergen.simulation.run import Outcome, simulate
+
+METHODS = [
+    ("rigid", "event"), ("rigid", "step"), ("relaxed", "event"),
+    ("compliant", "event"), ("compliant", "step"),
+]  # fmt: skip
+
+
+def plan_of(model="auto", method="auto", *, design=None, **tables):
+    design = design or Design()
+    mass = solids.weigh(design, solids.build(design))
+    data = {key: dict(value) for key, value in tables.items()}
+    data.setdefault("legs", {})["model"] = model
+    data.setdefault("run", {})["method"] = method
+    scene = Scene.model_validate(data)
+    return engines.prepare(scene, design, mass), scene
+
+
+def flown(engine, seconds, pitch=2e-3, phase=0.3, clearance=0.05):
+    state = engine.start(clearance, pitch, phase)
+    tally = record.new(len(state))
+    assert engine.advance(*engine.arguments, state, seconds, tally) == 0
+    return state, tally
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_mirror_image_runs_backwards(model, method):
+    right, _ = plan_of(model, method)
+    left, _ = plan_of(model, method, design=Design().variant(tilt_deg=-10.0))
+    a, _ = flown(right.engine, 0.02)
+    b, _ = flown(left.engine, 0.02, pitch=-2e-3)
+    # Two periods, before chaos amplifies the rounding of the two mirrored meshes (1e-16) to this.
+    assert b[0] == pytest.approx(-a[0], abs=1e-7)
+    assert b[1] == pytest.approx(a[1], abs=1e-7)
+    assert b[2] == pytest.approx(-a[2], abs=1e-8)
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_shift_by_one_period_changes_nothing(model, method):
+    plan, _ = plan_of(model, method)
+    a, _ = flown(plan.engine, 0.02, phase=0.3)
+    b, _ = flown(plan.engine, 0.02, phase=0.3 + 2 * math.pi)
+    np.testing.assert_allclose(a[:3], b[:3], atol=1e-7)
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+@pytest.mark.parametrize("scale", [1e-3, 1e3])
+def test_scaled_walkers_run_alike(model, method, scale):
+    """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
+
+    def scaled(s):
+        one = Design()
+        data = {
+            "body": {key: value * s for key, value in one.body.model_dump().items()},
+            "legs": {
+                k: v * s if k.endswith("_mm") else v for k, v in one.legs.model_dump().items()
+            },
+            "material": {"youngs_modulus_gpa": 3.0 * s},
+        }
+        drive = {"frequency_hz": 90.0 / math.sqrt(s), "gamma": 1.8}
+        run = {"step_us": 10.0 * math.sqrt(s)}
+        return plan_of(model, method, design=Design.model_validate(data), drive=drive, run=run)[0]
+
+    a, _ = flown(scaled(1.0).engine, 0.011)
+    b, _ = flown(scaled(scale).engine, 0.011 * math.sqrt(scale), clearance=0.05 * scale)
+    # One period: the first landing and what follows; tolerances in mm do not scale everywhere.
+    np.testing.assert_allclose(b[:2] / scale, a[:2], rtol=1e-4, atol=1e-4)
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_energy_balances_and_the_outcome_is_ok(model, method):
+    plan, scene = plan_of(model, method, run={"seconds": 1.0, "discard_seconds": 0.1})
+    result = simulate(plan.engine, scene, 0)
+    assert result.outcome is Outcome.OK
+    assert result.energy_error < (0.02 if method == "step" else 1e-4)
+    assert result.tally.sums[record.ELAPSED] == pytest.approx(1.0, rel=1e-9)
+    assert result.tally.counts[0] > 50
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_threads_change_no_bit_and_few_runs_are_the_first_of_many(model, method):
+    few, scene = plan_of(model, method, run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 2})
+    many, larger = plan_of(model, method, run={"seconds": 0.2, "discard_seconds": 0.0, "runs": 5})
+    one = ensemble.run(few.engine, scene, lambda *told: None, threads=1)
+    four = ensemble.run(many.engine, larger, lambda *told: None, threads=4)
+    for a, b in zip(one, four, strict=False):
+        np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
+        np.testing.assert_array_equal(a.tally.counts, b.tally.counts)
+
+
+def test_stiff_legs_slide_like_rigid_ones():
+    """k_t -> infinity, without impacts: a steep plate shaken at 0.5 g.
+
+    The springs take up the weight in a time of order k^(-1/2), in which friction is less: the
+    distance differs by that order.
+    """
+
+    def slid(model, modulus):
+        design = Design.model_validate({"material": {"youngs_modulus_gpa": modulus}})
+        plan, _ = plan_of(
+            model, "event", design=design, drive={"frequency_hz": 90.0, "gamma": 0.5},
+            plate={"slope_deg": 30.0}, legs={"damping_ratio": 1.0},
+        )  # fmt: skip
+        state, tally = flown(plan.engine, 0.02, pitch=0.0, phase=0.5 * math.pi, clearance=0.0)
+        moved = state[0] - plan.engine.start(0.0, 0.0, 0.5 * math.pi)[0]
+        return moved, tally
+
+    rigid, _ = slid("rigid", 3.0)
+    errors = [abs(slid("compliant", modulus)[0] - rigid) for modulus in (30.0, 300.0, 3000.0)]
+    assert errors[0] < 0.02 * abs(rigid)
+    # k a hundred times larger; 20 %: the next order at the softest spring.
+    assert errors[0] / errors[2] == pytest.approx(10.0, rel=0.2)
+
+
+def test_descent_helps_and_ascent_hinders():
+    speeds = {}
+    for slope in (-20.0, 0.0, 20.0):
+        plan, scene = plan_of(
+            "rigid", "step", design=Design().variant(kind="braced"), plate={"slope_deg": slope},
+            run={"seconds": 2.0, "discard_seconds": 0.2},
+        )  # fmt: skip
+        speeds[slope] = simulate(plan.engine, scene, 0).speed
+    assert speeds[-20.0] < speeds[0.0] < speeds[20.0]
+
+
+def test_frozen_joints_weigh_like_the_solid():
+    design = Design()
+    built = solids.build(design)
+    loose = solids.weigh(design, built)
+    frozen = masses.as_rigid(loose)
+    whole = masses.weigh(built.walker, 1.24e-3)
+    assert frozen.M == pytest.approx(whole.mass, rel=1e-12)
+    assert frozen.J == pytest.approx(whole.inertia, rel=1e-12)
+    foot = whole.centre[:2] + frozen.a + frozen.c_A + frozen.c_T
+    np.testing.assert_allclose(foot, np.array(design.anchors[0]) + design.anchor_to_foot)
+
+
+def verdicts(plan):
+    return {effect.name: effect.on for effect in plan.resolved.effects}
+
+
+def test_the_scene_decides_which_effects_are_simulated():
+    plan, _ = plan_of()
+    assert (plan.resolved.model, plan.resolved.method) == ("compliant", "step")
+    assert verdicts(plan)["leg compliance"]
+    assert verdicts(plan)["sticking in impacts"]
+    assert not verdicts(plan)["plate slope"]
+    assert not verdicts(plan)["air drag"]
+    braced, _ = plan_of(design=Design().variant(kind="braced"))
+    assert (braced.resolved.model, braced.resolved.method) == ("rigid", "event")
+    coarse, _ = plan_of(run={"accepted_error": 0.8})
+    assert coarse.resolved.model == "relaxed"
+    steep, _ = plan_of(plate={"slope_deg": 3.0}, design=Design().variant(tilt_deg=30.0))
+    assert verdicts(steep)["plate slope"]
+    assert not verdicts(steep)["sticking in impacts"]
+
+
+def test_effects_can_be_forced_on_and_off():
+    relaxed, _ = plan_of(effects={"leg_compliance": False})
+    assert relaxed.resolved.model == "relaxed"
+    rigid, _ = plan_of(effects={"leg_compliance": False, "flexible_tensor": False})
+    assert rigid.resolved.model == "rigid"
+    level, _ = plan_of(plate={"slope_deg": 3.0}, effects={"plate_slope": False})
+    assert not verdicts(level)["plate slope"]
+    assert any("forced off" in effect.reason for effect in level.resolved.effects)
+    flat, _ = plan_of(effects={"second_harmonic": True})
+    assert verdicts(flat)["second harmonic"]
+
+
+@pytest.mark.parametrize(
+    ("choices", "word"),
+    [
+        ({"model": "relaxed", "method": "step"}, "no time step"),
+        (
+            {"model": "compliant", "design": Design().variant(kind="braced")},
+            "braced legs are rigid",
+        ),
+        ({"model": "relaxed", "effects": {"leg_compliance": True}}, "contradicts"),
+        ({"model": "rigid", "effects": {"flexible_tensor": True}}, "contradicts"),
+        ({"model": "relaxed", "effects": {"flexible_tensor": False}}, "contradicts"),
+    ],
+)
+def test_contradictions_are_refused(choices, word):
+    with pytest.raises(InputError, match=word):
+        plan_of(**choices)
+
+
+def test_an_absent_effect_is_absent_from_the_state():
+    sizes = {
+        (model, method): len(plan_of(model, method)[0].engine.start(0.05, 0.0, 0.0))
+        for model, method in METHODS
+    }
+    assert sizes["compliant", "step"] == sizes["compliant", "event"] == 13
+    assert sizes["rigid", "step"] == sizes["rigid", "event"] == sizes["relaxed", "event"] == 9
+
+
+def test_air_drag_is_negligible_at_this_size():
+    plan, _ = plan_of()
+    (drag,) = [effect for effect in plan.resolved.effects if effect.name == "air drag"]
+    assert 0 < drag.number < 1e-3
+    assert effects.leg_frequency(Design(), solids.weigh(Design(), solids.build(Design()))) > 1000

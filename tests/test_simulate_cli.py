@@ -1,0 +1,153 @@
+"""`simulate`, `explain` and `family --simulate` as a user meets them."""
+
+import csv
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import WalkergenError
+
+KEYS = {
+    "model", "method", "law", "speed_mm_s", "speed_se_mm_s", "runs", "simulated_s", "cpu_s",
+    "wall_s",
+    "impacts_per_s", "type_fractions", "contact_fraction", "max_pitch_deg", "energy_error",
+    "outcomes",
+}  # fmt: skip
+
+SHORT = ("--seconds", "0.5", "--runs", "2")
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+
+    return call
+
+
+def test_json_has_the_named_keys(run):
+    result = run(
+        "simulate", "koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *SHORT, "--json"
+    )
+    found = json.loads(result.stdout)
+    assert set(found) >= KEYS
+    assert (found["model"], found["method"], found["law"]) == ("compliant", "step", "poisson")
+    assert found["runs"] == 2
+    assert found["simulated_s"] == pytest.approx(1.0)
+    assert sum(found["type_fractions"].values()) - found["type_fractions"]["sticking"] == (
+        pytest.approx(1.0)
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (("--model", "relaxed"), ("relaxed", "event")),
+        (("--legs", "braced"), ("rigid", "event")),
+        (("--legs", "braced", "--method", "step"), ("rigid", "step")),
+        (("--method", "event", "--law", "newton"), ("compliant", "event")),
+    ],
+)
+def test_models_and_methods_can_be_chosen(run, options, expected):
+    found = json.loads(run("simulate", *options, *SHORT, "--json").stdout)
+    assert (found["model"], found["method"]) == expected
+
+
+def test_overrides_reach_the_scene(run):
+    calm = json.loads(run("simulate", "--gamma", "0.5", *SHORT, "--json").stdout)
+    assert calm["contact_fraction"] > 0.99
+    assert abs(calm["speed_mm_s"]) < 1.0
+    fine = run("simulate", "--step", "10", "--seed", "5", "--frequency", "80", *SHORT, "--json")
+    assert json.loads(fine.stdout)["runs"] == 2
+
+
+def test_same_seed_same_numbers(run):
+    words = ("simulate", "--seed", "3", *SHORT, "--json")
+    one, two = (json.loads(run(*words).stdout) for _ in range(2))
+    other = json.loads(run("simulate", "--seed", "4", *SHORT, "--json").stdout)
+    assert one["speed_mm_s"] == two["speed_mm_s"] != other["speed_mm_s"]
+
+
+def test_table_says_what_was_simulated(run):
+    text = run("simulate", "--restitution", "0.3", *SHORT).stdout
+    for words in ("compliant, method step, law poisson", "mean speed", "simulated s per CPU s"):
+        assert words in text
+
+
+def test_trajectory_as_csv_and_npz(run, tmp_path):
+    words = ("simulate", "--model", "relaxed", "--seconds", "0.1", "--runs", "1", "--quiet")
+    run(*words, "--trajectory", "a.csv", "--rate", "2000")
+    with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert list(rows[0])[:4] == ["t_s", "x_mm", "y_mm", "pitch_rad"]
+    assert len(rows) == pytest.approx(201, abs=1)
+    assert float(rows[1]["t_s"]) == pytest.approx(5e-4)
+    run(*words, "--trajectory", "a.npz", "--format", "npz", "--rate", "2000")
+    with np.load(tmp_path / "a.npz") as data:
+        np.testing.assert_array_equal(data["x_mm"], [float(row["x_mm"]) for row in rows])
+
+
+def test_explain_names_every_effect(run):
+    rows = json.loads(run("explain", "koumakis2016", "--no-cost", "--json").stdout)["rows"]
+    by_name = {row["effect"]: row for row in rows}
+    assert by_name["leg compliance"]["on"]
+    assert not by_name["yaw and roll"]["on"]
+    assert not by_name["plate slope"]["on"]
+    assert by_name["air drag"]["number"] < 1e-3
+    assert all(row["reason"] for row in rows)
+    text = run("explain", "koumakis2016", "--no-cost").stdout
+    assert "effects.leg_compliance" in text.replace("\n", "")
+
+
+def test_explain_measures_what_an_effect_costs(run, monkeypatch):
+    monkeypatch.setattr("walkergen.simulation.costs.MEASURED_S", 0.2)
+    rows = json.loads(run("explain", "--model", "relaxed", "--json").stdout)["rows"]
+    (tensor,) = [row for row in rows if row["effect"] == "flexible foot tensor"]
+    assert tensor["cost"] > 0
+
+
+def test_family_simulate_adds_columns_and_points(run, tmp_path):
+    result = run(
+        "family", "--tilt", "10", "--simulate", "--seconds", "0.3", "--runs", "2", "--out", "here"
+    )
+    assert "simulated" in result.stdout
+    assert max(len(line) for line in result.stdout.splitlines()) <= 80
+    with (tmp_path / "here" / "family.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [row["sim_model"] for row in rows] == ["compliant", "rigid"]
+    assert all(float(row["sim_speed_mm_s"]) != 0 for row in rows)
+    assert "simulated (mm/s)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize(
+    ("words", "hint"),
+    [
+        (("--model", "soft"), "'relaxed', 'compliant', 'rigid'"),
+        (("--method", "guess"), "'auto', 'event', 'step'"),
+        (("--model", "relaxed", "--method", "step"), "no time step"),
+        (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
+        (("--legs", "braced,flexible"), "one kind"),
+        (("--seconds", "-1"), "run.seconds = -1"),
+        (("--seconds", "nan"), "run.seconds = nan"),
+        (("--runs", "0"), "run.runs = 0"),
+        (("--gamma", "nan"), "drive.gamma = nan"),
+        (("--gamma", "0"), "drive.gamma = 0"),
+        (("--frequency", "1e300"), "drive.frequency_hz = 1e+300"),
+        (("--step", "1e9"), "run.step_us"),
+        (("--tilt", "80"), "tilt up to"),
+        (("--format", "xls"), "csv, npz"),
+        (("--seconds", "1e6", "--rate", "1e6", "--trajectory", "t.csv", "--runs", "1"), "at most"),
+        (("--trajectory", "file/x.csv", "--seconds", "0.01", "--runs", "1"), "cannot be written"),
+    ],
+)
+def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
+    (tmp_path / "file").write_text("in the way")
+    result = run("simulate", *words)
+    assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
+    assert hint in str(result.exception)
+    assert [path.name for path in tmp_path.iterdir()] == ["file"]
