@@ -13,3 +13,4 @@ test:
 bench:
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
+	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8

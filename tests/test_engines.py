@@ -191,6 +191,7 @@ def test_effects_can_be_forced_on_and_off():
         ({"model": "relaxed", "effects": {"leg_compliance": True}}, "contradicts"),
         ({"model": "rigid", "effects": {"flexible_tensor": True}}, "contradicts"),
         ({"model": "relaxed", "effects": {"flexible_tensor": False}}, "contradicts"),
+        ({"effects": {"flexible_tensor": False}}, "cannot do without"),
     ],
 )
 def test_contradictions_are_refused(choices, word):
@@ -212,3 +213,17 @@ def test_air_drag_is_negligible_at_this_size():
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == "air drag"]
     assert 0 < drag.number < 1e-3
     assert effects.leg_frequency(Design(), solids.weigh(Design(), solids.build(Design()))) > 1000
+
+
+def test_without_an_effect_the_rest_stays():
+    relaxed, scene = plan_of("relaxed", plate={"slope_deg": 3.0})
+    (tensor,) = [e for e in relaxed.resolved.effects if e.name == "flexible foot tensor"]
+    design = Design()
+    mass = solids.weigh(design, solids.build(design))
+    plan = engines.prepare(engines.without(scene, tensor), design, mass)
+    assert plan.resolved.model == "rigid"
+    assert plan.resolved.on("plate slope")
+    (slope,) = [e for e in relaxed.resolved.effects if e.name == "plate slope"]
+    level = engines.prepare(engines.without(scene, slope), design, mass)
+    assert level.resolved.model == "relaxed"
+    assert not level.resolved.on("plate slope")

@@ -1,5 +1,7 @@
 """Ensembles: statistics against closed forms, and engines that misbehave."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -36,7 +38,7 @@ def silent(what, done, total):
     assert 0 <= done <= total
 
 
-def noise_result(number, speeds, block_s=2 * PERIOD):
+def noise_result(number, speeds, block_s=4 * PERIOD):
     tally = record.new(4)
     measured = block_s * len(speeds)
     return RunResult(
@@ -58,7 +60,7 @@ def test_correlation_time_of_an_autoregressive_speed(memory):
     """Closed form: tau = (1 + a) / (2 (1 - a)) blocks for a first-order process."""
     rng = np.random.default_rng(1)
     results = [noise_result(n, autoregressive(rng, 20_000, memory)) for n in range(4)]
-    expected = 0.5 * (1 + memory) / (1 - memory) * 2 * PERIOD
+    expected = 0.5 * (1 + memory) / (1 - memory) * 4 * PERIOD
     # 80 000 blocks of which at least 4000 are independent: a few percent, window bias included.
     assert ensemble.correlation_time(results) == pytest.approx(expected, rel=0.1)
 
@@ -139,7 +141,11 @@ def test_ctrl_c_keeps_the_finished_runs():
         if done >= 2:
             raise KeyboardInterrupt
 
-    results = ensemble.run(fake_engine(steady), scene_of(runs=50), interrupted, threads=1)
+    def slow(state, duration, tally):
+        time.sleep(1e-3)
+        return steady(state, duration, tally)
+
+    results = ensemble.run(fake_engine(slow), scene_of(runs=50), interrupted, threads=1)
     assert 2 <= len(results) < 50
 
 

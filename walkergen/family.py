@@ -165,8 +165,11 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
         )
         for kind in dict.fromkeys(member.design.legs.kind for member in made)
     }
-    drive = job.scene.drive
-    title = f"{job.design.name} on {job.scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g"
+    drive, contact = job.scene.drive, job.scene.contact
+    title = (
+        f"{job.design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
+        f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
+    )
     rows, simulated = rows_of(made)
     figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title, simulated)
     folder.write("speed.png", plots.png(figure))

@@ -132,6 +132,8 @@ def _tensor(scene: Scene, design: Design, mass: MassProperties, compliant: bool)
         raise InputError("effects.flexible_tensor = true contradicts legs.model = 'rigid'")
     ratio = float(mass.m / mass.M)
     meaning = "mass of a leg over the body's"
+    if compliant and wanted is False:
+        raise InputError("effects.flexible_tensor = false: compliant legs cannot do without it")
     if compliant:
         return Effect(name, True, ratio, meaning, "part of the chain of body and legs", "")
     reason = "legs are flexible" if model != "rigid" else "legs.model = 'rigid'"

@@ -47,10 +47,18 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
 def without(scene: Scene, effect: Effect) -> Scene:
     """The same scene with one effect forced off."""
     key = effect.switch.removeprefix("effects.")
-    effects = scene.effects.model_copy(update={key: False})
-    legs = scene.legs.model_copy(update={"model": "auto"})
-    run = scene.run.model_copy(update={"method": "auto"})
-    return scene.model_copy(update={"effects": effects, "legs": legs, "run": run})
+    if key not in ("leg_compliance", "flexible_tensor"):
+        effects = scene.effects.model_copy(update={key: False})
+        return scene.model_copy(update={"effects": effects})
+    # The model and its method follow: without their tensor legs are rigid, not compliant.
+    off = {"leg_compliance": False} | {key: False}
+    return scene.model_copy(
+        update={
+            "effects": scene.effects.model_copy(update=off),
+            "legs": scene.legs.model_copy(update={"model": "auto"}),
+            "run": scene.run.model_copy(update={"method": "auto"}),
+        }
+    )
 
 
 def _plate(scene: Scene, resolved: Resolved) -> Plate:

@@ -16,10 +16,13 @@ Array = npt.NDArray[np.float64]
 X, PITCH = 0, 2
 """Places in every model's state."""
 
+MOST_BLOCKS = 100_000
+"""Longer runs have longer blocks: memory stays the same for any duration."""
+
 FIRST_PITCH = 1e-3
 """Largest pitch of the first drop, rad: enough to leave the unstable level motion."""
 
-PERIODS_PER_BLOCK = 2
+PERIODS_PER_BLOCK = 4
 """A block, in periods of the drive: the time resolution of the speed's statistics."""
 
 
@@ -104,8 +107,8 @@ def simulate(
         outcome = _advance(engine, state, scene.run.discard_seconds, record.new(len(state)), scene)
 
     tally = record.new(len(state), scene.run.seconds, sample_interval, event_room)
-    block = PERIODS_PER_BLOCK * engine.period
-    blocks = max(1, round(scene.run.seconds / block))
+    blocks = round(scene.run.seconds / (PERIODS_PER_BLOCK * engine.period))
+    blocks = min(max(blocks, 1), MOST_BLOCKS)
     block = scene.run.seconds / blocks
     places = np.empty(blocks + 1)
     places[0], energy = state[X], engine.energy(state)

@@ -42,23 +42,10 @@ from walkergen.simulation.compliant.legs import (
     X,
     Y,
 )
+from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 
 LEVEL = 2e-14
 """Depth (mm) below the plate at which a foot has landed: the rounding of a foot's height."""
-
-STAGES = np.array(
-    [
-        [1 / 5, 0, 0, 0, 0, 0],
-        [3 / 40, 9 / 40, 0, 0, 0, 0],
-        [44 / 45, -56 / 15, 32 / 9, 0, 0, 0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0, 0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0],
-        [35 / 384, 0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
-)
-ERRORS = np.array(
-    [71 / 57600, 0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
-)  # Dormand and Prince (1980): fifth order minus fourth
 
 
 class Work(NamedTuple):
@@ -152,7 +139,7 @@ def shoot(walker, plate, contact, work, t):
         for k in range(now.size):
             total = 0.0
             for j in range(i + 1):
-                total += STAGES[i, j] * slopes[j, k]
+                total += WEIGHTS[i + 1, j] * slopes[j, k]
             target[k] = now[k] + t * total
         margins = slopes_of(walker, plate, contact, target, slopes[i + 1], work.rows)
     return min(margins[0], margins[1])
@@ -178,6 +165,6 @@ def error_of(work, t, tolerance):
     for k in range(work.scales.size):
         total = 0.0
         for j in range(7):
-            total += ERRORS[j] * work.slopes[j, k]
+            total += ERROR_WEIGHTS[j] * work.slopes[j, k]
         worst = max(worst, abs(t * total) / work.scales[k])
     return worst / tolerance

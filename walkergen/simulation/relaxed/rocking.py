@@ -4,7 +4,6 @@ Integrated by the Dormand-Prince pair of orders 5 and 4 with adaptive steps in (
 Omega); the height follows from the contact itself, so that the gap stays exactly zero. What ends
 the motion (other foot or corner touches, lift-off, stop, break-away) is located by varying the
 length of the last step, so that the state at an event has the order of the method.
-Source of the coefficients: Dormand and Prince, J. Comput. Appl. Math. 6 (1980) 19-26.
 """
 
 import math
@@ -12,6 +11,7 @@ import math
 import numpy as np
 
 from walkergen.kernels import kernel
+from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, NODES, WEIGHTS
 from walkergen.simulation.plate import TWO_PI, acceleration, height, velocity
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
 from walkergen.simulation.relaxed.sustained import BREAK, LIFT, STOP, direction, on_one_foot
@@ -34,21 +34,6 @@ from walkergen.simulation.relaxed.walker import (
     lever,
 )
 
-NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
-WEIGHTS = np.array(
-    [
-        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [1 / 5, 0.0, 0.0, 0.0, 0.0, 0.0],
-        [3 / 40, 9 / 40, 0.0, 0.0, 0.0, 0.0],
-        [44 / 45, -56 / 15, 32 / 9, 0.0, 0.0, 0.0],
-        [19372 / 6561, -25360 / 2187, 64448 / 6561, -212 / 729, 0.0, 0.0],
-        [9017 / 3168, -355 / 33, 46732 / 5247, 49 / 176, -5103 / 18656, 0.0],
-        [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
-    ]
-)
-ERROR_WEIGHTS = np.array(
-    [71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
-)
 # Tolerated error of a step, in gap tolerances; longest and first step, in periods of the drive.
 TOLERANCE, LONGEST, FIRST = 50.0, 1 / 16, 1 / 128
 MOST_TRIALS, MOST_HALVINGS = 60, 200

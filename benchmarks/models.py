@@ -1,0 +1,70 @@
+"""How far the models of a walker lie apart, and what each costs: speed against tilt.
+
+    python benchmarks/models.py [--seconds 10] [--runs 8] [--restitution 0.3] [--friction 0.25]
+
+Every model and method simulates the paper's walker on the paper's plate (90 Hz, 1.8 g). The
+compliant walker's event-driven method is the reference; the table gives mean speeds with their
+standard errors, impacts per CPU second, and simulated seconds per CPU second.
+"""
+
+import argparse
+import platform
+
+from walkergen import solids
+from walkergen.design import Design
+from walkergen.scene import Scene
+from walkergen.simulation import engines, ensemble
+
+CASES = (
+    ("flexible", "relaxed", "event"),
+    ("flexible", "compliant", "step"),
+    ("flexible", "compliant", "event"),
+    ("braced", "rigid", "event"),
+    ("braced", "rigid", "step"),
+)
+TILTS = (0.0, 5.0, 10.0, 15.0, 20.0, 35.0)
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """Show no progress."""
+
+
+def main() -> None:
+    """Print the table."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--runs", type=int, default=8)
+    parser.add_argument("--restitution", type=float, default=0.3)
+    parser.add_argument("--friction", type=float, default=0.25)
+    chosen = parser.parse_args()
+    print(f"{platform.processor() or platform.machine()}, Python {platform.python_version()}")
+    print(f"restitution {chosen.restitution:g}, friction {chosen.friction:g}, law poisson")
+    print("tilt  legs      model      method   speed +- se mm/s  impacts/CPU s  s/CPU s  outcomes")
+    for kind, model, method in CASES:
+        for tilt in TILTS:
+            design = Design().variant(tilt_deg=tilt, kind=kind)
+            mass = solids.weigh(design, solids.build(design))
+            scene = Scene.model_validate(
+                {
+                    "contact": {
+                        "restitution": chosen.restitution,
+                        "friction": chosen.friction,
+                    },
+                    "legs": {"model": model},
+                    "run": {"method": method, "seconds": chosen.seconds, "runs": chosen.runs},
+                }
+            )
+            engine = engines.prepare(scene, design, mass).engine
+            found, _ = ensemble.measure(engine, scene, silent, threads=1)
+            speed = "none" if found.speed_mm_s is None else f"{found.speed_mm_s:8.2f}"
+            error = "?" if found.speed_se_mm_s is None else f"{found.speed_se_mm_s:.2f}"
+            rate = found.simulated_s / found.cpu_s
+            print(
+                f"{tilt:4g}  {kind:8s}  {model:9s}  {method:6s}  {speed:>9s} +- {error:5s}"
+                f"  {found.impacts_per_s * rate:13.3g}  {rate:7.0f}  {found.outcomes}",
+                flush=True,
+            )
+
+
+if __name__ == "__main__":
+    main()
