@@ -201,18 +201,17 @@ def compare(
 def conclude(ladder: list[Setting], cases: list[list[Rung]], accepted: float) -> None:
     """Print each engine's fastest setting whose error is accepted in every case, and the ratio.
 
-    One case alone is no judge: errors of either sign cancel at some step by accident. An error
-    is accepted unless it exceeds the limit by more than its own standard error.
+    One case alone is no judge: errors of either sign cancel at some step by accident.
     """
     print(f"\nfastest with an error of at most {100 * accepted:g} % in every case "
           "(s/CPU s: over all cases)")  # fmt: skip
     each = list(zip(*cases, strict=True))
-    worst = [max(rungs, key=lambda rung: abs(rung.error) - rung.noise) for rungs in each]
+    worst = [max(rungs, key=lambda rung: abs(rung.error)) for rungs in each]
     rates = [len(cases) / sum(1.0 / rung.rate for rung in rungs) for rungs in each]
     ours = math.nan
     for engine in dict.fromkeys(setting.engine for setting in ladder):
         places = [place for place, setting in enumerate(ladder) if setting.engine == engine]
-        good = [at for at in places if abs(worst[at].error) - worst[at].noise <= accepted]
+        good = [at for at in places if abs(worst[at].error) <= accepted]
         if good:
             best, remark = max(good, key=rates.__getitem__), ""
         else:

@@ -227,3 +227,13 @@ def test_without_an_effect_the_rest_stays():
     level = engines.prepare(engines.without(scene, slope), design, mass)
     assert level.resolved.model == "relaxed"
     assert not level.resolved.on("plate slope")
+
+
+def test_a_landing_beside_a_foot_that_has_just_left_is_located(monkeypatch):
+    """Regression: 1.59 s into this run a landing was located 1e-6 mm inside the plate."""
+    monkeypatch.setattr("walkergen.simulation.run.PERIODS_PER_BLOCK", 2)
+    plan, scene = plan_of(
+        "compliant", "event", design=Design().variant(tilt_deg=15.0),
+        contact={"restitution": 0.0}, run={"seconds": 2.0, "discard_seconds": 0.5},
+    )  # fmt: skip
+    assert simulate(plan.engine, scene, 1).outcome is Outcome.OK

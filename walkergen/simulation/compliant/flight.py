@@ -155,10 +155,11 @@ def _harmonic_pull(harmonic):
 
 @kernel
 def clear_time(walker, plate, state, chain, gaps):
-    """Time (s) within which neither foot can reach the plate; 0 when one is in reach.
+    """Time (s) within which neither foot reaches the plate; 0 when one is in reach.
 
-    A bound: no acceleration towards the plate is larger than gravity and the plate's largest
-    together, and the legs never swing further than their energy allows.
+    No acceleration towards the plate is larger than gravity and the plate's largest together, and
+    the legs swing no further than their energy allows, taken to first order in their angles with
+    15 % to spare: safe for the few degrees that legs swing, not a bound for large angles.
     """
     largest = plate.amplitude * plate.omega**2 * (1.0 + _harmonic_pull(plate.harmonic))
     pull = math.hypot(along(walker.gravity_x), walker.gravity_y) + largest
