@@ -14,3 +14,4 @@ bench:
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
+	$(PYTHON) benchmarks/rivals.py --seconds 1

@@ -204,6 +204,16 @@ def test_python_m_walkergen_works():
     assert (result.returncode, result.stdout.split()[0]) == (0, "walkergen")
 
 
+def test_family_without_simulation_does_not_load_the_compiler(tmp_path):
+    code = (
+        "import sys; from walkergen.cli import app\n"
+        f"words = ['family', '--tilt', '5', '--quiet', '--no-pictures', '--out', {str(tmp_path)!r}]"
+        "\ntry: app(words)\nexcept SystemExit: pass\n"
+        "print(sorted({'numba', 'matplotlib', 'trimesh', 'scipy'} & set(sys.modules)))"
+    )
+    assert python("-c", code).stdout.strip() == "[]"
+
+
 def test_help_imports_nothing_heavy():
     code = (
         "import sys; from walkergen.cli import app\n"

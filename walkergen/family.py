@@ -15,8 +15,8 @@ from walkergen.prediction import Prediction
 from walkergen.printing import export, plate
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
+from walkergen.report.tables import Simulated
 from walkergen.scene import Scene
-from walkergen.simulation.ensemble import Simulated
 from walkergen.solids import Solids
 from walkergen.theory.speed import Mode
 
@@ -151,7 +151,11 @@ def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> l
         summary, _ = ensemble.measure(engine, job.scene, told)
         if summary.runs < job.scene.run.runs:
             raise KeyboardInterrupt
-        found.append(member._replace(simulated=ensemble.brief(engine, summary)))
+        outcomes = ", ".join(f"{count} {name}" for name, count in summary.outcomes.items())
+        simulated = Simulated(
+            summary.speed_mm_s, summary.speed_se_mm_s, engine.model, engine.method, outcomes
+        )
+        found.append(member._replace(simulated=simulated))
     return found
 
 

@@ -11,10 +11,11 @@ if TYPE_CHECKING:
     from walkergen.batch import Row
     from walkergen.design import Design
     from walkergen.prediction import Prediction
+    from walkergen.report.tables import Simulated
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
     from walkergen.simulation.engines import Plan
-    from walkergen.simulation.ensemble import Simulated, Summary
+    from walkergen.simulation.ensemble import Summary
     from walkergen.simulation.run import Engine
     from walkergen.templates import Entry
 

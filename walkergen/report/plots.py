@@ -8,7 +8,7 @@ from matplotlib.figure import Figure
 
 from walkergen.design import Kind
 from walkergen.prediction import Curve, Prediction
-from walkergen.simulation.ensemble import Simulated
+from walkergen.report.tables import Simulated
 
 # Dark blue and orange of Okabe and Ito: told apart by the colour-blind and in grey.
 STYLES: dict[str, tuple[str, str, str]] = {

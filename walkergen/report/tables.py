@@ -3,19 +3,29 @@
 import csv
 import io
 from collections.abc import Sequence
-from typing import Literal
+from typing import Literal, NamedTuple
 
 from rich import box
 from rich.console import Console
 from rich.table import Table
 
 from walkergen.prediction import Prediction
-from walkergen.simulation.ensemble import Simulated
 
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
 UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
 DETAILS = ("M", "J", "m", "j", "back", "front")
 """Columns that the console leaves out when it shows simulated speeds, to stay within 80."""
+
+
+class Simulated(NamedTuple):
+    """What a family's table tells of a member's ensemble; the field names are columns."""
+
+    sim_speed_mm_s: float | None
+    sim_se_mm_s: float | None
+    """Standard error of the simulated speed; None when the data are too few."""
+    sim_model: str
+    sim_method: str
+    sim_outcomes: str
 
 
 def to_csv(rows: Sequence[Prediction], simulated: Sequence[Simulated] = ()) -> str:

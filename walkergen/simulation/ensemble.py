@@ -28,17 +28,6 @@ FEWEST_SAMPLES = 10
 """Independent samples below which an error bar is refused."""
 
 
-class Simulated(NamedTuple):
-    """What a family's table tells of a member's ensemble; the field names are columns."""
-
-    sim_speed_mm_s: float | None
-    sim_se_mm_s: float | None
-    """Standard error of the simulated speed; None when the data are too few."""
-    sim_model: str
-    sim_method: str
-    sim_outcomes: str
-
-
 KINDS = ("I", "II", "III", "IV", "from rest", "II mirrored", "III mirrored")
 
 
@@ -190,10 +179,3 @@ def measure(
     started = time.perf_counter()
     results = run(engine, scene, progress, threads)
     return summarise(results, scene, time.perf_counter() - started), results
-
-
-def brief(engine: Engine, summary: Summary) -> Simulated:
-    """A summary in the few columns of a family's table."""
-    outcomes = ", ".join(f"{count} {name}" for name, count in summary.outcomes.items())
-    error = summary.speed_se_mm_s
-    return Simulated(summary.speed_mm_s, error, engine.model, engine.method, outcomes)
