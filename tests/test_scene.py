@@ -60,3 +60,11 @@ def test_mistakes_in_a_scene_are_one_line(tmp_path):
 def test_impact_speed_is_a_multiple_of_the_peak_speed():
     scene = Scene.model_validate({"prediction": {"impact_speed_factor": 0.5}})
     assert math.isclose(scene.impact_speed, 0.5 * scene.drive.peak_speed)
+
+
+@pytest.mark.parametrize("name", templates.names("scenes"))
+def test_templates_state_the_defaults_of_everything_but_the_contact(name):
+    """What a template shows is what a scene without it would do."""
+    scene = templates.load(name, "scenes", Scene)
+    plain = Scene(name=scene.name, description=scene.description, contact=scene.contact)
+    assert scene == plain

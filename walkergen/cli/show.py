@@ -141,7 +141,9 @@ def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "
     console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
     console.print(f"model {plan.engine.model}, method {plan.engine.method}")
     console.print(table)
-    console.print("cost: CPU time over that of the same scene without the effect")
+    console.print(
+        "cost: CPU time over that of the scene without the effect, whose motion differs too"
+    )
 
 
 @contextmanager
