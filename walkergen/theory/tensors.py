@@ -50,8 +50,8 @@ def flexible(
     Body M, J with anchor a; leg m, j (about its own centre) with c_A = anchor -> centre and
     c_T = centre -> tip. Masses shape (...), vectors (..., 2); all masses > 0.
 
-    The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M and
-    loses all digits for a light leg. Woodbury's identity turns it into a sum of positive terms,
+    The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M: it
+    loses the digits of M/m for a light leg. Woodbury's identity makes it a sum of positive terms,
     accurate for every m/M: with I_A = j + m |c_A|^2 (leg about its anchor), c = c_A + c_T and
     G = I - (m/I_A) perp(c_A) perp(c)^T,
 
