@@ -17,7 +17,6 @@ from walkergen.simulation.compliant.chain import (
     gaps,
     mobility_of,
 )
-from walkergen.simulation.compliant.contact import Contact
 from walkergen.simulation.compliant.legs import (
     ANGLE_BACK,
     ANGLE_FRONT,
@@ -38,7 +37,7 @@ from walkergen.simulation.compliant.legs import (
     new_state,
     walker_of,
 )
-from walkergen.simulation.plate import Plate
+from walkergen.simulation.plate import Contact, Plate
 from walkergen.theory import tensors
 from walkergen.theory.impact import Law, impact
 

@@ -9,7 +9,7 @@ import pytest
 from walkergen.mass import MassProperties
 from walkergen.simulation import plate as drive
 from walkergen.simulation import record
-from walkergen.simulation.plate import Plate
+from walkergen.simulation.plate import Contact, Plate
 from walkergen.simulation.relaxed import walker as walkers
 from walkergen.simulation.relaxed.event_driven import FAILED, INSIDE, OK, TOPPLED, advance
 from walkergen.simulation.relaxed.walker import (
@@ -21,7 +21,6 @@ from walkergen.simulation.relaxed.walker import (
     STICK,
     V_X,
     V_Y,
-    Contact,
     FlexibleTensors,
     Walker,
     X,

@@ -7,11 +7,11 @@ from scipy.optimize import brentq
 from walkergen.kernels import kernel
 from walkergen.mass import MassProperties
 from walkergen.simulation import record
-from walkergen.simulation.plate import Plate
+from walkergen.simulation.plate import Contact, Plate
 from walkergen.simulation.relaxed import walker as walkers
 from walkergen.simulation.relaxed.cascade import cascade
 from walkergen.simulation.relaxed.landing import land
-from walkergen.simulation.relaxed.walker import OMEGA, PITCH, V_X, V_Y, Contact, Tensor, Walker
+from walkergen.simulation.relaxed.walker import OMEGA, PITCH, V_X, V_Y, Tensor, Walker
 from walkergen.theory.impact import impact
 from walkergen.theory.tensors import feet, rigid
 

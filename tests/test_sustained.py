@@ -9,7 +9,7 @@ from test_event_driven import GRAVITY, go, shaken, walker
 
 from walkergen.simulation import plate as drive
 from walkergen.simulation import record
-from walkergen.simulation.plate import Harmonic, Plate
+from walkergen.simulation.plate import Contact, Harmonic, Plate
 from walkergen.simulation.relaxed import walker as walkers
 from walkergen.simulation.relaxed.event_driven import OK
 from walkergen.simulation.relaxed.walker import (
@@ -23,7 +23,6 @@ from walkergen.simulation.relaxed.walker import (
     STICK,
     V_X,
     V_Y,
-    Contact,
     X,
     Y,
 )

@@ -10,7 +10,7 @@ from walkergen.design import Design
 from walkergen.mass import MassProperties, as_rigid
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation.effects import Effect, Resolved, resolve
-from walkergen.simulation.plate import Harmonic, Plate
+from walkergen.simulation.plate import Contact, Harmonic, Plate
 from walkergen.simulation.run import Engine, Outcome
 from walkergen.theory.impact import Law
 
@@ -69,6 +69,11 @@ def _plate(scene: Scene, resolved: Resolved) -> Plate:
     return Plate(drive.amplitude, drive.omega, harmonic)
 
 
+def _contact(scene: Scene) -> Contact:
+    contact = scene.contact
+    return Contact(contact.restitution, contact.friction, Law[contact.law.upper()])
+
+
 def _relaxed(
     scene: Scene,
     design: Design,
@@ -83,13 +88,6 @@ def _relaxed(
 
     walker = bodies.walker_of(design, mass)
     options = bodies.options_for(walker, plate, GRAVITY, slope)
-    contact = scene.contact
-    touch = bodies.Contact(contact.restitution, contact.friction, Law[contact.law.upper()])
-
-    def energy(state: Array) -> float:
-        down, forward = bodies.across(options), bodies.along(options)
-        kinetic = walker.M * (state[3] ** 2 + state[4] ** 2) + walker.J * state[5] ** 2
-        return float(0.5 * kinetic + walker.M * (down * state[1] - forward * state[0]))
 
     def start(clearance: float, pitch: float, phase: float) -> Array:
         # Raised by what the pitch takes the lower foot down.
@@ -102,9 +100,9 @@ def _relaxed(
         model=resolved.model,
         method=resolved.method,
         advance=event_driven.advance,
-        arguments=(walker, plate, touch, options),
+        arguments=(walker, plate, _contact(scene), options),
         start=start,
-        energy=energy,
+        energy=lambda state: bodies.energy(walker, options, state),
         failures={event_driven.TOPPLED: Outcome.TOPPLED, event_driven.FAILED: Outcome.FAILED,
                   event_driven.INSIDE: Outcome.FAILED},
         columns=RIGID_COLUMNS,
@@ -123,7 +121,6 @@ def _compliant(
 ) -> Engine:
     """The engines of the hinged chain: five degrees of freedom, or three without its legs."""
     from walkergen.simulation.compliant import chain, event_driven, legs, time_stepping
-    from walkergen.simulation.compliant import contact as contacts
 
     walker = legs.walker_of(
         design,
@@ -132,8 +129,6 @@ def _compliant(
         spring=scene.legs.spring,
         slope=slope,
     )
-    contact = scene.contact
-    touch = contacts.Contact(contact.restitution, contact.friction, Law[contact.law.upper()])
     step = resolved.method == "step"
     advance = time_stepping.advance if step else event_driven.advance
     options = time_stepping.Options(1e-6 * scene.run.step_us) if step else event_driven.Options()
@@ -142,7 +137,7 @@ def _compliant(
         model=resolved.model,
         method=resolved.method,
         advance=advance,
-        arguments=(walker, plate, touch, options),
+        arguments=(walker, plate, _contact(scene), options),
         start=lambda clearance, pitch, phase: legs.new_state(
             walker, plate, clearance, pitch, phase
         ),

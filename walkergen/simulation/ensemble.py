@@ -101,7 +101,7 @@ def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summ
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
     energy_error = max((result.energy_error for result in results), default=0.0)
     simulated = float(sums[record.ELAPSED])
-    impacts = int(counts[0])
+    impacts = int(counts[record.IMPACTS])
     names = ("from_plate", "impacts", "friction", "damping")
     return Summary(
         runs=len(results),

@@ -31,6 +31,17 @@ class Plate(NamedTuple):
     harmonic: Harmonic | None
 
 
+class Contact(NamedTuple):
+    """Foot on plate."""
+
+    restitution: float
+    """0..1"""
+    friction: float
+    """Coulomb's coefficient, >= 0."""
+    law: int
+    """A value of `impact.Law`."""
+
+
 @kernel
 def _harmonic_height(harmonic, phase):
     if harmonic is None:

@@ -73,10 +73,10 @@ def new(
 @kernel
 def tally_impact(counts, kind, sticks):
     """Count one impact by its type."""
-    counts[0] += 1
+    counts[IMPACTS] += 1
     counts[kind if kind >= 0 else 4 - kind] += 1
     if sticks:
-        counts[8] += 1
+        counts[STICKING] += 1
 
 
 @kernel

@@ -124,7 +124,7 @@ def simulate(
     error = _energy_error(tally.sums, engine.energy(state) - energy, energy)
     if outcome is Outcome.OK and error > scene.run.energy_tolerance:
         outcome = Outcome.ENERGY
-    if outcome is Outcome.OK and tally.counts[0] == 0 and places[done] == places[0]:
+    if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done] == places[0]:
         outcome = Outcome.STUCK
     speeds = np.diff(places[: done + 1]) / block
     speed = float(speeds.mean()) if done else 0.0

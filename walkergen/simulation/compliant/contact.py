@@ -11,7 +11,6 @@ impact of both. For every law of restitution, and it never creates energy.
 """
 
 import math
-from typing import NamedTuple
 
 from walkergen.kernels import kernel
 from walkergen.simulation import plate as plates
@@ -49,15 +48,6 @@ forces are undetermined by one, and it picks the pair of least squares (equal ha
 
 ALTERNATIONS = 60
 """Impacts at one instant before what is left of the sequence is taken as plastic."""
-
-
-class Contact(NamedTuple):
-    """Foot on plate."""
-
-    restitution: float
-    friction: float
-    law: int
-    """A value of theory.impact.Law."""
 
 
 @kernel

@@ -233,7 +233,7 @@ def _next(walker, plate, contact, options, work, length):
 def advance(walker, plate, contact, options, state, duration, tally):
     """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
 
-    walker: legs.Walker; plate: plate.Plate; contact: contact.Contact; options: Options;
+    walker: legs.Walker; plate: plate.Plate; contact: plate.Contact; options: Options;
     state: as documented in `legs`.
     """
     n, sums = state.size, tally.sums

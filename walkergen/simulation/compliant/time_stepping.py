@@ -284,7 +284,7 @@ def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
 def advance(walker, plate, contact, options, state, duration, tally):
     """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
 
-    walker: legs.Walker; plate: plate.Plate; contact: contact.Contact; options: Options;
+    walker: legs.Walker; plate: plate.Plate; contact: plate.Contact; options: Options;
     state: as documented in `legs` (its rates are those at the end of the step).
     """
     start, trial, rows = np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5))

@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from walkergen.kernels import kernel
-from walkergen.simulation.plate import TWO_PI, Plate, acceleration, height
+from walkergen.simulation.plate import TWO_PI, Contact, Plate, acceleration, height
 from walkergen.simulation.record import (
     CONTACT_TIME,
     ELAPSED,
@@ -48,7 +48,6 @@ from walkergen.simulation.relaxed.walker import (
     TRIAL_FRICTION,
     TRIAL_SIZE,
     TRIAL_WORK,
-    Contact,
     Options,
     State,
     Walker,

@@ -68,17 +68,6 @@ class Walker(NamedTuple):
     """None: rigid."""
 
 
-class Contact(NamedTuple):
-    """Foot on plate."""
-
-    restitution: float
-    """0..1"""
-    friction: float
-    """Coulomb's coefficient, >= 0."""
-    law: int
-    """A value of `impact.Law`."""
-
-
 class Options(NamedTuple):
     """Gravity and the two tolerances, which belong together (`options_for`)."""
 
@@ -167,6 +156,13 @@ def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0
     r_y = lever(walker.d_back, math.sin(state[PITCH]), math.cos(state[PITCH]))[1]
     state[Y] = height(plate, phase) - r_y + gap
     return state
+
+
+def energy(walker: Walker, options: Options, state: State) -> float:
+    """Mechanical energy of the relaxed body, g mm^2/s^2."""
+    kinetic = walker.M * (state[V_X] ** 2 + state[V_Y] ** 2) + walker.J * state[OMEGA] ** 2
+    height = across(options) * state[Y] - along(options) * state[X]
+    return float(0.5 * kinetic + walker.M * height)
 
 
 @kernel
