@@ -1,8 +1,8 @@
 """The one way walkergen compiles a kernel: numba, cached on disk, without the interpreter lock.
 
 numba's disk cache notices edits in the file of the compiled function but not in the files that
-it imports, and then returns old answers. So the cache lies in a folder named by a hash of all of
-the package's sources: any edit starts a fresh one.
+it imports, and then returns old answers. So the cache lies in a folder named by a hash of all the
+sources that kernels may be made of: any edit there starts a fresh one.
 """
 
 import hashlib
@@ -13,10 +13,14 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
 
+SOURCES = ("kernels.py", "theory/*.py", "simulation/**/*.py")
+"""Files that kernels, their constants and the types of their arguments come from."""
+
 
 def _cache_folder() -> Path:
     digest = hashlib.sha256()
-    for source in sorted(Path(__file__).parent.rglob("*.py")):
+    package = Path(__file__).parent
+    for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
         digest.update(source.read_bytes())
     name = f"numba-{digest.hexdigest()[:16]}"
     try:
