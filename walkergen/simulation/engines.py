@@ -89,19 +89,14 @@ def _relaxed(
     walker = bodies.walker_of(design, mass)
     options = bodies.options_for(walker, plate, GRAVITY, slope)
 
-    def start(clearance: float, pitch: float, phase: float) -> Array:
-        # Raised by what the pitch takes the lower foot down.
-        reach = max(abs(walker.d_back[0]), abs(walker.d_front[0]))
-        state = bodies.level_state(walker, plate, phase, clearance + reach * abs(pitch))
-        state[bodies.PITCH] += pitch
-        return state
-
     return Engine(
         model=resolved.model,
         method=resolved.method,
         advance=event_driven.advance,
         arguments=(walker, plate, _contact(scene), options),
-        start=start,
+        start=lambda clearance, pitch, phase: bodies.new_state(
+            walker, plate, clearance, pitch, phase
+        ),
         energy=lambda state: bodies.energy(walker, options, state),
         failures={event_driven.TOPPLED: Outcome.TOPPLED, event_driven.FAILED: Outcome.FAILED,
                   event_driven.INSIDE: Outcome.FAILED},

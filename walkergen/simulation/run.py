@@ -52,7 +52,8 @@ class Engine(NamedTuple):
     arguments: tuple[Any, ...]
     """(walker, plate, contact, options)"""
     start: Callable[[float, float, float], Array]
-    """start(clearance in mm, pitch in rad, phase in rad) -> state over the plate, about to drop"""
+    """start(clearance in mm, pitch in rad, phase in rad) -> state at rest in the laboratory, the
+    lower foot `clearance` over the plate"""
     energy: Callable[[Array], float]
     """Mechanical energy of a state, g mm^2/s^2."""
     failures: dict[int, Outcome]

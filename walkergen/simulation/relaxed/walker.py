@@ -158,6 +158,18 @@ def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0
     return state
 
 
+def new_state(
+    walker: Walker, plate: Plate, clearance: float, pitch: float = 0.0, phase: float = 0.0
+) -> State:
+    """At rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
+    state = np.zeros(STATE_SIZE)
+    state[PITCH], state[PHASE] = pitch, phase
+    sin, cos = math.sin(pitch), math.cos(pitch)
+    lower = min(lever(walker.d_back, sin, cos)[1], lever(walker.d_front, sin, cos)[1])
+    state[Y] = height(plate, phase) + clearance - lower
+    return state
+
+
 def energy(walker: Walker, options: Options, state: State) -> float:
     """Mechanical energy of the relaxed body, g mm^2/s^2."""
     kinetic = walker.M * (state[V_X] ** 2 + state[V_Y] ** 2) + walker.J * state[OMEGA] ** 2

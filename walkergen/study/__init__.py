@@ -1,0 +1,1 @@
+"""What accuracy costs in time: measured ladders, and the choice of the cheapest setting."""
