@@ -17,24 +17,29 @@ SOURCES = ("kernels.py", "theory/*.py", "simulation/**/*.py")
 """Files that kernels, their constants and the types of their arguments come from."""
 
 
-def _cache_folder() -> Path:
-    digest = hashlib.sha256()
+def digest() -> str:
+    """A hash of the sources that kernels are made of, 16 hexadecimal digits."""
+    found = hashlib.sha256()
     package = Path(__file__).parent
     for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
-        digest.update(source.read_bytes())
-    name = f"numba-{digest.hexdigest()[:16]}"
+        found.update(source.read_bytes())
+    return found.hexdigest()[:16]
+
+
+def cache(name: str) -> Path:
+    """A writable folder of the user's cache, for what can be made again at any time."""
     try:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache") / "walkergen"
-        folder = base / name
+        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
+        folder = base / "walkergen" / name
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
-    except (OSError, RuntimeError):  # no home, or a read-only one: compile for this process alone
-        return Path(tempfile.mkdtemp(prefix="walkergen-numba-"))
+    except (OSError, RuntimeError):  # no home, or a read-only one: for this process alone
+        return Path(tempfile.mkdtemp(prefix=f"walkergen-{name}-"))
 
 
 if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
-    os.environ["NUMBA_CACHE_DIR"] = str(_cache_folder())
+    os.environ["NUMBA_CACHE_DIR"] = str(cache(f"numba-{digest()}"))
 
 import numba  # noqa: E402  (the cache folder has to be set first)
 

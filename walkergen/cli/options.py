@@ -20,6 +20,8 @@ MOST_TILTS = 1000
 DesignName = Annotated[
     str, typer.Argument(metavar="DESIGN", help="A template's name or the path of a TOML file.")
 ]
+OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
+OneKind = Annotated[str | None, typer.Option("--legs", metavar="KIND", help="flexible or braced.")]
 Tilt = Annotated[
     str | None,
     typer.Option("--tilt", metavar="DEG", help="Tilts: 10, or 5,10,15, or FIRST:LAST:STEP."),
@@ -63,6 +65,16 @@ def design_of(name: str) -> "Design":
     from walkergen.design import Design
 
     return templates.load(name, "walkers", Design)
+
+
+def one_design(name: str, tilt: float | None, legs: str | None) -> "Design":
+    """The one walker that a command line asks for."""
+    design = design_of(name)
+    kind = parse_kinds(legs) if legs is not None else [design.legs.kind]
+    if len(kind) != 1:
+        raise InputError(f"--legs {legs!r}: one kind at a time")
+    (member,) = design.members([design.legs.tilt_deg if tilt is None else tilt], kind)
+    return member
 
 
 class Changes(NamedTuple):

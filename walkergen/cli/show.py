@@ -1,6 +1,7 @@
 """What commands print: JSON, tables, progress."""
 
 import json
+import math
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
@@ -8,6 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from walkergen.accuracy import Study
     from walkergen.batch import Row
     from walkergen.design import Design
     from walkergen.prediction import Prediction
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from walkergen.simulation.engines import Plan
     from walkergen.simulation.ensemble import Summary
     from walkergen.simulation.run import Engine
+    from walkergen.study.choose import Met
     from walkergen.templates import Entry
 
 
@@ -81,13 +84,39 @@ def templates(rows: "Sequence[Entry]") -> None:
                 print(f"  {row.name:18s}  {row.description}")
 
 
-def summary_as_dict(engine: "Engine", scene: "Scene", found: "Summary") -> dict[str, Any]:
-    """An ensemble's summary with what was simulated, for JSON."""
+def summary_as_dict(
+    engine: "Engine", scene: "Scene", found: "Summary", met: "Met | None"
+) -> dict[str, Any]:
+    """An ensemble's summary with what was simulated, and for which error, for JSON."""
     settings = {"model": engine.model, "method": engine.method, "law": scene.contact.law}
-    return settings | found._asdict()
+    chosen = {}
+    if met is not None:
+        obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
+        chosen = met.choice._asdict() | {
+            "setting": met.choice.setting.flags,
+            "error_mm_s": obtained,
+            "allowed_mm_s": met.allowed_mm_s,
+        }
+    return settings | found._asdict() | ({"chosen": chosen} if chosen else {})
 
 
-def summary(engine: "Engine", scene: "Scene", found: "Summary", design: "Design") -> None:
+def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
+    """What --error chose, why, and what came out."""
+    choice = met.choice
+    source = "on record" if met.on_record else "measured just now"
+    verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
+    return [
+        ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
+        ("because", f"cheapest of the ladders {source}; its bias is at most "
+                    f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
+        ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
+                        f"(bias, and 2 x {found.speed_se_mm_s or math.nan:.2g} of the runs)"),
+    ]  # fmt: skip
+
+
+def summary(
+    engine: "Engine", scene: "Scene", found: "Summary", design: "Design", met: "Met | None"
+) -> None:
     """Print the mean speed and everything measured beside it."""
     from rich import box
     from rich.console import Console
@@ -111,6 +140,7 @@ def summary(engine: "Engine", scene: "Scene", found: "Summary", design: "Design"
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", f"{engine.model}, method {engine.method}, law {scene.contact.law}"),
         ("mean speed", speed),
+        *(_met_rows(met, found) if met is not None else ()),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
         ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
         ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
@@ -122,6 +152,26 @@ def summary(engine: "Engine", scene: "Scene", found: "Summary", design: "Design"
     ):
         table.add_row(name, value)
     Console(highlight=False).print(table)
+
+
+def study(found: "Study", folder: Path) -> None:
+    """Print the ladders, what to run for which error, and where the tables and figures are."""
+    from rich.console import Console
+
+    from walkergen.report import ladders
+
+    console = Console(highlight=False)
+    for ladder in found.ladders:
+        console.print(ladders.to_table(ladder))
+        console.print(f"error: {ladder.error}\nreference: {ladder.reference}", markup=False)
+        for note in ladder.notes:
+            console.print(f"- {note}", markup=False)
+        console.print()
+    if found.answers:
+        console.print("What to run for which error of the mean speed:")
+        console.print(ladders.answers_table(found.answers))
+    print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
+          + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip
 
 
 def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design") -> None:

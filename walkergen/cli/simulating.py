@@ -13,6 +13,9 @@ from walkergen.errors import InputError
 if TYPE_CHECKING:
     from walkergen.design import Design
     from walkergen.mass import MassProperties
+    from walkergen.scene import Scene
+    from walkergen.study.choose import Met
+    from walkergen.study.ladder import Progress
 
 Model = Annotated[
     str | None, typer.Option("--model", metavar="MODEL", help="rigid, relaxed, compliant or auto.")
@@ -26,15 +29,13 @@ Step = Annotated[
     float | None, typer.Option("--step", metavar="MICROSECONDS", help="Step of method step.")
 ]
 Seed = Annotated[int | None, typer.Option("--seed", help="Of the runs' phases and drops.")]
-OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
-OneKind = Annotated[str | None, typer.Option("--legs", metavar="KIND", help="flexible or braced.")]
 
 
 def simulate(
     design: opt.DesignName = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
-    tilt: OneTilt = None,
-    legs: OneKind = None,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     model: Model = None,
@@ -55,6 +56,10 @@ def simulate(
     rate: Annotated[
         float, typer.Option("--rate", min=1e-3, max=1e7, help="Trajectory samples per second.")
     ] = 1000.0,
+    error: Annotated[
+        str | None,
+        typer.Option("--error", metavar="ERROR", help="Choose the cheapest setting: 5% or 3mm/s."),
+    ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -65,16 +70,24 @@ def simulate(
     if form not in trajectories.FORMATS:
         known = ", ".join(trajectories.FORMATS)
         raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    if error is not None:
+        _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
     changes = opt.Changes(
         restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
     )
     resolved_scene = opt.scene_of(scene, changes)
     if trajectory is not None:
         trajectories.check(resolved_scene, 1.0 / rate)
-    chosen, mass = _one_design(design, tilt, legs)
+    chosen = opt.one_design(design, tilt, legs)
+    mass = _weighed(chosen)
+    met = None
     with show.progress("simulate", wanted=not quiet) as progress:
-        plan = engines.prepare(resolved_scene, chosen, mass)
-        summary, _ = ensemble.measure(plan.engine, resolved_scene, progress)
+        if error is None:
+            plan = engines.prepare(resolved_scene, chosen, mass)
+            summary, _ = ensemble.measure(plan.engine, resolved_scene, progress)
+        else:
+            met = _met(error, resolved_scene, chosen, mass, progress)
+            plan, resolved_scene, summary = met.plan, met.scene, met.summary
         if trajectory is not None:
             progress("trajectory", resolved_scene.run.runs, resolved_scene.run.runs)
             trajectories.write(plan.engine, resolved_scene, trajectory, form, 1.0 / rate)
@@ -82,16 +95,16 @@ def simulate(
         told = f"interrupted after {summary.runs} of {resolved_scene.run.runs} runs"
         print(told, file=sys.stderr)
     if json:
-        show.as_json(show.summary_as_dict(plan.engine, resolved_scene, summary))
+        show.as_json(show.summary_as_dict(plan.engine, resolved_scene, summary, met))
     elif not quiet:
-        show.summary(plan.engine, resolved_scene, summary, chosen)
+        show.summary(plan.engine, resolved_scene, summary, chosen, met)
 
 
 def explain(
     design: opt.DesignName = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
-    tilt: OneTilt = None,
-    legs: OneKind = None,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
     model: Model = None,
     method: Method = None,
     friction: opt.Friction = None,
@@ -107,7 +120,8 @@ def explain(
         friction=friction, gamma=gamma, frequency=frequency, method=method, model=model
     )
     resolved_scene = opt.scene_of(scene, changes)
-    chosen, mass = _one_design(design, tilt, legs)
+    chosen = opt.one_design(design, tilt, legs)
+    mass = _weighed(chosen)
     plan = engines.prepare(resolved_scene, chosen, mass)
     with show.progress("explain", wanted=True) as progress:
         rows = costs.explain(plan, resolved_scene, chosen, mass, measured=cost, progress=progress)
@@ -117,16 +131,25 @@ def explain(
         show.effects(plan, rows, resolved_scene, chosen)
 
 
-def _one_design(name: str, tilt: float | None, legs: str | None) -> "tuple[Design, MassProperties]":
-    """The one walker that a command line asks for, weighed."""
+def _weighed(design: "Design") -> "MassProperties":
     from walkergen import solids
 
-    design = opt.design_of(name)
-    kind = opt.parse_kinds(legs) if legs is not None else [design.legs.kind]
-    if len(kind) != 1:
-        raise InputError(f"--legs {legs!r}: one kind at a time; use family --simulate for both")
-    (member,) = design.members([design.legs.tilt_deg if tilt is None else tilt], kind)
-    return member, solids.weigh(member, solids.build(member))
+    return solids.weigh(design, solids.build(design))
+
+
+def _met(
+    error: str, scene: "Scene", design: "Design", mass: "MassProperties", progress: "Progress"
+) -> "Met":
+    from walkergen.study import choose
+
+    return choose.meet(scene, design, mass, choose.parse(error), progress)
+
+
+def _check_error(**chosen: object) -> None:
+    """--error chooses these itself."""
+    for name, value in chosen.items():
+        if value is not None:
+            raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
 
 
 ALL = (simulate, explain)

@@ -19,7 +19,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     settings = [*survey.simpler, survey.own, survey.events]
     found = survey.measure(settings, progress)
     unit = survey.unit(reference)
-    rungs = [*_formulas(survey, reference, unit)]
+    rungs = [*formulas(survey, reference)]
     rungs += [_simulated(survey, one, reference, unit) for one in found]
     return Ladder(
         "models",
@@ -52,7 +52,9 @@ def certificate(survey: Survey, progress: Progress) -> str:
     return f"{told}; NOT certified: {other}, {abs(bias.mm_s) / bias.se_mm_s:.1f} errors away"
 
 
-def _formulas(survey: Survey, reference: Measured, unit: Unit) -> Iterator[Rung]:
+def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
+    """The analytical predictions: their distance from the reference, and the time of a call."""
+    unit = survey.unit(reference)
     contact, w = survey.scene.contact, survey.scene.impact_speed
     modes: tuple[Mode, ...] = ("paper", "coulomb") if contact.law == "poisson" else ("coulomb",)
     assert reference.speed_mm_s is not None

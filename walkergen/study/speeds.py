@@ -93,12 +93,19 @@ class Bias(NamedTuple):
         """Upper limit of its size with 95 % confidence, mm/s."""
         return abs(self.mm_s) + 2.0 * self.se_mm_s
 
+    @property
+    def certain(self) -> float:
+        """Its size where it is told from zero, else 0, mm/s."""
+        return abs(self.mm_s) if abs(self.mm_s) > 2.0 * self.se_mm_s else 0.0
+
 
 class Unit(NamedTuple):
     """In what the errors of mean speeds count."""
 
     mm_s: float
     name: str
+    relative: bool
+    """True: errors count as a share of the mean speed."""
     fine: float
     """The standard error to which costs refer, mm/s: 1 % of the speed, or 0.1 mm/s."""
 
@@ -106,15 +113,14 @@ class Unit(NamedTuple):
 class Survey:
     """Measures settings for one walker in one scene, each once; keeps what it has measured."""
 
-    def __init__(
-        self, scene: Scene, design: Design, mass: MassProperties, budget_s: float
-    ) -> None:
+    def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
         """`budget_s`: wall time for all settings of the complete model, on all cores."""
         # The study compares the models, so that no effect of theirs may be forced.
         free = {"leg_compliance": None, "flexible_tensor": None}
         self.scene = scene.model_copy(update={"effects": scene.effects.model_copy(update=free)})
         self.design, self.mass = design, mass
-        self.budget_s = budget_s * (os.cpu_count() or 1)
+        self.cores = os.cpu_count() or 1
+        self.budget_s = budget_s * self.cores
         self.known: dict[Setting, Measured] = {}
         self.complete: ModelName = "rigid" if design.braced else "compliant"
 
@@ -144,7 +150,7 @@ class Survey:
 
     def engine(self, setting: Setting) -> Engine:
         """The engine of a setting."""
-        return engines.prepare(self._scene(setting), self.design, self.mass).engine
+        return engines.prepare(self.scene_of(setting), self.design, self.mass).engine
 
     def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
         """Measure settings that are not known yet; all of them, in their order."""
@@ -163,7 +169,7 @@ class Survey:
         self, setting: Setting, runs: int, seconds: float, progress: Progress
     ) -> tuple[list[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
-        scene = self._scene(setting, seconds=seconds, runs=runs)
+        scene = self.scene_of(setting, seconds=seconds, runs=runs)
         summary, results = ensemble.measure(self.engine(setting), scene, progress)
         if len(results) < runs:  # Ctrl-C: the runs under way were stopped
             raise KeyboardInterrupt
@@ -189,8 +195,8 @@ class Survey:
         assert reference.se_mm_s is not None
         size = abs(reference.speed_mm_s)
         if size > CLEAR * reference.se_mm_s:
-            return Unit(size, "share of the mean speed", 0.01 * size)
-        return Unit(1.0, "mm/s (the mean speed may be zero)", 0.1)
+            return Unit(size, "share of the mean speed", True, 0.01 * size)
+        return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
 
     def bias(self, measured: Measured, reference: Measured) -> Bias | None:
         """How far a setting lies from the reference; None when it found no speed."""
@@ -203,6 +209,29 @@ class Survey:
         difference = measured.speed_mm_s - reference.speed_mm_s
         return Bias(difference, math.hypot(measured.se_mm_s, reference.se_mm_s))
 
+    def bound(self, measured: Measured, reference: Measured) -> float | None:
+        """Upper limit of a setting's bias, mm/s, with 95 % confidence; None without a speed.
+
+        Biases of finer steps count as well where they are told from zero: that a coarse step does
+        better than a finer one is luck, where errors of both signs cross.
+        """
+        bias = self.bias(measured, reference)
+        if bias is None:
+            return None
+        return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se_mm_s)
+
+    def _finer(self, measured: Measured, reference: Measured) -> float:
+        """The largest bias, mm/s, that finer steps certainly have; infinite where one failed."""
+        biases = [
+            self.bias(one, reference)
+            for one in self.known.values()
+            if one.setting.method == "step"
+            and one.setting.model == measured.setting.model
+            and (one.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
+        ]
+        sizes = (math.inf if bias is None else bias.certain for bias in biases)
+        return max(sizes, default=0.0)
+
     def _share(self, setting: Setting) -> float:
         if setting == self.events:
             return EVENT_SHARE
@@ -211,7 +240,8 @@ class Survey:
         others = len(self.steps) - 1 + len(self.simpler)
         return (1.0 - EVENT_SHARE - FINEST_SHARE) / others
 
-    def _scene(self, setting: Setting, **run: float) -> Scene:
+    def scene_of(self, setting: Setting, **run: float) -> Scene:
+        """The scene with a setting, and with other values of its [run]."""
         step = {} if setting.step_us is None else {"step_us": setting.step_us}
         changed = self.scene.run.model_copy(update={"method": setting.method, **step, **run})
         legs = self.scene.legs.model_copy(update={"model": setting.model})
@@ -226,12 +256,12 @@ class Survey:
         engine = self.engine(setting)
         runs = EVENT_RUNS if setting.method == "event" else STEP_RUNS
         discard = self.scene.run.discard_seconds
-        pilot = simulate(engine, self._scene(setting, seconds=0.1, discard_seconds=0.0), 0)
-        pilot = simulate(engine, self._scene(setting, seconds=0.5, discard_seconds=0.0), 1)
+        pilot = simulate(engine, self.scene_of(setting, seconds=0.1, discard_seconds=0.0), 0)
+        pilot = simulate(engine, self.scene_of(setting, seconds=0.5, discard_seconds=0.0), 1)
         per_run = self.budget_s * self._share(setting) / runs
         cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
         seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
-        scene = self._scene(setting, seconds=seconds, runs=runs)
+        scene = self.scene_of(setting, seconds=seconds, runs=runs)
         summary, results = ensemble.measure(engine, scene, progress)
         if len(results) < runs:  # Ctrl-C: the runs under way were stopped
             raise KeyboardInterrupt

@@ -36,7 +36,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     for runs in RUN_COUNTS:
         for length in (length for length in LENGTHS if length <= 0.5 * seconds):
             parts = _parts(results, runs, length)
-            rungs.append(_rung(parts, results, unit.mm_s, cpu_per_s, survey))
+            rungs.append(_rung(parts, results, unit.mm_s, cpu_per_s, own.discard_seconds))
     told = "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
     notes = [f"Correlation time of the speed: {told}."]
     if bias is not None:
@@ -62,9 +62,7 @@ def _affordable(survey: Survey, cpu_per_s: float) -> float:
     return min(max(affordable, 4.0), SECONDS)
 
 
-def _parts(
-    results: Sequence[RunResult], runs: int, length: float
-) -> list[list[RunResult]]:
+def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
     """The ensemble cut into parts: `runs` runs of `length` s each, none used twice."""
     blocks = max(1, round(length / results[0].block_s))
     groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]
@@ -87,7 +85,7 @@ def _rung(
     whole: Sequence[RunResult],
     unit: float,
     cpu_per_s: float,
-    survey: Survey,
+    discard: float,
 ) -> Rung:
     true = float(np.mean([result.speed for result in whole]))
     means = np.array([np.mean([result.speed for result in part]) for part in parts])
@@ -97,7 +95,6 @@ def _rung(
     stated = [ensemble.standard_error(part, ensemble.correlation_time(part)) for part in parts]
     known = [error for error in stated if error is not None]
     runs, length = len(parts[0]), parts[0][0].measured_s
-    discard = survey.scene.run.discard_seconds
     return Rung(
         f"{runs} run" + ("s" if runs > 1 else ""),
         f"{runs} x {length:.3g} s",

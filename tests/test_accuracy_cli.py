@@ -1,0 +1,101 @@
+"""`accuracy` and `simulate --error` as a user meets them."""
+
+import csv
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen import accuracy
+from walkergen.cli import app
+
+SCENE = """
+[drive]
+frequency_hz = 90.0
+gamma = 1.8
+
+[contact]
+restitution = 0.3
+
+[run]
+discard_seconds = 0.1
+"""
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    (tmp_path / "short.toml").write_text(SCENE)
+
+    def call(*words):
+        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+
+    return call
+
+
+@pytest.mark.slow
+def test_study_then_one_command_meets_the_error(run, tmp_path):
+    words = ("--scene", "short.toml", "--tilt", "10")
+    result = run("accuracy", *words, "--only", "models,steps", "--budget", "1s", "--json")
+    assert result.exit_code == 0, result.exception
+    found = json.loads(result.stdout)
+    assert set(found["ladders"]) == {"models", "steps-short", "steps-long"}
+    folder = tmp_path / found["folder"]
+    for name in found["ladders"]:
+        assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
+        assert (folder / f"{name}.md").read_text().startswith("# ")
+        with (folder / f"{name}.csv").open() as file:
+            assert len(list(csv.DictReader(file))) == len(found["ladders"][name])
+    assert "--error 5%" in (folder / "accuracy.md").read_text()
+    assert (folder / "choice.png").exists()
+    # The most expensive model is its own truth; the relaxed one is not (physics.md: 64 and 35).
+    biases = {rung["series"]: rung["error"] for rung in found["ladders"]["models"]}
+    assert biases["compliant, step"] < 0.15 < biases["relaxed, event"]
+
+    result = run("simulate", *words, "--error", "20%", "--json")
+    met = json.loads(result.stdout)["chosen"]
+    assert 0 < met["error_mm_s"] <= met["allowed_mm_s"]
+    assert met["setting"].startswith("--model compliant --method step")
+    told = run("simulate", *words, "--error", "20%").stdout
+    assert "on record" in told
+    assert "within the" in told
+
+
+def test_shape_alone_needs_no_simulation(run, tmp_path):
+    result = run("accuracy", "--legs", "braced", "--only", "shape", "--out", "here")
+    assert result.exit_code == 0, result.exception
+    assert "number of edges, claimed 2" in result.stdout
+    assert {path.name for path in (tmp_path / "here").iterdir()} == {
+        "shape.csv", "shape.md", "shape.png",
+    }  # fmt: skip
+
+
+def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
+    def interrupted(survey, progress):
+        raise KeyboardInterrupt
+
+    monkeypatch.setitem(accuracy.LADDERS, "steps", interrupted)
+    result = run("accuracy", "--only", "shape,steps", "--out", "here")
+    assert result.exit_code == 130
+    assert (tmp_path / "here/shape.md").exists()
+    assert not (tmp_path / "here/accuracy.md").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("accuracy", "--only", "speed"), "--only 'speed': must be one of models, steps"),
+        (("accuracy", "--budget", "5"), "--budget '5': write a time with its unit"),
+        (("accuracy", "--budget", "nans"), "--budget 'nans': must lie in"),
+        (("accuracy", "--budget", "0.1s"), "must lie in 1s..24h"),
+        (("accuracy", "--tilt", "86"), "tilt_deg"),
+        (("simulate", "--error", "5"), "--error '5': write"),
+        (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
+        (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),
+    ],
+)
+def test_bad_input_is_named(run, words, told):
+    result = run(*words)
+    assert result.exit_code != 0
+    assert told in str(result.exception)

@@ -1,0 +1,200 @@
+"""The accuracy study: ladders against closed forms, honest error bars, the choice of a setting."""
+
+import json
+import math
+
+import numpy as np
+import pytest
+
+from walkergen import solids
+from walkergen.design import Design
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation import record
+from walkergen.simulation.run import Outcome, RunResult
+from walkergen.study import choose, kept, shape, statistics, steps
+from walkergen.study.choose import Wanted
+from walkergen.study.ladder import order
+from walkergen.study.speeds import Measured, Setting, Survey
+
+
+def silent(*told):
+    """No progress."""
+
+
+def survey_of(kind="flexible", **tables):
+    design = Design().variant(kind=kind)
+    mass = solids.weigh(design, solids.build(design))
+    return Survey(Scene.model_validate(tables), design, mass, budget_s=1.0)
+
+
+def known(survey, speeds, se=0.1, cpu_per_s=None):
+    """Fill a survey with made-up measurements: speed by setting."""
+    cpu_per_s = cpu_per_s or {}
+    for setting, speed in speeds.items():
+        cost = cpu_per_s.get(setting, 0.01) * 16 * 11.0
+        survey.known[setting] = Measured(setting, speed, se, 16, 10.0, 1.0, cost, 0.1, "16 ok")
+    return survey
+
+
+def test_order_of_an_exact_power_is_its_exponent():
+    values = np.array([1.0, 2.0, 5.0, 10.0])
+    slope, se = order(values, 3.0 * values**2)
+    assert slope == pytest.approx(2.0, abs=1e-12)  # rounding of logarithms
+    assert se < 1e-12
+
+
+def test_measured_orders_are_those_claimed():
+    ladder = steps.short(survey_of(), silent)
+    assert len(ladder.notes) == 4
+    for series in {rung.series for rung in ladder.rungs}:
+        rungs = [rung for rung in ladder.rungs if rung.series == series]
+        rungs = sorted(rungs, key=lambda rung: rung.details["value"])[:4]  # the asymptotic end
+        slope, _ = order([r.details["value"] for r in rungs], [r.error for r in rungs])
+        claimed = 2.0 if series.endswith("step") else 1.0
+        # 0.5: events lie anywhere in a step, which scatters four points
+        assert slope == pytest.approx(claimed, abs=0.5), series
+
+
+def test_both_methods_of_the_rigid_walker_agree_to_rounding():
+    ladder = steps.short(survey_of("braced"), silent)
+    assert max(rung.error for rung in ladder.rungs) < 1e-10  # 1e4 roundings of the height
+    assert all("exact to rounding" in note for note in ladder.notes)
+
+
+def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
+    """The round foot taken for exact, against the closed-form mass of quad and half disc."""
+    design = Design.model_validate({"legs": {"foot": "round"}})
+    mass = solids.weigh(design, solids.build(design, shape.EXACT_SEGMENTS))
+    half = 0.5 * design.leg_thickness
+    # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
+    area = 2.0 * half * (design.legs.length_mm - half) + 0.5 * math.pi * half**2
+    exact = 1e-3 * design.material.density_g_cm3 * design.body.depth_mm * area
+    ladder = shape.ladder(design, Scene(), silent)
+    finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
+    assert mass.m == pytest.approx(exact, rel=0.05 * finest.details["m"])
+    far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
+    # 1e6 mm away a coordinate has lost 1e6/0.4 of its 16 digits
+    assert far["1e+06 mm away"].error < 1e-9
+    files = {rung.setting: rung for rung in ladder.rungs if rung.series.startswith("through")}
+    assert 1e-9 < files["0 mm away"].error < 1e-6  # float32: 6e-8 of a coordinate
+    assert files["1e+06 mm away"].error > 1e-3
+
+
+def test_braced_shape_has_no_error_at_the_origin():
+    ladder = shape.ladder(Design().variant(kind="braced"), Scene(), silent)
+    far = [rung for rung in ladder.rungs if rung.series == "double precision"]
+    assert max(rung.error for rung in far) < 1e-9  # as above
+    assert far[0].details["m"] is None
+
+
+def made_runs(runs, blocks, rng):
+    """Runs of independent block speeds with mean 10 and standard deviation 2."""
+    speeds = rng.normal(10.0, 2.0, (runs, blocks))
+    return [
+        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, 0.0, record.new(3), 0.0)
+        for k, row in enumerate(speeds)
+    ]
+
+
+def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
+    results = made_runs(32, 500, np.random.default_rng(5))
+    for runs, length in ((1, 10.0), (4, 5.0), (16, 10.0)):
+        parts = statistics._parts(results, runs, length)
+        used = sum(len(result.block_speeds) for part in parts for result in part)
+        assert used == 32 * 500
+        rung = statistics._rung(parts, results, 1.0, 0.01, 1.0)
+        expected = 2.0 / math.sqrt(runs * length / 0.1)
+        # four standard errors of a standard deviation from that many parts
+        assert rung.error == pytest.approx(expected, abs=4.0 * rung.error_sd)
+        assert rung.details["stated_se_mm_s"] == pytest.approx(expected, rel=0.2)
+        assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "wanted"), [("5%", Wanted(0.05, True)), (" 0.5 mm/s", Wanted(0.5, False))]
+)
+def test_errors_are_read(text, wanted):
+    assert choose.parse(text) == wanted
+
+
+@pytest.mark.parametrize("text", ["5", "0%", "-1%", "nan%", "101%", "infmm/s", "5 %%", ""])
+def test_errors_that_mean_nothing_are_refused(text):
+    with pytest.raises(InputError, match="--error"):
+        choose.parse(text)
+
+
+def speeds_of(survey, steps, events=100.0, rigid=0.0, relaxed=60.0):
+    found = dict(zip(survey.steps, steps, strict=True))
+    found[survey.events] = events
+    return found | dict(zip(survey.simpler, (rigid, relaxed), strict=True))
+
+
+def test_the_cheapest_setting_within_the_error_is_chosen():
+    survey = survey_of()
+    speeds = speeds_of(survey, (100.0, 100.1, 99.9, 99.0, 97.0, 94.0, 80.0, 50.0))
+    costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
+    known(survey, speeds, cpu_per_s=costs | {survey.events: 0.5})
+    assert choose.choose(survey, Wanted(0.2, True), silent).setting == survey.steps[5]
+    assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[4]
+    assert choose.choose(survey, Wanted(2.0, False), silent).setting == survey.steps[3]
+    fine = choose.choose(survey, Wanted(0.05, True), silent)
+    assert fine.bias_bound_mm_s + 2.0 * fine.se_mm_s == pytest.approx(5.0)
+    # 97 mm/s: 3 off, and twice the errors of both
+    assert fine.bias_bound_mm_s == pytest.approx(3.0 + 2.0 * math.hypot(0.1, 0.1))
+
+
+def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
+    survey = survey_of()
+    speeds = speeds_of(survey, (100.0, 100.0, 100.0, 100.0, 90.0, 85.0, 100.0, 100.0))
+    costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
+    known(survey, speeds, cpu_per_s=costs)
+    assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[3]
+
+
+def test_what_cannot_be_promised_is_refused():
+    survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
+    with pytest.raises(InputError, match=r"known to 0\.2 mm/s only; measure longer"):
+        choose.choose(survey, Wanted(1e-4, True), silent)
+    still = known(survey_of(), speeds_of(survey_of(), (0.05,) * 8, events=0.0))
+    with pytest.raises(InputError, match=r"may be zero; give the error in mm/s"):
+        choose.choose(still, Wanted(0.05, True), silent)
+    dead = survey_of()
+    finest = dead.steps[0]
+    dead.known[finest] = Measured(finest, None, None, 16, 1.0, 1.0, 1.0, None, "16 toppled")
+    with pytest.raises(InputError, match="16 toppled"):
+        dead.reference(silent)
+
+
+@pytest.fixture
+def cache(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+
+
+@pytest.mark.usefixtures("cache")
+def test_measured_speeds_are_kept_per_walker_and_scene():
+    survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
+    kept.remember(survey)
+    same = survey_of(run={"seconds": 3.0, "step_us": 50.0, "method": "event"})
+    assert kept.recall(same) == 11
+    assert same.known == survey.known
+    for other in (survey_of("braced"), survey_of(contact={"friction": 0.3})):
+        assert kept.recall(other) == 0
+
+
+@pytest.mark.usefixtures("cache")
+def test_the_longer_of_two_measurements_is_kept_and_a_broken_record_is_none():
+    survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
+    kept.remember(survey)
+    short = survey_of()
+    setting = Setting("compliant", "event", None)
+    short.known[setting] = survey.known[setting]._replace(seconds=1.0, speed_mm_s=1.0)
+    kept.remember(short)
+    again = survey_of()
+    kept.recall(again)
+    assert again.known[setting].speed_mm_s == 100.0
+    path = kept.record(survey)
+    assert len(json.loads(path.read_text())) == 11
+    for broken in ("", "[{}]", "[1]", "{}x"):
+        path.write_text(broken)
+        assert kept.recall(survey_of()) == 0
