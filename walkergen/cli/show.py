@@ -104,13 +104,14 @@ def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
     """What --error chose, why, and what came out."""
     choice = met.choice
     source = "on record" if met.on_record else "measured just now"
+    bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s
     verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
     return [
         ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
         ("because", f"cheapest of the ladders {source}; its bias is at most "
                     f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
         ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
-                        f"(bias, and 2 x {found.speed_se_mm_s or math.nan:.2g} of the runs)"),
+                        f"(bias, and 2 x {bars:.2g} of the runs)"),
     ]  # fmt: skip
 
 

@@ -42,7 +42,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     if bias is not None:
         share = bias.bound / unit.mm_s
         notes.append(
-            f"Bias of {survey.own.label}: at most {share:.2g} ({unit.name}, 95 %). Where the "
+            f"Bias of {survey.own.label}: at most {share:.2g}, with 95 % confidence. Where the "
             "statistical error is below that, more time does not help: take a smaller step."
         )
     return Ladder(
