@@ -4,7 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen import names, output, solids
+from walkergen import names, output, plates, solids, weights
 from walkergen.design import Design
 from walkergen.mass import Mesh
 from walkergen.printing import export, plate
@@ -16,14 +16,27 @@ FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
 }
 
 
-class Row(NamedTuple):
-    """Where one copy lies; x, y of its lower left corner on the bed."""
+class Order(NamedTuple):
+    """What to print, on which printers."""
 
-    plate: int
-    part: str
-    copy: int
-    x_mm: float
-    y_mm: float
+    members: Sequence[Design]
+    copies: Sequence[int]
+    """Of each member."""
+    printers: Sequence[Printer]
+    """All copies are arranged for each of them."""
+    max_plates: int | None = None
+    """More plates are refused."""
+    max_parts: int = plate.MOST_PARTS
+    """On a plate."""
+    pictures: bool = True
+
+
+class Room(NamedTuple):
+    """How many copies of a walker alone fit on one plate."""
+
+    printer: str
+    name: str
+    fit: int
 
 
 def export_parts(
@@ -44,26 +57,38 @@ def export_parts(
     return written
 
 
-def make_plates(
-    members: Sequence[Design],
-    printer: Printer,
-    copies: int,
-    max_plates: int | None,
-    folder: Path,
-) -> tuple[list[Row], list[Path]]:
-    """Arrange copies of the members and write one 3MF a plate.
-
-    Raises PlateError when a part is too large or more plates are needed than allowed.
-    """
-    meshes = [solids.build(design).walker for design in members]
-    parts = [
-        plate.Part.of(names.part(design), mesh, copies)
-        for design, mesh in zip(members, meshes, strict=True)
+def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
+    """How many copies of each member fit on one plate of each printer, if it held no others."""
+    parts = [plate.Part.of(names.part(one), solids.build(one).walker) for one in members]
+    return [
+        Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
+        for printer in printers
+        for part in parts
     ]
-    rows, paths = [], []
-    for number, one in enumerate(plate.pack(parts, printer, max_plates), start=1):
-        path = folder / "plates" / f"plate_{printer.name}_{number}.3mf"
-        output.write(path, plate.plate_3mf(one, parts, meshes, printer, path.stem))
-        paths.append(path)
-        rows += [Row(number, parts[p.part].name, p.copy, p.x, p.y) for p in one.placements]
+
+
+def make_plates(
+    order: Order, folder: Path, progress: Callable[[str, int, int], None]
+) -> tuple[list[plates.Place], list[Path]]:
+    """Arrange copies for every printer; write 3MF files, maps and weights.csv.
+
+    Raises PlateError, before anything is written, when a part is too large for a printer or more
+    plates are needed than allowed.
+    """
+    meshes = [solids.build(design).walker for design in order.members]
+    layouts = [
+        plates.arrange(
+            order.members, meshes, order.copies, printer, order.max_plates, order.max_parts
+        )
+        for printer in order.printers
+    ]
+    steps = sum(1 + len(layout.plates) * (1 + order.pictures) for layout in layouts)
+    paths: list[Path] = []
+    for layout in layouts:
+        for name, data in plates.files(layout, "plate", order.pictures):
+            paths.append(folder / "plates" / name)
+            output.write(paths[-1], data)
+            progress(name, len(paths), steps)
+    rows = [row for layout in layouts for row in plates.places(layout)]
+    weights.write_template(folder, dict.fromkeys(row.item for row in rows))
     return rows, paths

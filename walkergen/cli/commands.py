@@ -20,6 +20,9 @@ def family(
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    max_parts: opt.MaxParts = 5000,
+    weights: opt.WeightsFile = None,
     out: opt.Out = None,
     simulate: Annotated[
         bool, typer.Option("--simulate", help="Simulate every walker as well (minutes).")
@@ -33,6 +36,7 @@ def family(
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
     from walkergen import family as families
     from walkergen import templates
+    from walkergen import weights as balance
     from walkergen.printing.printers import Printer
 
     chosen = opt.design_of(design)
@@ -40,24 +44,29 @@ def family(
         restitution=restitution, friction=friction, law=law, seconds=seconds, runs=runs
     )
     resolved = opt.scene_of(scene, changes)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
     job = families.Job(
         design=chosen,
-        members=opt.members_of(chosen, tilt, legs, whole=True),
+        members=members,
         scene=resolved,
         printer=templates.load(printer, "printers", Printer),
         mode=opt.mode_of(mode, resolved),
         pictures=pictures,
         simulate=simulate,
+        copies=counts,
+        max_parts=max_parts,
+        weighed={} if weights is None else balance.read(weights, members),
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         made = families.make(job, folder, progress)
-    rows, simulated = families.rows_of(made)
+    (rows, simulated), weighed = families.rows_of(made), families.weighed_of(made)
     if json:
-        show.rows_as_json(rows, simulated)
+        show.rows_as_json(rows, simulated, weighed)
     elif not quiet:
-        show.predictions(rows, families.caption(resolved, job.mode), chosen.name, simulated)
-        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md"
+        told = families.caption(resolved, job.mode)
+        show.predictions(rows, told, chosen.name, simulated, weighed)
+        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md, weights.csv"
               + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
 
 
@@ -70,11 +79,13 @@ def predict(
     friction: opt.Friction = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
+    weights: opt.WeightsFile = None,
     json: opt.AsJson = False,
 ) -> None:
     """Predict the speed of walkers, without writing any file."""
     from walkergen import family as families
     from walkergen import solids
+    from walkergen import weights as balance
 
     chosen = opt.design_of(design)
     changes = opt.Changes(restitution=restitution, friction=friction, law=law)
@@ -82,11 +93,14 @@ def predict(
     checked = opt.mode_of(mode, resolved)
     members = opt.members_of(chosen, tilt, legs, whole=False)
     built = [solids.build(member) for member in members]
-    rows = [member.row for member in families.predicted(members, built, resolved, checked)]
+    masses = {} if weights is None else balance.read(weights, members)
+    made = list(families.predicted(members, built, resolved, checked, masses))
+    (rows, _), weighed = families.rows_of(made), families.weighed_of(made)
     if json:
-        show.rows_as_json(rows)
+        show.rows_as_json(rows, weighed)
     else:
-        show.predictions(rows, families.caption(resolved, checked), chosen.name)
+        told = families.caption(resolved, checked)
+        show.predictions(rows, told, chosen.name, weighed=weighed)
 
 
 def export(
@@ -119,28 +133,41 @@ def plate(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    copies: Annotated[int, typer.Option(min=1, max=5000, help="Copies of each walker.")] = 1,
-    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    printers: Annotated[
+        str,
+        typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
+    ] = opt.PRINTER,
+    max_parts: opt.MaxParts = 5000,
     max_plates: Annotated[
         int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
     ] = None,
+    how_many: Annotated[
+        bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
+    ] = False,
     out: opt.Out = None,
+    pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Arrange copies of walkers on as many print-ready plates (3MF) as they need."""
-    from walkergen import batch, templates
-    from walkergen.printing.printers import Printer
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps."""
+    from walkergen import batch
 
     chosen = opt.design_of(design)
-    members = opt.members_of(chosen, tilt, legs, whole=False)
-    machine = templates.load(printer, "printers", Printer)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+    machines = opt.printers_of(printers)
+    if how_many:
+        room = batch.how_many(members, machines, max_parts)
+        return show.rows_as_json(room) if json else show.room(room)
     folder = out or Path("out") / chosen.name
-    rows, files = batch.make_plates(members, machine, copies, max_plates, folder)
+    order = batch.Order(members, counts, machines, max_plates, max_parts, pictures)
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        rows, files = batch.make_plates(order, folder, progress)
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
         show.placements(rows, files)
+    return None
 
 
 templates_app = typer.Typer(

@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from walkergen.batch import Row
+    from walkergen.batch import Room
     from walkergen.design import Design
+    from walkergen.plates import Place
     from walkergen.prediction import Prediction
-    from walkergen.report.tables import Simulated
+    from walkergen.report.tables import Simulated, Weighing
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
     from walkergen.simulation.engines import Plan
@@ -25,11 +26,12 @@ def as_json(data: dict[str, Any]) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def rows_as_json(rows: Sequence[Any], more: Sequence[Any] = (), files: Sequence[Path] = ()) -> None:
+def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()) -> None:
     """Print {"rows": [...]} of named tuples, side by side with `more`, and the files written."""
     listed = [row._asdict() for row in rows]
-    for row, extra in zip(listed, more, strict=False):
-        row |= extra._asdict()
+    for table in more:
+        for row, extra in zip(listed, table, strict=False):
+            row |= extra._asdict()
     data: dict[str, Any] = {"rows": listed}
     if files:
         data["files"] = [str(path) for path in files]
@@ -45,7 +47,11 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
 
 
 def predictions(
-    rows: "Sequence[Prediction]", caption: str, title: str, simulated: "Sequence[Simulated]" = ()
+    rows: "Sequence[Prediction]",
+    caption: str,
+    title: str,
+    simulated: "Sequence[Simulated]" = (),
+    weighed: "Sequence[Weighing]" = (),
 ) -> None:
     """Print the table of predicted speeds, its notes and what it rests on."""
     from rich.console import Console
@@ -57,19 +63,32 @@ def predictions(
     for number, note in enumerate(tables.notes_of(rows), start=1):
         console.print(f"[{number}] {note}", markup=False)
     console.print(caption, markup=False)
+    if weighed:
+        console.print(tables.weighed_table(rows, weighed))
+        console.print(tables.WEIGHED, markup=False)
 
 
-def placements(rows: "Sequence[Row]", paths: Sequence[Path]) -> None:
-    """Print how many copies of each part lie on each plate."""
+def placements(rows: "Sequence[Place]", paths: Sequence[Path]) -> None:
+    """Print how many copies of each part lie on each plate, and the files."""
     from collections import Counter
 
-    counts = Counter((row.plate, row.part) for row in rows)
-    for number, path in enumerate(paths, start=1):
-        print(path)
-        for (plate, part), count in counts.items():
-            if plate == number:
-                print(f"  {count:4d} x {part}")
-    print(f"{len(rows)} parts on {len(paths)} plate{'s' if len(paths) > 1 else ''}")
+    counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
+    for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
+        print(f"{printer}, plate {number}")
+        for (machine, plate, name, mark), count in counts.items():
+            if (machine, plate) == (printer, number):
+                print(f"  {count:4d} x {name}" + (f"  {mark}" if mark else ""))
+    print("\n".join(str(path) for path in paths))
+    for printer in dict.fromkeys(row.printer for row in rows):
+        own = [row.plate for row in rows if row.printer == printer]
+        count = max(own)
+        print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
+
+
+def room(rows: "Sequence[Room]") -> None:
+    """Print how many copies fit on one plate."""
+    for row in rows:
+        print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")
 
 
 def templates(rows: "Sequence[Entry]") -> None:

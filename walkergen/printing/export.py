@@ -65,12 +65,14 @@ def part_3mf(mesh: Mesh, name: str) -> bytes:
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
-def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) -> bytes:
+def threemf_bytes(
+    solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None
+) -> bytes:
     """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
     Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
-    names and the order. Raises SolidError when lib3mf refuses a mesh.
-    Source: 3MF core specification 1.3 and production extension (UUIDs).
+    names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
+    mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
     """
     wrapper = _wrapper()
     title = _xml_safe(title)
@@ -87,6 +89,8 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) ->
         built = model.AddBuildItem(objects[item.solid], place)
         built.SetPartNumber(part_number)
         built.SetUUID(_identifier(title, "item", number))
+    if thumbnail is not None:
+        model.CreatePackageThumbnailAttachment().ReadFromBuffer(thumbnail)
     return bytes(model.QueryWriter("3mf").WriteToBuffer())
 
 

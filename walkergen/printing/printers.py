@@ -21,6 +21,11 @@ class Printer(Section):
     """Kept free along every edge of the bed."""
     gap_mm: Annotated[float, Field(ge=0, le=50)] = 3.0
     """Kept free between the bounding boxes of two parts."""
+    brim_width_mm: Annotated[float, Field(ge=0, le=50)] = 0.0
+    """Printed around every part on its first layer; counts in margin and gap."""
+    skirt_distance_mm: Annotated[float, Field(ge=0, le=50)] = 2.0
+    """From the outermost brims (or parts) to the skirt."""
+    skirt_loops: Annotated[int, Field(ge=0, le=20)] = 0
     nozzle_mm: Annotated[float, Field(ge=0.05, le=3)] = 0.4
     line_width_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
     layer_height_mm: Annotated[float, Field(ge=0.01, le=2)] = 0.2
