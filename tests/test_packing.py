@@ -191,7 +191,7 @@ def test_brims_and_skirts_stay_on_the_bed_and_apart(
         update={"brim_width_mm": brim, "skirt_distance_mm": distance, "skirt_loops": loops}
     )
     one = part("walker", copies=1000)
-    skirt = loops * (printer.line_width_mm) + distance if loops else 0.0
+    skirt = (loops + 0.5) * printer.line_width_mm + distance if loops else 0.0
     for sheet in plate.pack([one], printer):
         placed = [(a - brim, b - brim, c + brim, d + brim) for a, b, c, d in boxes(sheet, [one])]
         low = printer.margin_mm + skirt - NANOMETRE

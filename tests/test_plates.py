@@ -3,6 +3,10 @@
 import csv
 import io
 import json
+import os
+import re
+import shutil
+import subprocess
 import time
 import zipfile
 from pathlib import Path
@@ -208,3 +212,55 @@ def test_bad_orders_are_one_clear_line(run, tmp_path, words, hint):
     assert isinstance(error, InputError), error
     assert hint in str(error)
     assert not list(tmp_path.iterdir())
+
+
+def test_a_file_for_prusaslicer_holds_the_same_parts():
+    layout = layout_of(PRINTERS[0], copies=(2, 3))
+    plain, own = (
+        dict(plates.files(layout, "p", True, prusaslicer))["p_prusa-mk3s_1.3mf"]
+        for prusaslicer in (False, True)
+    )
+    one, other = read_3mf(plain), read_3mf(own)
+    assert other.metadata == one.metadata | {"Version3mf": "1"}
+    assert (one.names, one.items, one.identifiers) == (other.names, other.items, other.identifiers)
+    assert own == dict(plates.files(layout, "p", True, True))["p_prusa-mk3s_1.3mf"]
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)
+def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
+    """Label `copy k` is copy k + 1 of the map, where the map says, and each part is one object."""
+    program = shutil.which("prusa-slicer")
+    if program is None:
+        assert os.environ.get("CI") != "true", "CI installs PrusaSlicer"
+        pytest.skip("prusa-slicer is not installed (Debian: apt-get install prusa-slicer)")
+    layout = layout_of(printer, copies=(5, 4))
+    data = dict(plates.files(layout, "p", False, True))[f"p_{printer.name}_1.3mf"]
+    path = tmp_path / "p.3mf"
+    path.write_bytes(data)
+    bed = printer.bed_width_mm, printer.bed_depth_mm
+    left, front = (-0.5 * bed[0], -0.5 * bed[1]) if printer.origin == "centre" else (0.0, 0.0)
+    shape = ",".join(f"{left + x}x{front + y}" for x, y in
+                     ((0, 0), (bed[0], 0), bed, (0, bed[1])))  # fmt: skip
+    words = [program, "--export-gcode", "--dont-arrange", "--gcode-label-objects", "--bed-shape",
+             shape, "--output", str(tmp_path / "p.gcode"), str(path)]  # fmt: skip
+    subprocess.run(words, check=True, capture_output=True, timeout=100)
+    found: dict[str, list[tuple[float, float]]] = {}
+    label = None
+    for line in (tmp_path / "p.gcode").read_text().splitlines():
+        if line.startswith("; printing object "):
+            label = line.removeprefix("; printing object ")
+        elif line.startswith("; stop printing"):
+            label = None
+        elif label and (move := re.match(r"G1 X([-\d.]+) Y([-\d.]+) E\d", line)):
+            found.setdefault(label, []).append((float(move[1]), float(move[2])))
+    rows = plates.places(layout)
+    names = list(dict.fromkeys(row.name for row in rows))
+    wanted = {f"{row.name} id:{names.index(row.name)} copy {row.copy - 1}": row for row in rows}
+    assert set(found) == set(wanted)
+    for name, row in wanted.items():
+        xs, ys = zip(*found[name], strict=True)
+        middle = 0.5 * (min(xs) + max(xs)) - left, 0.5 * (min(ys) + max(ys)) - front
+        # lines lie half a width inside on every side; thin feet may end a line early
+        assert middle[0] == pytest.approx(row.x_mm + 0.5 * row.width_mm, abs=0.1)
+        assert middle[1] == pytest.approx(row.y_mm + 0.5 * row.depth_mm, abs=0.5)

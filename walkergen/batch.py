@@ -29,6 +29,8 @@ class Order(NamedTuple):
     max_parts: int = plate.MOST_PARTS
     """On a plate."""
     pictures: bool = True
+    prusaslicer: bool = False
+    """Declare the 3MF files PrusaSlicer's own."""
 
 
 class Room(NamedTuple):
@@ -85,7 +87,7 @@ def make_plates(
     steps = sum(1 + len(layout.plates) * (1 + order.pictures) for layout in layouts)
     paths: list[Path] = []
     for layout in layouts:
-        for name, data in plates.files(layout, "plate", order.pictures):
+        for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
             paths.append(folder / "plates" / name)
             output.write(paths[-1], data)
             progress(name, len(paths), steps)

@@ -42,6 +42,8 @@ class Job(NamedTuple):
     """Of each member on the plates; one each by default."""
     max_parts: int = plate.MOST_PARTS
     """On a plate."""
+    prusaslicer: bool = False
+    """Declare the 3MF files PrusaSlicer's own."""
     weighed: Mapping[str, Weighings] = MappingProxyType({})
     """By the members' names."""
 
@@ -83,7 +85,7 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
         folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
         made.append(member)
         progress(member.name, len(made), steps)
-    for name, data in plates.files(layout, "family", job.pictures):
+    for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
         folder.write(f"plates/{name}", data)
     if not weights.filled(path / weights.FILE):
         folder.write(weights.FILE, weights.template(member.name for member in made).encode())
@@ -162,7 +164,8 @@ def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
     page = tables.to_markdown(rows, job.design.name, told, simulated)
     if weighed:
         page += tables.weighed_markdown(rows, weighed)
-    page += tables.legend_markdown(job.members)
+    if legend := tables.legend_markdown(job.members):
+        page += f"\n## Marks\n\n{legend}"
     folder.write("family.md", page.encode())
 
 

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from walkergen import names
 from walkergen.design import Design
 from walkergen.mass import Mesh
-from walkergen.printing import plate
+from walkergen.printing import export, plate
 from walkergen.printing.printers import Printer
 
 
@@ -80,11 +80,14 @@ def places(layout: Layout) -> list[Place]:
     return rows
 
 
-def files(layout: Layout, stem: str, pictures: bool) -> Iterator[tuple[str, bytes]]:
+def files(
+    layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
+) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of a layout's files, the map first, then the plates one by one.
 
     STEM_PRINTER.csv; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and
-    the plate seen from above as each 3MF file's thumbnail.
+    the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
+    export.for_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
     yield f"{start}.csv", to_csv(places(layout)).encode()
@@ -97,10 +100,8 @@ def files(layout: Layout, stem: str, pictures: bool) -> Iterator[tuple[str, byte
             view = layout.printer, layout.members, layout.meshes, one
             yield f"{name}.png", plate_map.png(*view, name)
             thumbnail = plate_map.thumbnail(*view)
-        yield (
-            f"{name}.3mf",
-            plate.plate_3mf(one, layout.parts, layout.meshes, layout.printer, name, thumbnail),
-        )
+        data = plate.plate_3mf(one, layout.parts, layout.meshes, layout.printer, name, thumbnail)
+        yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
 
 
 def to_csv(rows: Sequence[Place]) -> str:

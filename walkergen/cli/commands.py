@@ -22,6 +22,7 @@ def family(
     printer: opt.PrinterName = opt.PRINTER,
     copies: opt.Copies = "1",
     max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
     weights: opt.WeightsFile = None,
     out: opt.Out = None,
     simulate: Annotated[
@@ -55,6 +56,7 @@ def family(
         simulate=simulate,
         copies=counts,
         max_parts=max_parts,
+        prusaslicer=prusaslicer,
         weighed={} if weights is None else balance.read(weights, members),
     )
     folder = out or Path("out") / chosen.name
@@ -139,6 +141,7 @@ def plate(
         typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
     ] = opt.PRINTER,
     max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
         int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
     ] = None,
@@ -160,7 +163,7 @@ def plate(
         room = batch.how_many(members, machines, max_parts)
         return show.rows_as_json(room) if json else show.room(room)
     folder = out or Path("out") / chosen.name
-    order = batch.Order(members, counts, machines, max_plates, max_parts, pictures)
+    order = batch.Order(members, counts, machines, max_plates, max_parts, pictures, prusaslicer)
     with show.progress(chosen.name, wanted=not quiet) as progress:
         rows, files = batch.make_plates(order, folder, progress)
     if json:

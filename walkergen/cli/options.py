@@ -59,6 +59,10 @@ Copies = Annotated[
 MaxParts = Annotated[
     int, typer.Option("--max-parts", min=1, max=5000, help="Most parts on one plate.")
 ]
+ForPrusaSlicer = Annotated[
+    bool,
+    typer.Option("--prusaslicer", help="Let PrusaSlicer list and slice all copies as one object."),
+]
 WeightsFile = Annotated[
     Path | None,
     typer.Option("--weights", metavar="FILE", help="Masses from a balance: a filled weights.csv."),

@@ -57,7 +57,8 @@ class Plate(NamedTuple):
 
 def border(printer: Printer) -> float:
     """From the edge of the bed to the first part, mm: its margin, and brim and skirt inside it."""
-    skirt = printer.skirt_distance_mm + printer.skirt_loops * printer.line_width_mm
+    # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
     return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
 
 

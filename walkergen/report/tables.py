@@ -121,13 +121,13 @@ def weighed_markdown(rows: Sequence[Prediction], weighed: Sequence[Weighing]) ->
 
 
 def legend_markdown(members: Sequence[Design]) -> str:
-    """Which mark means which tilt, as a section of a Markdown page; "" without marks."""
+    """Which mark means which tilt, in Markdown; "" without marks."""
     marks = {design.legs.tilt_deg: design.mark for design in members if design.mark}
     if not marks:
         return ""
     lines = [f"| {tilt:g} | `{mark}` |" for tilt, mark in sorted(marks.items())]
     head = "| tilt (deg) | mark |\n|-----------:|:-----|"
-    return f"\n## Marks\n\n{legend_caption(members[0])}\n\n{head}\n" + "\n".join(lines) + "\n"
+    return f"{legend_caption(members[0])}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 
 def legend_caption(design: Design) -> str:
