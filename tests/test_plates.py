@@ -161,7 +161,7 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
     assert {row["mark"] for row in rows} == {"### # # ## #", "### # # ## ##"}
     page = (folder / "family.md").read_text()
     assert "| 10 | `### # # ## ##` |" in page
-    assert "### is the start (2.4 mm wide), nearest the front" in page
+    assert "read from the start, ### (2.4 mm wide" in page
 
 
 def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
@@ -188,6 +188,16 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
     assert max(len(line) for line in shown.splitlines()) <= 80
     told = json.loads(run("predict", "--tilt", "5,10", "--weights", str(path), "--json").stdout)
     assert told["rows"][0]["speed_mesh_mm_s"] > told["rows"][0]["speed_mm_s"]
+
+
+def test_impossible_masses_leave_no_half_made_folder(run, tmp_path):
+    path = tmp_path / "w.csv"
+    path.write_text("part,grams\nwalker_t5.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n")
+    words = ("family", "--tilt", "5,10", "--legs", "flexible", "--weights", str(path))
+    error = run(*words).exception
+    assert isinstance(error, InputError)
+    assert "walker_t10.0_flexible_s0.40: a body of" in str(error)
+    assert [entry.name for entry in tmp_path.iterdir()] == ["w.csv"]
 
 
 @pytest.mark.parametrize(

@@ -64,10 +64,10 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
-    speed.png, preview.png, manifest.json. Files of an
-    earlier run that this one does not make, and that nobody changed since, are removed at the end.
-    Raises PlateError, before anything is written, when a part is too large for the printer, and
-    OutputError when a file cannot be written.
+    speed.png, preview.png, manifest.json. Files of an earlier run that this one does not make, and
+    that nobody changed since, are removed at the end. Raises PlateError when a part is too large
+    for the printer and InputError when weighed masses are impossible, both before anything is
+    written, and OutputError when a file cannot be written.
     """
     started = time.perf_counter()
     steps = len(job.members) + 2
@@ -110,21 +110,25 @@ def predicted(
 ) -> Iterator[Member]:
     """Weigh and predict members one by one, with the same random draws for all.
 
-    With masses from a balance every member tells what they change.
+    With masses from a balance every member tells what they change; InputError, before the first
+    member, when they are impossible.
     """
     draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
-    for design, parts in zip(members, built, strict=True):
-        name = names.part(design)
-        final = weights.applied(design, parts, weighed[name], name) if name in weighed else design
-        mass = solids.weigh(final, parts)
-        row = prediction.predict(final, mass, scene, mode, draws)
+    named = [names.part(design) for design in members]
+    final = [
+        weights.applied(design, parts, weighed[name], name) if name in weighed else design
+        for name, design, parts in zip(named, members, built, strict=True)
+    ]
+    for name, design, parts in zip(named, final, built, strict=True):
+        mass = solids.weigh(design, parts)
+        row = prediction.predict(design, mass, scene, mode, draws)
         weighing = None
         if weighed:
             plain = weights.meshed(design)
             meshed = solids.weigh(plain, parts)
             speed = prediction.predict(plain, meshed, scene, mode, draws).speed_mm_s
             weighing = _weighing(weighed.get(name, Weighings()), mass, meshed, speed)
-        yield Member(final, name, parts.walker, mass, row, weighing=weighing)
+        yield Member(design, name, parts.walker, mass, row, weighing=weighing)
 
 
 def _weighing(

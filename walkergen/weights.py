@@ -25,6 +25,7 @@ from walkergen.solids import Solids
 
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
+HEADER = ",".join(("part", *QUANTITIES))
 LARGEST_FILE_BYTES = 10_000_000
 FACTOR = 10.0
 """A mass this many times the mesh's, or its fraction, is taken for a wrong unit or part."""
@@ -53,19 +54,19 @@ class Weighings(NamedTuple):
 
 def template(parts: Iterable[str]) -> str:
     """A weights.csv to fill in: a line for every part, without numbers."""
-    blank = "," * len(QUANTITIES)
-    return "\n".join([",".join(("part", *QUANTITIES)), *(part + blank for part in parts)]) + "\n"
+    return "\n".join([HEADER, *(part + "," * len(QUANTITIES) for part in parts)]) + "\n"
 
 
 def filled(path: Path) -> bool:
-    """True when a file exists that holds more than a template: somebody's work, to be kept."""
+    """True when a file exists that holds more than names: somebody's work, to be kept."""
     if not path.is_file():
         return False
     try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()[1:]
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
     except OSError as error:
         raise OutputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
-    return any(SEPARATOR.search(line.rstrip(",;\t ")) for line in lines)
+    header, *rows = [line.rstrip(",;\t ") for line in lines] or [HEADER]
+    return header != HEADER or any(SEPARATOR.search(row) for row in rows)
 
 
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
@@ -77,7 +78,6 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
-        where = f"{path}:{line}"
         try:
             values = _values(row)
             if values:
@@ -85,7 +85,7 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
                 for quantity, value in values.items():
                     found[part][quantity].append(value)
         except InputError as error:
-            problems.append(f"{where}: {error}")
+            problems.append(f"{path}:{line}: {error}")
     if problems:
         raise InputError("\n".join(problems))
     if not found:
@@ -203,7 +203,7 @@ def _known(name: str, parts: Sequence[str]) -> str:
             return candidate
     near = difflib.get_close_matches(name, parts, n=3, cutoff=0.6)
     hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(parts[:3])} ..."
-    raise InputError(f"part {name[:60]!r} is not among the walkers asked for; {hint}")
+    raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
 
 
 def _mean(values: Sequence[float]) -> Mean:

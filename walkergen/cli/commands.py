@@ -161,7 +161,11 @@ def plate(
     machines = opt.printers_of(printers)
     if how_many:
         room = batch.how_many(members, machines, max_parts)
-        return show.rows_as_json(room) if json else show.room(room)
+        if json:
+            show.rows_as_json(room)
+        else:
+            show.room(room)
+        return
     folder = out or Path("out") / chosen.name
     order = batch.Order(members, counts, machines, max_plates, max_parts, pictures, prusaslicer)
     with show.progress(chosen.name, wanted=not quiet) as progress:
@@ -170,7 +174,6 @@ def plate(
         show.rows_as_json(rows, files=files)
     elif not quiet:
         show.placements(rows, files)
-    return None
 
 
 templates_app = typer.Typer(

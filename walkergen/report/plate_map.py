@@ -35,9 +35,8 @@ def png(
     _label_parts(axes, members, meshes, one, scale)
     axes.set_xlabel("x (mm), front")
     axes.set_ylabel("y (mm)")
-    kinds = dict.fromkeys(design.legs.kind for design in members)
-    told = f"{title}: {len(one.placements)} parts, {' and '.join(kinds)} legs; tilt (deg) - copy"
-    axes.set_title(told, fontsize=10)
+    axes.set_title(f"{title}: {len(one.placements)} parts; tilt (deg) - copy", fontsize=10)
+    figure.legend(loc="outside upper right", ncols=2, frameon=False, fontsize=9)
     return plots.png(figure, 130)
 
 
@@ -66,7 +65,7 @@ def _draw_parts(
         if triangles:
             faces = PolyCollection(
                 list(np.concatenate(triangles)),
-                facecolors=[colour], edgecolors=[colour], linewidths=0.3,
+                facecolors=[colour], edgecolors=[colour], linewidths=0.3, label=f"{kind} legs",
             )  # fmt: skip
             axes.add_collection(faces)
     bed = printer.bed_width_mm, printer.bed_depth_mm

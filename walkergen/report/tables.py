@@ -136,9 +136,8 @@ def legend_caption(design: Design) -> str:
         return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
     unit = 2.0 * design.marks.line_mm
     return (
-        f"Notches in the edge opposite the legs: ### is the start ({3 * unit:g} mm wide), nearest "
-        f"the front; from there towards the back # is narrow ({unit:g} mm), ## wide "
-        f"({2 * unit:g} mm)."
+        f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
+        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm)."
     )
 
 
