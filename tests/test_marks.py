@@ -8,9 +8,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_solids import check_sound
 
-from walkergen import config, marks, mass, solids, templates
+from walkergen import config, marks, mass, prediction, solids, templates
 from walkergen.design import Design
 from walkergen.errors import GeometryError
+from walkergen.scene import Scene
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 KINDS = ("notches", "digits")
@@ -171,3 +172,13 @@ def test_a_refusal_names_the_line_of_the_file(tmp_path):
     lines = str(caught.value).splitlines()
     assert any(line.startswith(f"{path}:3: marks.line_mm = 0.5") for line in lines)
     assert any(line.startswith(f"{path}:5: legs.tilt_deg = 80") for line in lines)
+
+
+def test_the_curve_between_a_family_s_tilts_is_that_of_unmarked_walkers():
+    """Notches number the family's tilts; the figure's curve has others, 181 of them."""
+    scene = templates.load("lane-90hz", "scenes", Scene)
+    marked_curve, plain = (
+        prediction.curve(design, scene, "coulomb", 5.0, 15.0)
+        for design in (marked("notches"), PAPER)
+    )
+    np.testing.assert_array_equal(marked_curve.speed, plain.speed)

@@ -159,6 +159,9 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
     rows = table(folder / "plates" / "family_prusa-mk3s.csv")
     assert [row["plate"] for row in rows] == ["1"] * 5 + ["2"] * 2
     assert {row["mark"] for row in rows} == {"### # # ## #", "### # # ## ##"}
+    told = run("plate", "my.toml", "--copies", "5:1,10:1", "--no-pictures").stdout
+    assert "1 x walker_t10.0_flexible_s0.40  ### # # ## ##" in told
+    assert "read from the start" in told
     page = (folder / "family.md").read_text()
     assert "| 10 | `### # # ## ##` |" in page
     assert "read from the start, ### (2.4 mm wide" in page

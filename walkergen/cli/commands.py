@@ -173,7 +173,7 @@ def plate(
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
-        show.placements(rows, files)
+        show.placements(rows, files, chosen)
 
 
 templates_app = typer.Typer(

@@ -68,9 +68,11 @@ def predictions(
         console.print(tables.WEIGHED, markup=False)
 
 
-def placements(rows: "Sequence[Place]", paths: Sequence[Path]) -> None:
-    """Print how many copies of each part lie on each plate, and the files."""
+def placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "Design") -> None:
+    """Print how many copies of each part lie on each plate, the files, and how to read marks."""
     from collections import Counter
+
+    from walkergen.report import tables
 
     counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
     for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
@@ -83,6 +85,8 @@ def placements(rows: "Sequence[Place]", paths: Sequence[Path]) -> None:
         own = [row.plate for row in rows if row.printer == printer]
         count = max(own)
         print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
+    if legend := tables.legend_caption(design):
+        print(legend)
 
 
 def room(rows: "Sequence[Room]") -> None:

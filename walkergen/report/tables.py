@@ -131,7 +131,9 @@ def legend_markdown(members: Sequence[Design]) -> str:
 
 
 def legend_caption(design: Design) -> str:
-    """How to read the marks."""
+    """How to read the marks of a design; "" without any."""
+    if design.marks.kind == "none":
+        return ""
     if design.marks.kind == "digits":
         return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
     unit = 2.0 * design.marks.line_mm
