@@ -76,13 +76,15 @@ def test_the_map_says_where_the_3mf_file_has_every_part(printer):
 def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     layout = layout_of(PRINTERS[0], copies=(2, 2))
     files = dict(plates.files(layout, "plate", pictures=True))
-    assert list(files) == [f"plate_prusa-mk3s{end}" for end in (".csv", "_1.png", "_1.3mf")]
+    assert list(files) == [
+        f"plate_prusa-mk3s{end}" for end in (".csv", ".md", ".ini", "_1.png", "_1.3mf")
+    ]
     archive = zipfile.ZipFile(io.BytesIO(files["plate_prusa-mk3s_1.3mf"]))
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
     assert b"metadata/thumbnail" in archive.read("_rels/.rels")
     read_3mf(files["plate_prusa-mk3s_1.3mf"])
     plain = dict(plates.files(layout, "plate", pictures=False))
-    assert len(plain) == 2
+    assert len(plain) == 4
     bare = zipfile.ZipFile(io.BytesIO(plain["plate_prusa-mk3s_1.3mf"])).namelist()
     assert not any("thumbnail" in name for name in bare)
 
@@ -144,7 +146,9 @@ def test_a_thousand_parts_are_planned_within_seconds(tmp_path):
     order = batch.Order(members, [500, 500], PRINTERS[:1], pictures=False)
     steps = []
     started = time.perf_counter()
-    rows, paths = batch.make_plates(order, tmp_path, lambda *step: steps.append(step))
+    rows, paths = batch.make_plates(
+        order, tmp_path, lambda *step: steps.append(step), lambda found: None
+    )
     assert time.perf_counter() - started < 5.0  # 0.2 s measured; a busy machine takes its time
     assert len(rows) == 1000
     assert [step[1:] for step in steps] == [(k, len(paths)) for k in range(1, len(paths) + 1)]

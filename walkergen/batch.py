@@ -7,7 +7,8 @@ from typing import NamedTuple
 from walkergen import names, output, plates, solids, weights
 from walkergen.design import Design
 from walkergen.mass import Mesh
-from walkergen.printing import export, plate
+from walkergen.printing import checks, export, plate, walls
+from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 
 FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
@@ -31,6 +32,29 @@ class Order(NamedTuple):
     pictures: bool = True
     prusaslicer: bool = False
     """Declare the 3MF files PrusaSlicer's own."""
+    strict: bool = False
+    """Refuse what prints otherwise than predicted, not only what fails."""
+
+
+class Wall(NamedTuple):
+    """A thickness among the members' walls, and what the printer makes of it."""
+
+    wall: str
+    thickness_mm: float
+    lines: float
+    """Thickness in printed lines."""
+    plastic_percent: float
+    """Expected deviation of its plastic from the mesh."""
+
+
+class Checked(NamedTuple):
+    """What `check` found."""
+
+    walls: list[Wall]
+    findings: list[Finding]
+    parts: int
+    plates: int
+    """0 when a part fits no plate."""
 
 
 class Room(NamedTuple):
@@ -69,13 +93,41 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
     ]
 
 
-def make_plates(
-    order: Order, folder: Path, progress: Callable[[str, int, int], None]
-) -> tuple[list[plates.Place], list[Path]]:
-    """Arrange copies for every printer; write 3MF files, maps and weights.csv.
+def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> Checked:
+    """Run the printability checks on copies of the members, arranged; writes nothing."""
+    meshes = [solids.build(design).walker for design in members]
+    parts = [
+        plate.Part.of(names.part(one), mesh) for one, mesh in zip(members, meshes, strict=True)
+    ]
+    if all(plate.capacity(part, printer) for part in parts):
+        layout = plates.arrange(members, meshes, copies, printer)
+    else:  # which the findings tell, part by part
+        layout = plates.Layout(printer, members, meshes, parts, [])
+    walls_seen = {
+        (name, thickness): Wall(
+            name,
+            thickness,
+            thickness / printer.line_width_mm,
+            100.0 * walls.deviation(thickness, printer),
+        )
+        for design in members
+        for name, thickness in checks.walls_of(design).items()
+    }
+    found = plates.findings(layout)
+    return Checked(list(walls_seen.values()), found, sum(copies), len(layout.plates))
 
-    Raises PlateError, before anything is written, when a part is too large for a printer or more
-    plates are needed than allowed.
+
+def make_plates(
+    order: Order,
+    folder: Path,
+    progress: Callable[[str, int, int], None],
+    tell: Callable[[Sequence[Finding]], None],
+) -> tuple[list[plates.Place], list[Path]]:
+    """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
+
+    `tell` is called with the printability checks' findings. Raises, before anything is written,
+    PlateError when a part is too large for a printer or more plates are needed than allowed, and
+    PrintabilityError when a part would not print (strict: would print otherwise than predicted).
     """
     meshes = [solids.build(design).walker for design in order.members]
     layouts = [
@@ -84,7 +136,17 @@ def make_plates(
         )
         for printer in order.printers
     ]
-    steps = sum(1 + len(layout.plates) * (1 + order.pictures) for layout in layouts)
+    findings = [
+        # With several printers it matters which.
+        one._replace(where=f"{layout.printer.name}: {one.where}") if len(layouts) > 1 else one
+        for layout in layouts
+        for one in plates.findings(layout)
+    ]
+    tell(findings)
+    checks.refuse(findings, order.strict)
+    steps = sum(
+        plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) for layout in layouts
+    )
     paths: list[Path] = []
     for layout in layouts:
         for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):

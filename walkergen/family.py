@@ -13,7 +13,8 @@ from walkergen.design import Design
 from walkergen.mass import MassProperties, Mesh
 from walkergen.output import Folder
 from walkergen.prediction import Prediction
-from walkergen.printing import export, plate
+from walkergen.printing import checks, export, plate, sheet
+from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
 from walkergen.report.tables import Simulated, Weighing
@@ -46,6 +47,8 @@ class Job(NamedTuple):
     """Declare the 3MF files PrusaSlicer's own."""
     weighed: Mapping[str, Weighings] = MappingProxyType({})
     """By the members' names."""
+    strict: bool = False
+    """Refuse what prints otherwise than predicted, not only what fails."""
 
 
 class Member(NamedTuple):
@@ -60,14 +63,18 @@ class Member(NamedTuple):
     weighing: Weighing | None = None
 
 
-def make(job: Job, path: Path, progress: Progress) -> list[Member]:
+Tell = Callable[[Sequence[Finding]], None]
+"""Called with the findings of the printability checks, once, before anything is written."""
+
+
+def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
     speed.png, preview.png, manifest.json. Files of an earlier run that this one does not make, and
     that nobody changed since, are removed at the end. Raises PlateError when a part is too large
-    for the printer and InputError when weighed masses are impossible, both before anything is
-    written, and OutputError when a file cannot be written.
+    for the printer, PrintabilityError when one would not print and InputError when weighed masses
+    are impossible, all before anything is written, and OutputError when a file cannot be written.
     """
     started = time.perf_counter()
     steps = len(job.members) + 2
@@ -79,6 +86,9 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
         job.printer,
         max_parts=job.max_parts,
     )
+    findings = plates.findings(layout)
+    tell(findings)
+    checks.refuse(findings, job.strict)
     folder = Folder(path)
     made: list[Member] = []
     for member in predicted(job.members, built, job.scene, job.mode, job.weighed):
@@ -96,7 +106,7 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
         _write_tables(job, made, folder)
     if job.pictures:
         _write_pictures(job, made, folder)
-    folder.finish(_facts(job, time.perf_counter() - started))
+    folder.finish(_facts(job, findings, time.perf_counter() - started))
     progress("done", steps, steps)
     return made
 
@@ -231,7 +241,7 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     folder.write("preview.png", plots.png(preview.preview_figure(parts, job.design.name)))
 
 
-def _facts(job: Job, seconds: float) -> dict[str, Any]:
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
     """The manifest: inputs resolved, what made the files, how long it took."""
     return {
         "design": job.design.model_dump(mode="json"),
@@ -243,6 +253,7 @@ def _facts(job: Job, seconds: float) -> dict[str, Any]:
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
+        "print": sheet.facts(job.printer, findings),
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,

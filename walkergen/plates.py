@@ -5,11 +5,16 @@ import io
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from walkergen import names
+from walkergen import names, solids
 from walkergen.design import Design
 from walkergen.mass import Mesh
-from walkergen.printing import export, plate
+from walkergen.printing import checks, export, plate, sheet, slicer
+from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
+from walkergen.report import tables
+
+COMMON_FILES = 3
+"""Of a layout, beside those of each plate."""
 
 
 class Place(NamedTuple):
@@ -80,17 +85,26 @@ def places(layout: Layout) -> list[Place]:
     return rows
 
 
+def findings(layout: Layout) -> list[Finding]:
+    """What the printability checks find, of parts and of plates."""
+    return checks.of_batch(
+        layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
+    )
+
+
 def files(
     layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of a layout's files, the map first, then the plates one by one.
+    """Names and bytes of a layout's files, words first (COMMON_FILES), then the plates one by one.
 
-    STEM_PRINTER.csv; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and
-    the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
-    export.for_prusaslicer.
+    STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
+    PrusaSlicer; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
+    plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
     yield f"{start}.csv", to_csv(places(layout)).encode()
+    yield f"{start}.md", _print_sheet(layout, start).encode()
+    yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
     for number, one in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None
@@ -102,6 +116,16 @@ def files(
             thumbnail = plate_map.thumbnail(*view)
         data = plate.plate_3mf(one, layout.parts, layout.meshes, layout.printer, name, thumbnail)
         yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
+
+
+def _print_sheet(layout: Layout, stem: str) -> str:
+    weights = [
+        sheet.weigh(part.name, design, solids.build(design), layout.printer)
+        for part, design in zip(layout.parts, layout.members, strict=True)
+    ]
+    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts)
+    legend = tables.legend_markdown(layout.members)
+    return sheet.to_markdown(printed, weights, findings(layout), legend)
 
 
 def to_csv(rows: Sequence[Place]) -> str:

@@ -71,10 +71,43 @@ def weigh(design: Design, solids: Solids) -> MassProperties:
 
 def has_window(design: Design) -> bool:
     """True when there is air between a braced leg and its brace (not at small tilt)."""
+    return window_width(design) > 0.0
+
+
+def window_width(design: Design) -> float:
+    """Air between a braced leg and its brace along the body's bottom face, mm.
+
+    There it is widest; negative where they overlap, and 0 for flexible legs.
+    """
     if not design.braced:
-        return False
+        return 0.0
     half_width = 0.5 * design.leg_thickness / math.cos(design.tilt)
-    return abs(design.brace_offset) > half_width + 0.5 * design.legs.brace_thickness_mm
+    return abs(design.brace_offset) - (half_width + 0.5 * design.legs.brace_thickness_mm)
+
+
+def clearance(design: Design) -> float:
+    """Air between the back leg and the front one (or its brace), where they are closest, mm."""
+    thickness = design.leg_thickness / math.cos(design.tilt)
+    between_legs = design.legs.contact_spacing_mm - thickness
+    if not design.braced:
+        return between_legs
+    half_brace = 0.5 * design.legs.brace_thickness_mm
+    crossing = abs(design.brace_offset) + 0.5 * thickness + half_brace
+    return min(between_legs, design.legs.contact_spacing_mm - crossing)
+
+
+def bodies(mesh: Mesh) -> int:
+    """How many closed bodies a mesh has once its coordinates are 32-bit floats, as in a file.
+
+    0 when it is not closed and oriented, or encloses nothing. Vertices that fall together are one.
+    """
+    rounded = mesh.vertices.astype(np.float32)
+    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[mesh.triangles].astype(np.uint32)
+    solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
+    if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
+        return 0
+    return len(solid.decompose())
 
 
 def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":

@@ -1,5 +1,6 @@
 """The commands. Heavy imports stay inside them, so that help and errors come at once."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -31,6 +32,7 @@ def family(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
+    strict: opt.Strict = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -58,10 +60,11 @@ def family(
         max_parts=max_parts,
         prusaslicer=prusaslicer,
         weighed={} if weights is None else balance.read(weights, members),
+        strict=strict,
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        made = families.make(job, folder, progress)
+        made = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
     (rows, simulated), weighed = families.rows_of(made), families.weighed_of(made)
     if json:
         show.rows_as_json(rows, simulated, weighed)
@@ -131,6 +134,36 @@ def export(
     show.files(files, json, quiet)
 
 
+def check(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    strict: opt.Strict = False,
+    json: opt.AsJson = False,
+) -> None:
+    """Check whether walkers will print as designed, without writing any file."""
+    from walkergen import batch, templates
+    from walkergen.printing import checks
+    from walkergen.printing.printers import Printer
+
+    chosen = opt.design_of(design)
+    machine = templates.load(printer, "printers", Printer)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    found = batch.check(members, counts, machine)
+    if json:
+        show.as_json({
+            "walls": [wall._asdict() for wall in found.walls],
+            "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
+            "parts": found.parts,
+            "plates": found.plates,
+        })  # fmt: skip
+    else:
+        show.checked(found, machine)
+    checks.refuse(found.findings, strict)
+
+
 def plate(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
@@ -148,6 +181,7 @@ def plate(
     how_many: Annotated[
         bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
     ] = False,
+    strict: opt.Strict = False,
     out: opt.Out = None,
     pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
     json: opt.AsJson = False,
@@ -167,9 +201,12 @@ def plate(
             show.room(room)
         return
     folder = out or Path("out") / chosen.name
-    order = batch.Order(members, counts, machines, max_plates, max_parts, pictures, prusaslicer)
+    order = batch.Order(
+        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
+    )
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        rows, files = batch.make_plates(order, folder, progress)
+        tell = partial(show.warnings, quiet=quiet)
+        rows, files = batch.make_plates(order, folder, progress, tell)
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
@@ -218,4 +255,4 @@ def copy_template(
     print(target)
 
 
-ALL = (family, predict, export, plate)
+ALL = (family, predict, export, check, plate)

@@ -72,6 +72,9 @@ Out = Annotated[
     typer.Option("--out", metavar="FOLDER", help="Folder to write; out/NAME by default."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse what prints otherwise than predicted, too.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 
 

@@ -8,10 +8,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from walkergen.batch import Room
+    from walkergen.batch import Checked, Room
     from walkergen.design import Design
     from walkergen.plates import Place
     from walkergen.prediction import Prediction
+    from walkergen.printing.checks import Finding
+    from walkergen.printing.printers import Printer
     from walkergen.report.tables import Simulated, Weighing
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
@@ -93,6 +95,40 @@ def room(rows: "Sequence[Room]") -> None:
     """Print how many copies fit on one plate."""
     for row in rows:
         print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")
+
+
+def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
+    """Print the warnings of the printability checks, a line each, on the error stream."""
+    from walkergen.printing import checks
+
+    for finding in checks.grouped(findings):
+        if finding.level == "warning" and not quiet:
+            print(f"warning: {checks.line(finding)}", file=sys.stderr)
+
+
+def checked(found: "Checked", printer: "Printer") -> None:
+    """Print how walls come out in lines, warnings and advice; errors follow as such."""
+    from walkergen.printing import checks
+
+    print(f"{'wall':8s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
+    for wall in found.walls:
+        percent = round(wall.plastic_percent)
+        plastic = f"{percent:+d} %" if percent else "as drawn"
+        print(f"{wall.wall:8s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
+    findings = checks.grouped(found.findings)
+    for finding in findings:
+        if finding.level != "error":
+            print(f"{finding.level}: {checks.line(finding)}")
+    told = [
+        _count(sum(finding.level == level for finding in findings), level)
+        for level in ("error", "warning")
+    ]
+    parts, plates = _count(found.parts, "part"), _count(found.plates, "plate")
+    print(f"{parts} on {plates} of {printer.name}: {', '.join(told)}")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def templates(rows: "Sequence[Entry]") -> None:

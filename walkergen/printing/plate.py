@@ -115,9 +115,7 @@ def plate_3mf(
     used = sorted({placement.part for placement in plate.placements})
     solid_of = {part: number for number, part in enumerate(used)}
     solids = [export.Solid(parts[part].name, meshes[part]) for part in used]
-    centred = printer.origin == "centre"
-    left = -0.5 * printer.bed_width_mm if centred else 0.0
-    front = -0.5 * printer.bed_depth_mm if centred else 0.0
+    left, front = printer.bed_corner
     items = [
         export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)
         for part, copy, x, y in plate.placements
