@@ -87,7 +87,7 @@ def test_plate_places_every_copy(run, tmp_path):
                  "--printer", "prusa-mk3s", "--json")  # fmt: skip
     found = json.loads(result.stdout)
     assert len(found["rows"]) == 24
-    assert len({row["part"] for row in found["rows"]}) == 3
+    assert len({row["name"] for row in found["rows"]}) == 3
     assert all((tmp_path / name).is_file() for name in found["files"])
 
 
@@ -191,8 +191,8 @@ def test_an_interrupted_family_says_what_is_kept(run, monkeypatch, tmp_path):
 
 def test_unknown_options_exit_with_2(run):
     assert run("predict", "--speed", "3").exit_code == 2
-    assert run("plate", "--copies", "0").exit_code == 2
-    assert run("plate", "--copies", "ten").exit_code == 2
+    assert run("plate", "--max-parts", "0").exit_code == 2
+    assert run("plate", "--max-plates", "ten").exit_code == 2
 
 
 def python(*words):

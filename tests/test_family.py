@@ -31,24 +31,29 @@ def silent(what, done, total):
     assert done <= total
 
 
+def unheard(findings):
+    """A family without warnings."""
+    assert not [finding for finding in findings if finding.level != "advice"]
+
+
 def files_of(folder):
     return sorted(str(p.relative_to(folder)) for p in folder.rglob("*") if p.is_file())
 
 
 def test_the_folder_holds_what_the_readme_says(tmp_path):
-    family.make(job_of(pictures=True), tmp_path, silent)
+    family.make(job_of(pictures=True), tmp_path, silent, unheard)
     assert files_of(tmp_path) == sorted(
         [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
-        + ["plates/family_prusa-mk3s_1.3mf", "family.csv", "family.md", "speed.png", "preview.png",
-           "manifest.json"]
+        + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md", ".ini")]
+        + ["family.csv", "family.md", "weights.csv", "speed.png", "preview.png", "manifest.json"]
     )  # fmt: skip
     for png in ("speed.png", "preview.png"):
         assert (tmp_path / png).read_bytes().startswith(b"\x89PNG")
 
 
 def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
-    made = family.make(job_of(), tmp_path, silent)
+    made = family.make(job_of(), tmp_path, silent, unheard)
     for member in made:
         mesh = trimesh.load(tmp_path / "stl" / f"{member.name}.stl")
         assert mesh.is_watertight
@@ -60,7 +65,7 @@ def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
 
 
 def test_csv_rows_are_the_predictions(tmp_path):
-    made = family.make(job_of(), tmp_path, silent)
+    made = family.make(job_of(), tmp_path, silent, unheard)
     with (tmp_path / "family.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6
@@ -74,7 +79,7 @@ def test_csv_rows_are_the_predictions(tmp_path):
 
 
 def test_manifest_lists_every_file_with_its_hash(tmp_path):
-    family.make(job_of(pictures=True), tmp_path, silent)
+    family.make(job_of(pictures=True), tmp_path, silent, unheard)
     manifest = json.loads((tmp_path / "manifest.json").read_text(encoding="utf-8"))
     assert sorted(manifest["files"]) == [f for f in files_of(tmp_path) if f != "manifest.json"]
     for name, digest in manifest["files"].items():
@@ -87,7 +92,7 @@ def test_manifest_lists_every_file_with_its_hash(tmp_path):
 
 def test_equal_input_gives_equal_bytes(tmp_path):
     for folder in ("one", "two"):
-        family.make(job_of(pictures=True), tmp_path / folder, silent)
+        family.make(job_of(pictures=True), tmp_path / folder, silent, unheard)
     one, two = (json.loads((tmp_path / f / "manifest.json").read_text()) for f in ("one", "two"))
     assert one["files"] == two["files"]
 
@@ -98,28 +103,28 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        family.make(job_of(), tmp_path, interrupt)
+        family.make(job_of(), tmp_path, interrupt, unheard)
     finished = files_of(tmp_path)
     assert len(finished) == 3
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
-    family.make(job_of(), tmp_path, silent)
-    assert len(files_of(tmp_path)) == 6 + 4
+    family.make(job_of(), tmp_path, silent, unheard)
+    assert len(files_of(tmp_path)) == 6 + 8
 
 
 def test_output_that_cannot_be_written_is_one_line(tmp_path):
     (tmp_path / "file").write_text("not a folder")
     with pytest.raises(OutputError, match="cannot be written") as caught:
-        family.make(job_of(), tmp_path / "file", silent)
+        family.make(job_of(), tmp_path / "file", silent, unheard)
     assert len(str(caught.value).splitlines()) == 1
 
 
 def test_leftovers_of_an_earlier_run_are_removed_unless_changed(tmp_path):
-    family.make(job_of((0.0, 5.0, 10.0), ["flexible"]), tmp_path, silent)
+    family.make(job_of((0.0, 5.0, 10.0), ["flexible"]), tmp_path, silent, unheard)
     edited = tmp_path / "stl" / "walker_t5.0_flexible_s0.40.stl"
     edited.write_bytes(b"mine now")
     (tmp_path / "notes.txt").write_text("the user's")
-    family.make(job_of((10.0,), ["flexible"]), tmp_path, silent)
+    family.make(job_of((10.0,), ["flexible"]), tmp_path, silent, unheard)
     kept = files_of(tmp_path)
     assert "notes.txt" in kept
     assert "stl/walker_t5.0_flexible_s0.40.stl" in kept
@@ -134,7 +139,7 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
     output.write(
         folder / "manifest.json", json.dumps({"files": {"../victim.txt": digest}}).encode()
     )
-    family.make(job_of((10.0,), ["flexible"]), folder, silent)
+    family.make(job_of((10.0,), ["flexible"]), folder, silent, unheard)
     assert victim.read_bytes() == b"precious"
 
 
@@ -150,5 +155,5 @@ def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(
     large = Design.model_validate({"body": {"length_mm": 300.0}})
     job = job_of()._replace(design=large, members=large.members([0.0]))
     with pytest.raises(PlateError, match="does not fit prusa-mk3s"):
-        family.make(job, tmp_path / "out", silent)
+        family.make(job, tmp_path / "out", silent, unheard)
     assert not (tmp_path / "out").exists()

@@ -158,12 +158,66 @@ def test_no_parts_need_no_plate() -> None:
     assert plate.pack([], MK3S) == []
 
 
-def test_a_thousand_parts_are_packed_in_seconds() -> None:
+def test_a_thousand_parts_are_packed_at_once() -> None:
     sizes = np.random.default_rng(5).uniform((20.0, 8.0), (35.0, 14.0), (1000, 2)).tolist()
     parts = [part(f"p{i}", (w, d, 8.0)) for i, (w, d) in enumerate(sizes)]
     start = time.perf_counter()
     plates = plate.pack(parts, MK3S)
-    assert time.perf_counter() - start < 3.0  # 0.25 s measured; room for a busy machine
+    assert time.perf_counter() - start < 1.0  # 2 ms measured
     full = [sum((c - a + 3.0) * (d - b + 3.0) for a, b, c, d in boxes(p, parts)) for p in plates]
-    # 0.84 of the bed measured on the plates before the last; 0.7 is what a shelf a row would reach
-    assert np.mean(full[:-1]) > 0.8 * 243.0 * 203.0
+    # A row is as deep as its deepest part, 13.5 mm of parts that are 11 in the mean; and up to half
+    # a part is free at its end: 0.77 measured.
+    assert np.mean(full[:-1]) > 0.7 * 243.0 * 203.0
+
+
+def test_parts_of_a_family_fill_the_bed_row_by_row() -> None:
+    """Neighbours in the order of tilts are almost equally deep, so that rows waste little."""
+    parts = [part(f"t{tilt}", (28.0, 10.5 - 0.04 * tilt, 8.0), 37) for tilt in range(0, 50, 5)]
+    plates = plate.pack(parts, MK3S)
+    order = [(p.part, p.copy) for one in plates for p in one.placements]
+    assert order == sorted(order)
+    for one in plates:
+        places = [(p.y, p.x) for p in one.placements]
+        assert places == sorted(places)
+    mean = 7 * 203.0 / (10.5 - 0.04 * 22.5 + 3.0)  # if rows could be cut anywhere
+    assert len(plates) == math.ceil(370 / (mean - 7))
+
+
+@pytest.mark.parametrize(("brim", "distance", "loops"), [(0.0, 6.0, 2), (4.0, 6.0, 0), (3, 2, 1)])
+def test_brims_and_skirts_stay_on_the_bed_and_apart(
+    brim: float, distance: float, loops: int
+) -> None:
+    printer = MK3S.model_copy(
+        update={"brim_width_mm": brim, "skirt_distance_mm": distance, "skirt_loops": loops}
+    )
+    one = part("walker", copies=1000)
+    skirt = (loops + 0.5) * printer.line_width_mm + distance if loops else 0.0
+    for sheet in plate.pack([one], printer):
+        placed = [(a - brim, b - brim, c + brim, d + brim) for a, b, c, d in boxes(sheet, [one])]
+        low = printer.margin_mm + skirt - NANOMETRE
+        assert min(box[0] for box in placed) >= low
+        assert min(box[1] for box in placed) >= low
+        assert max(box[2] for box in placed) <= printer.bed_width_mm - low
+        assert max(box[3] for box in placed) <= printer.bed_depth_mm - low
+        gap = printer.gap_mm - NANOMETRE
+        for (a, b, c, d), (e, f, g, h) in itertools.combinations(placed, 2):
+            assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
+    assert len(plate.pack([one], printer)[0].placements) == plate.capacity(one, printer)
+
+
+def test_a_brim_that_leaves_no_bed_is_refused() -> None:
+    printer = Printer(
+        bed_width_mm=50.0, bed_depth_mm=50.0, height_mm=50.0, brim_width_mm=30.0, gap_mm=0.0
+    )
+    assert plate.capacity(part("walker"), printer) == 0
+    with pytest.raises(PlateError, match="does not fit"):
+        plate.pack([part("walker")], printer)
+
+
+def test_a_plate_holds_at_most_what_is_allowed() -> None:
+    parts = [part("a", copies=25), part("b", copies=9)]
+    plates = plate.pack(parts, MK3S, max_parts=10)
+    assert [len(one.placements) for one in plates] == [10, 10, 10, 4]
+    check(plates, parts, MK3S)
+    with pytest.raises(PlateError, match=r"34 parts need 4 plates .* 3 allowed .room for 30"):
+        plate.pack(parts, MK3S, max_plates=3, max_parts=10)

@@ -4,10 +4,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen import names, output, solids
+from walkergen import names, output, plates, solids, weights
 from walkergen.design import Design
 from walkergen.mass import Mesh
-from walkergen.printing import export, plate
+from walkergen.printing import checks, export, plate, walls
+from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 
 FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
@@ -16,14 +17,52 @@ FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
 }
 
 
-class Row(NamedTuple):
-    """Where one copy lies; x, y of its lower left corner on the bed."""
+class Order(NamedTuple):
+    """What to print, on which printers."""
 
-    plate: int
-    part: str
-    copy: int
-    x_mm: float
-    y_mm: float
+    members: Sequence[Design]
+    copies: Sequence[int]
+    """Of each member."""
+    printers: Sequence[Printer]
+    """All copies are arranged for each of them."""
+    max_plates: int | None = None
+    """More plates are refused."""
+    max_parts: int = plate.MOST_PARTS
+    """On a plate."""
+    pictures: bool = True
+    prusaslicer: bool = False
+    """Declare the 3MF files PrusaSlicer's own."""
+    strict: bool = False
+    """Refuse what prints otherwise than predicted, not only what fails."""
+
+
+class Wall(NamedTuple):
+    """A thickness among the members' walls, and what the printer makes of it."""
+
+    wall: str
+    thickness_mm: float
+    lines: float
+    """Thickness in printed lines."""
+    plastic_percent: float
+    """Expected deviation of its plastic from the mesh."""
+
+
+class Checked(NamedTuple):
+    """What `check` found."""
+
+    walls: list[Wall]
+    findings: list[Finding]
+    parts: int
+    plates: int
+    """0 when a part fits no plate."""
+
+
+class Room(NamedTuple):
+    """How many copies of a walker alone fit on one plate."""
+
+    printer: str
+    name: str
+    fit: int
 
 
 def export_parts(
@@ -44,26 +83,76 @@ def export_parts(
     return written
 
 
-def make_plates(
-    members: Sequence[Design],
-    printer: Printer,
-    copies: int,
-    max_plates: int | None,
-    folder: Path,
-) -> tuple[list[Row], list[Path]]:
-    """Arrange copies of the members and write one 3MF a plate.
+def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
+    """How many copies of each member fit on one plate of each printer, if it held no others."""
+    parts = [plate.Part.of(names.part(one), solids.build(one).walker) for one in members]
+    return [
+        Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
+        for printer in printers
+        for part in parts
+    ]
 
-    Raises PlateError when a part is too large or more plates are needed than allowed.
-    """
+
+def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> Checked:
+    """Run the printability checks on copies of the members, arranged; writes nothing."""
     meshes = [solids.build(design).walker for design in members]
     parts = [
-        plate.Part.of(names.part(design), mesh, copies)
-        for design, mesh in zip(members, meshes, strict=True)
+        plate.Part.of(names.part(one), mesh) for one, mesh in zip(members, meshes, strict=True)
     ]
-    rows, paths = [], []
-    for number, one in enumerate(plate.pack(parts, printer, max_plates), start=1):
-        path = folder / "plates" / f"plate_{printer.name}_{number}.3mf"
-        output.write(path, plate.plate_3mf(one, parts, meshes, printer, path.stem))
-        paths.append(path)
-        rows += [Row(number, parts[p.part].name, p.copy, p.x, p.y) for p in one.placements]
+    if all(plate.capacity(part, printer) for part in parts):
+        layout = plates.arrange(members, meshes, copies, printer)
+    else:  # which the findings tell, part by part
+        layout = plates.Layout(printer, members, meshes, parts, [])
+    walls_seen = {
+        (name, thickness): Wall(
+            name,
+            thickness,
+            thickness / printer.line_width_mm,
+            100.0 * walls.deviation(thickness, printer),
+        )
+        for design in members
+        for name, thickness in checks.walls_of(design).items()
+    }
+    found = plates.findings(layout)
+    return Checked(list(walls_seen.values()), found, sum(copies), len(layout.plates))
+
+
+def make_plates(
+    order: Order,
+    folder: Path,
+    progress: Callable[[str, int, int], None],
+    tell: Callable[[Sequence[Finding]], None],
+) -> tuple[list[plates.Place], list[Path]]:
+    """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
+
+    `tell` is called with the printability checks' findings. Raises, before anything is written,
+    PlateError when a part is too large for a printer or more plates are needed than allowed, and
+    PrintabilityError when a part would not print (strict: would print otherwise than predicted).
+    """
+    meshes = [solids.build(design).walker for design in order.members]
+    layouts = [
+        plates.arrange(
+            order.members, meshes, order.copies, printer, order.max_plates, order.max_parts
+        )
+        for printer in order.printers
+    ]
+    findings = [
+        # With several printers it matters which.
+        one._replace(where=f"{layout.printer.name}: {one.where}") if len(layouts) > 1 else one
+        for layout in layouts
+        for one in plates.findings(layout)
+    ]
+    tell(findings)
+    checks.refuse(findings, order.strict)
+    steps = sum(
+        plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) for layout in layouts
+    )
+    paths: list[Path] = []
+    for layout in layouts:
+        for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
+            paths.append(folder / "plates" / name)
+            output.write(paths[-1], data)
+            progress(name, len(paths), steps)
+    rows = [row for layout in layouts for row in plates.places(layout)]
+    weights.write_template(folder, dict.fromkeys(row.item for row in rows))
     return rows, paths

@@ -57,9 +57,10 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     try:
         return model.model_validate(data)
     except GeometryError as error:
-        line = _line_of(("legs", "tilt_deg"), text)
-        where = f"{source}:{line}" if line else source
-        lines = [f"{where}: {told}" for told in str(error).splitlines()]
+        lines = []
+        for told in str(error).splitlines():  # each begins with its key
+            line = _line_of(_split_key(told.split(" ", 1)[0]), text)
+            lines.append(f"{source}:{line}: {told}" if line else f"{source}: {told}")
         raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]

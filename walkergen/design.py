@@ -14,6 +14,7 @@ from pydantic import Field, field_validator, model_validator
 
 from walkergen.config import Name, Section, validate
 from walkergen.errors import GeometryError
+from walkergen.marks import Marks, problems, word
 
 Length = Annotated[float, Field(gt=0, le=1e6)]
 MassGram = Annotated[float, Field(gt=0, le=1e12)]
@@ -85,6 +86,7 @@ class Design(Section):
     legs: Legs = Legs()
     material: Material = Material()
     weighed: Weighed = Weighed()
+    marks: Marks = Marks()
     family: Family = Family()
 
     @model_validator(mode="after")
@@ -175,6 +177,16 @@ class Design(Section):
             raise GeometryError("\n".join(problems))
         return found
 
+    @property
+    def mark(self) -> str:
+        """What the part shows: its tilt in digits, its notches drawn with #, or nothing."""
+        return word(self.marks, self.family.tilt_deg, self.legs.tilt_deg)
+
+    @property
+    def unmarked(self) -> "Design":
+        """The same design without marks."""
+        return self.model_copy(update={"marks": Marks()})
+
     def to_toml(self) -> str:
         """The design as TOML that `read` takes back."""
         import tomli_w
@@ -189,7 +201,9 @@ def _problems(design: Design) -> list[str]:
         limit = _largest_tilt(design)
         hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
         found.append(f"legs.tilt_deg = {design.legs.tilt_deg:g} ({design.legs.kind}): {text}{hint}")
-    return found
+    body = design.body
+    size = body.length_mm, body.thickness_mm, body.depth_mm
+    return found + problems(design.marks, design.family.tilt_deg, design.legs.tilt_deg, size)
 
 
 def _impossible(design: Design, tilt_deg: float) -> list[str]:

@@ -3,7 +3,8 @@
 WalkergenError            everything walkergen raises on purpose; the CLI prints it and exits with 2
 ├── InputError            a value a person wrote is unusable: says what was seen, allowed, to try
 │   ├── GeometryError     a design whose parts cannot be built as drawn
-│   └── PlateError        parts that do not fit the printer's bed
+│   ├── PlateError        parts that do not fit the printer's bed
+│   └── PrintabilityError parts that would not print as drawn: one line each
 ├── SolidError            the solid modeller refused or returned an unsound body
 ├── TheoryError           a formula has no answer for these numbers
 └── OutputError           a file or folder could not be written
@@ -24,6 +25,10 @@ class GeometryError(InputError):
 
 class PlateError(InputError):
     """Parts do not fit the printer's bed; the text says how many would."""
+
+
+class PrintabilityError(InputError):
+    """Parts would not print as drawn; a line for each finding, with what to change."""
 
 
 class SolidError(WalkergenError):

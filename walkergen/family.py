@@ -2,28 +2,31 @@
 
 import platform
 import time
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from walkergen import __version__, names, prediction, solids
+from walkergen import __version__, names, plates, prediction, solids, weights
 from walkergen.design import Design
 from walkergen.mass import MassProperties, Mesh
 from walkergen.output import Folder
 from walkergen.prediction import Prediction
-from walkergen.printing import export, plate
+from walkergen.printing import checks, export, plate, sheet
+from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
-from walkergen.report.tables import Simulated
+from walkergen.report.tables import Simulated, Weighing
 from walkergen.scene import Scene
 from walkergen.solids import Solids
 from walkergen.theory.speed import Mode
+from walkergen.weights import Weighings
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being made, how many steps are done, and of how many."""
 
-LIBRARIES = ("numpy", "manifold3d", "lib3mf", "rectpack", "matplotlib", "pydantic")
+LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 
 class Job(NamedTuple):
@@ -36,6 +39,16 @@ class Job(NamedTuple):
     mode: Mode
     pictures: bool
     simulate: bool = False
+    copies: Sequence[int] = ()
+    """Of each member on the plates; one each by default."""
+    max_parts: int = plate.MOST_PARTS
+    """On a plate."""
+    prusaslicer: bool = False
+    """Declare the 3MF files PrusaSlicer's own."""
+    weighed: Mapping[str, Weighings] = MappingProxyType({})
+    """By the members' names."""
+    strict: bool = False
+    """Refuse what prints otherwise than predicted, not only what fails."""
 
 
 class Member(NamedTuple):
@@ -47,28 +60,45 @@ class Member(NamedTuple):
     mass: MassProperties
     row: Prediction
     simulated: Simulated | None = None
+    weighing: Weighing | None = None
 
 
-def make(job: Job, path: Path, progress: Progress) -> list[Member]:
+Tell = Callable[[Sequence[Finding]], None]
+"""Called with the findings of the printability checks, once, before anything is written."""
+
+
+def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
-    Writes stl/, plates/, family.csv, family.md, speed.png, preview.png, manifest.json. Files of an
-    earlier run that this one does not make, and that nobody changed since, are removed at the end.
-    Raises PlateError, before anything is written, when a part is too large for the printer, and
-    OutputError when a file cannot be written.
+    Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
+    speed.png, preview.png, manifest.json. Files of an earlier run that this one does not make, and
+    that nobody changed since, are removed at the end. Raises PlateError when a part is too large
+    for the printer, PrintabilityError when one would not print and InputError when weighed masses
+    are impossible, all before anything is written, and OutputError when a file cannot be written.
     """
     started = time.perf_counter()
     steps = len(job.members) + 2
     built = [solids.build(design) for design in job.members]
-    plates = _plates(job, built)
+    layout = plates.arrange(
+        job.members,
+        [parts.walker for parts in built],
+        job.copies or [1] * len(job.members),
+        job.printer,
+        max_parts=job.max_parts,
+    )
+    findings = plates.findings(layout)
+    tell(findings)
+    checks.refuse(findings, job.strict)
     folder = Folder(path)
     made: list[Member] = []
-    for member in predicted(job.members, built, job.scene, job.mode):
+    for member in predicted(job.members, built, job.scene, job.mode, job.weighed):
         folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
         made.append(member)
         progress(member.name, len(made), steps)
-    for number, data in enumerate(plates, start=1):
-        folder.write(f"plates/family_{job.printer.name}_{number}.3mf", data)
+    for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
+        folder.write(f"plates/{name}", data)
+    if not weights.filled(path / weights.FILE):
+        folder.write(weights.FILE, weights.template(member.name for member in made).encode())
     progress("plates", len(made) + 1, steps)
     _write_tables(job, made, folder)
     if job.simulate:  # takes long: everything else is already safe in the folder
@@ -76,20 +106,51 @@ def make(job: Job, path: Path, progress: Progress) -> list[Member]:
         _write_tables(job, made, folder)
     if job.pictures:
         _write_pictures(job, made, folder)
-    folder.finish(_facts(job, time.perf_counter() - started))
+    folder.finish(_facts(job, findings, time.perf_counter() - started))
     progress("done", steps, steps)
     return made
 
 
 def predicted(
-    members: Sequence[Design], built: Sequence[Solids], scene: Scene, mode: Mode
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    scene: Scene,
+    mode: Mode,
+    weighed: Mapping[str, Weighings] = MappingProxyType({}),
 ) -> Iterator[Member]:
-    """Weigh and predict members one by one, with the same random draws for all."""
+    """Weigh and predict members one by one, with the same random draws for all.
+
+    With masses from a balance every member tells what they change; InputError, before the first
+    member, when they are impossible.
+    """
     draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
-    for design, parts in zip(members, built, strict=True):
+    named = [names.part(design) for design in members]
+    final = [
+        weights.applied(design, parts, weighed[name], name) if name in weighed else design
+        for name, design, parts in zip(named, members, built, strict=True)
+    ]
+    for name, design, parts in zip(named, final, built, strict=True):
         mass = solids.weigh(design, parts)
         row = prediction.predict(design, mass, scene, mode, draws)
-        yield Member(design, names.part(design), parts.walker, mass, row)
+        weighing = None
+        if weighed:
+            plain = weights.meshed(design)
+            meshed = solids.weigh(plain, parts)
+            speed = prediction.predict(plain, meshed, scene, mode, draws).speed_mm_s
+            weighing = _weighing(weighed.get(name, Weighings()), mass, meshed, speed)
+        yield Member(design, name, parts.walker, mass, row, weighing=weighing)
+
+
+def _weighing(
+    found: Weighings, mass: MassProperties, meshed: MassProperties, speed: float
+) -> Weighing:
+    return Weighing(
+        weighings=sum(one.weighings for one in found if one is not None),
+        mass_g=weights.total(mass),
+        mass_se_g=weights.total_error(found),
+        mass_mesh_g=weights.total(meshed),
+        speed_mesh_mm_s=speed,
+    )
 
 
 def caption(scene: Scene, mode: str) -> str:
@@ -110,24 +171,15 @@ def caption(scene: Scene, mode: str) -> str:
     )
 
 
-def _plates(job: Job, built: Sequence[Solids]) -> Iterator[bytes]:
-    """3MF files of the plates, one at a time; a part too large is refused at once."""
-    meshes = [parts.walker for parts in built]
-    parts = [
-        plate.Part.of(names.part(design), mesh)
-        for design, mesh in zip(job.members, meshes, strict=True)
-    ]
-    return (
-        plate.plate_3mf(one, parts, meshes, job.printer, f"{job.design.name} {number}")
-        for number, one in enumerate(plate.pack(parts, job.printer), start=1)
-    )
-
-
 def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
-    rows, simulated = rows_of(made)
-    folder.write("family.csv", tables.to_csv(rows, simulated).encode())
+    (rows, simulated), weighed = rows_of(made), weighed_of(made)
+    folder.write("family.csv", tables.to_csv(rows, simulated, weighed).encode())
     told = caption(job.scene, job.mode)
     page = tables.to_markdown(rows, job.design.name, told, simulated)
+    if weighed:
+        page += tables.weighed_markdown(rows, weighed)
+    if legend := tables.legend_markdown(job.members):
+        page += f"\n## Marks\n\n{legend}"
     folder.write("family.md", page.encode())
 
 
@@ -135,6 +187,11 @@ def rows_of(made: Sequence[Member]) -> tuple[list[Prediction], list[Simulated]]:
     """Predictions, and simulated speeds if there are any, in the members' order."""
     simulated = [member.simulated for member in made if member.simulated is not None]
     return [member.row for member in made], simulated
+
+
+def weighed_of(made: Sequence[Member]) -> list[Weighing]:
+    """Weighed masses beside the mesh's in the members' order, if any were weighed."""
+    return [member.weighing for member in made if member.weighing is not None]
 
 
 def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> list[Member]:
@@ -184,13 +241,19 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     folder.write("preview.png", plots.png(preview.preview_figure(parts, job.design.name)))
 
 
-def _facts(job: Job, seconds: float) -> dict[str, Any]:
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
     """The manifest: inputs resolved, what made the files, how long it took."""
     return {
         "design": job.design.model_dump(mode="json"),
         "members": [names.part(member) for member in job.members],
+        "copies": list(job.copies),
+        "weighed": {
+            name: {what: one and one._asdict() for what, one in found._asdict().items()}
+            for name, found in job.weighed.items()
+        },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
+        "print": sheet.facts(job.printer, findings),
         "mode": job.mode,
         "draws": prediction.DRAWS,
         "seed": prediction.SEED,

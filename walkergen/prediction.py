@@ -153,13 +153,16 @@ class Curve(NamedTuple):
 
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
-    """Predicted speeds of a design's kind over a fine range of tilts (181 points)."""
+    """Predicted speeds of a design's kind over a fine range of tilts (181 points).
+
+    Without marks, which number a family's tilts and not those between.
+    """
     draws = draw(scene, 0.01 * design.weighed.mass_sd_percent)
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 181)
     speed, sd, sticks = [], [], []
     for tilt in tilts:
-        variant = design.variant(tilt_deg=float(tilt))
+        variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.weigh(variant, solids.build(variant))
         each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
         speed.append(float(each.mean) * scene.impact_speed)

@@ -1,7 +1,8 @@
 """Solids: from a design to closed meshes, by 2D profiles and one extrusion in manifold3d.
 
 The profile lies in the x-y plane and is extruded along z by the body's depth, which is also how
-the part is printed: lying on its side.
+the part is printed: lying on its side. Notches belong to the profile; digits are engraved into the
+side that prints last, by a second, shallow extrusion taken from the first.
 """
 
 import math
@@ -12,6 +13,7 @@ import manifold3d
 import numpy as np
 import numpy.typing as npt
 
+from walkergen import marks
 from walkergen.design import Design
 from walkergen.errors import SolidError
 from walkergen.mass import MassProperties, Mesh, assemble
@@ -36,6 +38,14 @@ class Solids(NamedTuple):
     """One leg outside the body, with its brace if it has one; its anchor at the origin."""
 
 
+class Engraving(NamedTuple):
+    """What is cut into the upper flat side, z = the body's depth."""
+
+    profiles: Sequence[Polygon]
+    depth: float
+    """mm"""
+
+
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     """Build a walker's solids. Raises SolidError when the modeller's result is not sound."""
     body = _body_profile(design)
@@ -46,10 +56,11 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     legs = [part + np.array(anchor) for anchor in design.anchors for part in raised]
     windows = 2 * has_window(design)
     depth = design.body.depth_mm
+    digits = Engraving(_digit_profiles(design), design.marks.depth_mm)
     return Solids(
-        _extrude([body, *legs], depth, windows),
-        _extrude([body], depth, 0),
-        _extrude(limb, depth, None),
+        _extrude([body, *legs], depth, windows, digits),
+        _extrude([body], depth, 0, digits),
+        _extrude(limb, depth, None, Engraving([], 0.0)),
     )
 
 
@@ -60,10 +71,43 @@ def weigh(design: Design, solids: Solids) -> MassProperties:
 
 def has_window(design: Design) -> bool:
     """True when there is air between a braced leg and its brace (not at small tilt)."""
+    return window_width(design) > 0.0
+
+
+def window_width(design: Design) -> float:
+    """Air between a braced leg and its brace along the body's bottom face, mm.
+
+    There it is widest; negative where they overlap, and 0 for flexible legs.
+    """
     if not design.braced:
-        return False
+        return 0.0
     half_width = 0.5 * design.leg_thickness / math.cos(design.tilt)
-    return abs(design.brace_offset) > half_width + 0.5 * design.legs.brace_thickness_mm
+    return abs(design.brace_offset) - (half_width + 0.5 * design.legs.brace_thickness_mm)
+
+
+def clearance(design: Design) -> float:
+    """Air between the back leg and the front one (or its brace), where they are closest, mm."""
+    thickness = design.leg_thickness / math.cos(design.tilt)
+    between_legs = design.legs.contact_spacing_mm - thickness
+    if not design.braced:
+        return between_legs
+    half_brace = 0.5 * design.legs.brace_thickness_mm
+    crossing = abs(design.brace_offset) + 0.5 * thickness + half_brace
+    return min(between_legs, design.legs.contact_spacing_mm - crossing)
+
+
+def bodies(mesh: Mesh) -> int:
+    """How many closed bodies a mesh has once its coordinates are 32-bit floats, as in a file.
+
+    0 when it is not closed and oriented, or encloses nothing. Vertices that fall together are one.
+    """
+    rounded = mesh.vertices.astype(np.float32)
+    vertices, index = np.unique(rounded, axis=0, return_inverse=True)
+    triangles = index.reshape(-1)[mesh.triangles].astype(np.uint32)
+    solid = manifold3d.Manifold(manifold3d.Mesh(vertices, triangles))
+    if solid.status() != manifold3d.Error.NoError or solid.volume() <= 0.0:
+        return 0
+    return len(solid.decompose())
 
 
 def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
@@ -74,8 +118,28 @@ def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
 
 
 def _body_profile(design: Design) -> Polygon:
-    x, y = 0.5 * design.body.length_mm, 0.5 * design.body.thickness_mm
-    return np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    """The body with the notches in its upper edge; counter-clockwise."""
+    length, thickness = design.body.length_mm, design.body.thickness_mm
+    x, y = 0.5 * length, 0.5 * thickness
+    edge = [
+        corner
+        for notch in marks.notches(
+            design.marks, design.family.tilt_deg, design.legs.tilt_deg, length, thickness
+        )
+        for corner in (
+            (notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom),
+            (notch.left, y),
+        )
+    ]  # fmt: skip
+    return np.array([(-x, -y), (x, -y), (x, y), *edge, (-x, y)])
+
+
+def _digit_profiles(design: Design) -> list[Polygon]:
+    strokes = marks.strokes(design.marks, design.legs.tilt_deg, design.body.thickness_mm)
+    return [
+        np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
+        for s in strokes
+    ]
 
 
 def _leg_profile(design: Design, foot_segments: int) -> Polygon:
@@ -124,7 +188,9 @@ def _raised(profile: Polygon, embedding: float) -> Polygon:
     return np.vstack([profile, right + up, left + up])
 
 
-def _extrude(profiles: Sequence[Polygon], depth: float, windows: int | None) -> Mesh:
+def _extrude(
+    profiles: Sequence[Polygon], depth: float, windows: int | None, engraving: Engraving
+) -> Mesh:
     """Union of profiles, extruded to z = 0..depth; `windows` is the genus to be found, if known.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
@@ -144,6 +210,26 @@ def _extrude(profiles: Sequence[Polygon], depth: float, windows: int | None) -> 
         raise SolidError(
             f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes"
         )
+    if engraving.profiles:
+        solid = _engraved(solid, engraving, depth, scale)
     raw = solid.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
+
+
+def _engraved(
+    solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float
+) -> manifold3d.Manifold:
+    """A scaled solid with pockets in its upper side; they overshoot it, so that no sides touch."""
+    section = manifold3d.CrossSection(
+        [scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive
+    )
+    tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
+    cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
+    # A pocket, with islands or without, leaves one body and opens no window.
+    if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
+        raise SolidError(
+            f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} "
+            f"after {solid.genus()}"
+        )
+    return cut

@@ -1,5 +1,6 @@
 """The commands. Heavy imports stay inside them, so that help and errors come at once."""
 
+from functools import partial
 from pathlib import Path
 from typing import Annotated
 
@@ -20,6 +21,10 @@ def family(
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
+    weights: opt.WeightsFile = None,
     out: opt.Out = None,
     simulate: Annotated[
         bool, typer.Option("--simulate", help="Simulate every walker as well (minutes).")
@@ -27,12 +32,14 @@ def family(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
+    strict: opt.Strict = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
     from walkergen import family as families
     from walkergen import templates
+    from walkergen import weights as balance
     from walkergen.printing.printers import Printer
 
     chosen = opt.design_of(design)
@@ -40,24 +47,31 @@ def family(
         restitution=restitution, friction=friction, law=law, seconds=seconds, runs=runs
     )
     resolved = opt.scene_of(scene, changes)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
     job = families.Job(
         design=chosen,
-        members=opt.members_of(chosen, tilt, legs, whole=True),
+        members=members,
         scene=resolved,
         printer=templates.load(printer, "printers", Printer),
         mode=opt.mode_of(mode, resolved),
         pictures=pictures,
         simulate=simulate,
+        copies=counts,
+        max_parts=max_parts,
+        prusaslicer=prusaslicer,
+        weighed={} if weights is None else balance.read(weights, members),
+        strict=strict,
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        made = families.make(job, folder, progress)
-    rows, simulated = families.rows_of(made)
+        made = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
+    (rows, simulated), weighed = families.rows_of(made), families.weighed_of(made)
     if json:
-        show.rows_as_json(rows, simulated)
+        show.rows_as_json(rows, simulated, weighed)
     elif not quiet:
-        show.predictions(rows, families.caption(resolved, job.mode), chosen.name, simulated)
-        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md"
+        told = families.caption(resolved, job.mode)
+        show.predictions(rows, told, chosen.name, simulated, weighed)
+        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md, weights.csv"
               + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
 
 
@@ -70,11 +84,13 @@ def predict(
     friction: opt.Friction = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
+    weights: opt.WeightsFile = None,
     json: opt.AsJson = False,
 ) -> None:
     """Predict the speed of walkers, without writing any file."""
     from walkergen import family as families
     from walkergen import solids
+    from walkergen import weights as balance
 
     chosen = opt.design_of(design)
     changes = opt.Changes(restitution=restitution, friction=friction, law=law)
@@ -82,11 +98,14 @@ def predict(
     checked = opt.mode_of(mode, resolved)
     members = opt.members_of(chosen, tilt, legs, whole=False)
     built = [solids.build(member) for member in members]
-    rows = [member.row for member in families.predicted(members, built, resolved, checked)]
+    masses = {} if weights is None else balance.read(weights, members)
+    made = list(families.predicted(members, built, resolved, checked, masses))
+    (rows, _), weighed = families.rows_of(made), families.weighed_of(made)
     if json:
-        show.rows_as_json(rows)
+        show.rows_as_json(rows, weighed)
     else:
-        show.predictions(rows, families.caption(resolved, checked), chosen.name)
+        told = families.caption(resolved, checked)
+        show.predictions(rows, told, chosen.name, weighed=weighed)
 
 
 def export(
@@ -115,32 +134,83 @@ def export(
     show.files(files, json, quiet)
 
 
+def check(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    strict: opt.Strict = False,
+    json: opt.AsJson = False,
+) -> None:
+    """Check whether walkers will print as designed, without writing any file."""
+    from walkergen import batch, templates
+    from walkergen.printing import checks
+    from walkergen.printing.printers import Printer
+
+    chosen = opt.design_of(design)
+    machine = templates.load(printer, "printers", Printer)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    found = batch.check(members, counts, machine)
+    if json:
+        show.as_json({
+            "walls": [wall._asdict() for wall in found.walls],
+            "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
+            "parts": found.parts,
+            "plates": found.plates,
+        })  # fmt: skip
+    else:
+        show.checked(found, machine)
+    checks.refuse(found.findings, strict)
+
+
 def plate(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    copies: Annotated[int, typer.Option(min=1, max=5000, help="Copies of each walker.")] = 1,
-    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    printers: Annotated[
+        str,
+        typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
+    ] = opt.PRINTER,
+    max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
         int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
     ] = None,
+    how_many: Annotated[
+        bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
+    ] = False,
+    strict: opt.Strict = False,
     out: opt.Out = None,
+    pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Arrange copies of walkers on as many print-ready plates (3MF) as they need."""
-    from walkergen import batch, templates
-    from walkergen.printing.printers import Printer
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps."""
+    from walkergen import batch
 
     chosen = opt.design_of(design)
-    members = opt.members_of(chosen, tilt, legs, whole=False)
-    machine = templates.load(printer, "printers", Printer)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+    machines = opt.printers_of(printers)
+    if how_many:
+        room = batch.how_many(members, machines, max_parts)
+        if json:
+            show.rows_as_json(room)
+        else:
+            show.room(room)
+        return
     folder = out or Path("out") / chosen.name
-    rows, files = batch.make_plates(members, machine, copies, max_plates, folder)
+    order = batch.Order(
+        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
+    )
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        tell = partial(show.warnings, quiet=quiet)
+        rows, files = batch.make_plates(order, folder, progress, tell)
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
-        show.placements(rows, files)
+        show.placements(rows, files, chosen)
 
 
 templates_app = typer.Typer(
@@ -185,4 +255,4 @@ def copy_template(
     print(target)
 
 
-ALL = (family, predict, export, plate)
+ALL = (family, predict, export, check, plate)

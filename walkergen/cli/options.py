@@ -1,5 +1,6 @@
 """Options that several commands share, and the parsing of tilts and lists."""
 
+import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -9,6 +10,7 @@ from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.design import Design, Kind
+    from walkergen.printing.printers import Printer
     from walkergen.scene import Scene
     from walkergen.theory.speed import Mode
 
@@ -16,6 +18,7 @@ PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
 """The templates that commands take unless told otherwise."""
 
 MOST_TILTS = 1000
+MOST_COPIES = 5000
 
 DesignName = Annotated[
     str, typer.Argument(metavar="DESIGN", help="A template's name or the path of a TOML file.")
@@ -51,11 +54,29 @@ Runs = Annotated[int | None, typer.Option("--runs", help="Independent simulated 
 PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
 ]
+Copies = Annotated[
+    str,
+    typer.Option("--copies", metavar="COPIES", help="Copies of each: 8; or by tilt: 10:20,15:40."),
+]
+MaxParts = Annotated[
+    int, typer.Option("--max-parts", min=1, max=5000, help="Most parts on one plate.")
+]
+ForPrusaSlicer = Annotated[
+    bool,
+    typer.Option("--prusaslicer", help="Let PrusaSlicer list and slice all copies as one object."),
+]
+WeightsFile = Annotated[
+    Path | None,
+    typer.Option("--weights", metavar="FILE", help="Masses from a balance: a filled weights.csv."),
+]
 Out = Annotated[
     Path | None,
     typer.Option("--out", metavar="FOLDER", help="Folder to write; out/NAME by default."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
+Strict = Annotated[
+    bool, typer.Option("--strict", help="Refuse what prints otherwise than predicted, too.")
+]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 
 
@@ -123,6 +144,19 @@ def _given(value: float | None, otherwise: float) -> float:
     return otherwise if value is None else value
 
 
+def printers_of(text: str) -> "list[Printer]":
+    """The printers of a comma-separated list of names or paths."""
+    from walkergen import templates
+    from walkergen.printing.printers import Printer
+
+    found = [templates.load(name.strip(), "printers", Printer) for name in text.split(",")]
+    names = [printer.name for printer in found]
+    for name in names:
+        if names.count(name) > 1:
+            raise InputError(f"--printer {text[:60]!r}: two printers are called {name}")
+    return found
+
+
 def mode_of(mode: str, scene: "Scene") -> "Mode":
     """The mode by its name; mode paper exists for Poisson's law only."""
     from walkergen.theory.speed import MODES
@@ -147,6 +181,35 @@ def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool
     return design.members(tilts, kinds)
 
 
+def batch_of(
+    design: "Design", tilt: str | None, legs: str | None, copies: str, whole: bool
+) -> "tuple[list[Design], list[int]]":
+    """The variants a command line asks for and how many of each to print."""
+    if ":" not in copies:
+        members = members_of(design, tilt, legs, whole)
+        return members, [_count(copies, copies)] * len(members)
+    if tilt is not None:
+        raise InputError(f"--copies {copies[:60]!r} names the tilts: leave --tilt out")
+    quotas: dict[float, int] = {}
+    for piece in copies.split(","):
+        word, _, count = piece.partition(":")
+        value = _number(word, copies, "--copies")
+        quotas[value] = quotas.get(value, 0) + _count(count, copies)
+    if legs is None and not whole:
+        legs = design.legs.kind
+    members = design.members(quotas, parse_kinds(legs) if legs is not None else None)
+    return members, [quotas[member.legs.tilt_deg] for member in members]
+
+
+def _count(word: str, text: str) -> int:
+    if not re.fullmatch(r"\s*[0-9]{1,9}\s*", word) or not 1 <= int(word) <= MOST_COPIES:
+        raise InputError(
+            f"--copies {text[:60]!r}: {word[:30]!r} must be a whole number in 1..{MOST_COPIES}; "
+            "write 8, or TILT:COPIES,TILT:COPIES"
+        )
+    return int(word)
+
+
 def parse_tilts(text: str) -> list[float]:
     """Tilts in degrees from 10, from 5,10,15 or from FIRST:LAST:STEP (both ends included)."""
     found: list[float] = []
@@ -165,13 +228,13 @@ def parse_tilts(text: str) -> list[float]:
     return unique
 
 
-def _number(word: str, text: str) -> float:
+def _number(word: str, text: str, option: str = "--tilt") -> float:
     try:
         value = float(word)
     except ValueError:
-        raise InputError(f"--tilt {text[:60]!r}: {word[:30]!r} is not a number") from None
+        raise InputError(f"{option} {text[:60]!r}: {word[:30]!r} is not a number") from None
     if not -85 <= value <= 85:
-        raise InputError(f"--tilt {text[:60]!r}: {word[:30]} must lie in -85..85 deg")
+        raise InputError(f"{option} {text[:60]!r}: {word[:30]} must lie in -85..85 deg")
     return value + 0.0
 
 

@@ -10,10 +10,13 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from walkergen.accuracy import Study
-    from walkergen.batch import Row
+    from walkergen.batch import Checked, Room
     from walkergen.design import Design
+    from walkergen.plates import Place
     from walkergen.prediction import Prediction
-    from walkergen.report.tables import Simulated
+    from walkergen.printing.checks import Finding
+    from walkergen.printing.printers import Printer
+    from walkergen.report.tables import Simulated, Weighing
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
     from walkergen.simulation.engines import Plan
@@ -28,11 +31,12 @@ def as_json(data: dict[str, Any]) -> None:
     print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
 
 
-def rows_as_json(rows: Sequence[Any], more: Sequence[Any] = (), files: Sequence[Path] = ()) -> None:
+def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()) -> None:
     """Print {"rows": [...]} of named tuples, side by side with `more`, and the files written."""
     listed = [row._asdict() for row in rows]
-    for row, extra in zip(listed, more, strict=False):
-        row |= extra._asdict()
+    for table in more:
+        for row, extra in zip(listed, table, strict=False):
+            row |= extra._asdict()
     data: dict[str, Any] = {"rows": listed}
     if files:
         data["files"] = [str(path) for path in files]
@@ -48,7 +52,11 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
 
 
 def predictions(
-    rows: "Sequence[Prediction]", caption: str, title: str, simulated: "Sequence[Simulated]" = ()
+    rows: "Sequence[Prediction]",
+    caption: str,
+    title: str,
+    simulated: "Sequence[Simulated]" = (),
+    weighed: "Sequence[Weighing]" = (),
 ) -> None:
     """Print the table of predicted speeds, its notes and what it rests on."""
     from rich.console import Console
@@ -60,19 +68,70 @@ def predictions(
     for number, note in enumerate(tables.notes_of(rows), start=1):
         console.print(f"[{number}] {note}", markup=False)
     console.print(caption, markup=False)
+    if weighed:
+        console.print(tables.weighed_table(rows, weighed))
+        console.print(tables.WEIGHED, markup=False)
 
 
-def placements(rows: "Sequence[Row]", paths: Sequence[Path]) -> None:
-    """Print how many copies of each part lie on each plate."""
+def placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "Design") -> None:
+    """Print how many copies of each part lie on each plate, the files, and how to read marks."""
     from collections import Counter
 
-    counts = Counter((row.plate, row.part) for row in rows)
-    for number, path in enumerate(paths, start=1):
-        print(path)
-        for (plate, part), count in counts.items():
-            if plate == number:
-                print(f"  {count:4d} x {part}")
-    print(f"{len(rows)} parts on {len(paths)} plate{'s' if len(paths) > 1 else ''}")
+    from walkergen.report import tables
+
+    counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
+    for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
+        print(f"{printer}, plate {number}")
+        for (machine, plate, name, mark), count in counts.items():
+            if (machine, plate) == (printer, number):
+                print(f"  {count:4d} x {name}" + (f"  {mark}" if mark else ""))
+    print("\n".join(str(path) for path in paths))
+    for printer in dict.fromkeys(row.printer for row in rows):
+        own = [row.plate for row in rows if row.printer == printer]
+        count = max(own)
+        print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
+    if legend := tables.legend_caption(design):
+        print(legend)
+
+
+def room(rows: "Sequence[Room]") -> None:
+    """Print how many copies fit on one plate."""
+    for row in rows:
+        print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")
+
+
+def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
+    """Print the warnings of the printability checks, a line each, on the error stream."""
+    from walkergen.printing import checks
+
+    for finding in checks.grouped(findings):
+        if finding.level == "warning" and not quiet:
+            print(f"warning: {checks.line(finding)}", file=sys.stderr)
+
+
+def checked(found: "Checked", printer: "Printer") -> None:
+    """Print how walls come out in lines, warnings and advice; errors follow as such."""
+    from walkergen.printing import checks
+
+    print(f"{'wall':8s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
+    for wall in found.walls:
+        percent = round(wall.plastic_percent)
+        plastic = f"{percent:+d} %" if percent else "as drawn"
+        print(f"{wall.wall:8s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
+    findings = checks.grouped(found.findings)
+    for finding in findings:
+        if finding.level != "error":
+            print(f"{finding.level}: {checks.line(finding)}")
+    told = [
+        _count(sum(finding.level == level for finding in findings), level)
+        for level in ("error", "warning")
+    ]
+    parts, plates = _count(found.parts, "part"), _count(found.plates, "plate")
+    print(f"{parts} on {plates} of {printer.name}: {', '.join(told)}")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"
 
 
 def templates(rows: "Sequence[Entry]") -> None:

@@ -5,8 +5,10 @@ Both formats hold 32-bit floats, which resolve 1e-5 mm on a bed of 250 mm.
 """
 
 import ctypes
+import io
 import re
 import uuid
+import zipfile
 from collections.abc import Sequence
 from functools import cache
 from typing import Any, NamedTuple
@@ -21,6 +23,9 @@ from walkergen.mass import Array, Mesh
 STL_HEADER_BYTES = 80
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 APPLICATION = "walkergen"
+
+PRUSASLICER_NAMESPACE = b'<model xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06" '
+PRUSASLICER_VERSION = b'<metadata name="slic3rpe:Version3mf">1</metadata><resources>'
 
 # What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
 NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -65,12 +70,14 @@ def part_3mf(mesh: Mesh, name: str) -> bytes:
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
-def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) -> bytes:
+def threemf_bytes(
+    solids: Sequence[Solid], items: Sequence[Item], title: str, thumbnail: bytes | None = None
+) -> bytes:
     """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
     Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
-    names and the order. Raises SolidError when lib3mf refuses a mesh.
-    Source: 3MF core specification 1.3 and production extension (UUIDs).
+    names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
+    mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
     """
     wrapper = _wrapper()
     title = _xml_safe(title)
@@ -87,7 +94,27 @@ def threemf_bytes(solids: Sequence[Solid], items: Sequence[Item], title: str) ->
         built = model.AddBuildItem(objects[item.solid], place)
         built.SetPartNumber(part_number)
         built.SetUUID(_identifier(title, "item", number))
+    if thumbnail is not None:
+        model.CreatePackageThumbnailAttachment().ReadFromBuffer(thumbnail)
     return bytes(model.QueryWriter("3mf").WriteToBuffer())
+
+
+def for_prusaslicer(data: bytes) -> bytes:
+    """The same 3MF file, declared to be PrusaSlicer's own, so that copies stay copies.
+
+    PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
+    items, and slices it once; of other files it makes an object of every item. It looks for its
+    namespace by the prefix, which lib3mf does not let one choose. Measured with PrusaSlicer 2.5.
+    """
+    source, target = zipfile.ZipFile(io.BytesIO(data)), io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name in source.namelist():
+            content = source.read(name)
+            if name == "3D/3dmodel.model":
+                content = content.replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
+                content = content.replace(b"<resources>", PRUSASLICER_VERSION, 1)
+            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+    return target.getvalue()
 
 
 @cache

@@ -9,8 +9,6 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-import rectpack
-
 from walkergen.errors import PlateError
 from walkergen.mass import Mesh
 from walkergen.printing import export
@@ -57,16 +55,33 @@ class Plate(NamedTuple):
     placements: tuple[Placement, ...]
 
 
+def border(printer: Printer) -> float:
+    """From the edge of the bed to the first part, mm: its margin, and brim and skirt inside it."""
+    # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
+    return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
+
+
+def spacing(printer: Printer) -> float:
+    """Between the bounding boxes of two parts, mm: the gap, and a brim on either side of it."""
+    return printer.gap_mm + 2.0 * printer.brim_width_mm
+
+
 def capacity(part: Part, printer: Printer) -> int:
     """How many copies of one part fit on one plate: a plain grid; 0 when it is too large."""
     if _micrometres(part.height) > _micrometres(printer.height_mm):
         return 0
     (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)
-    return (bed_width // width) * (bed_depth // depth)
+    return max(0, bed_width // width) * max(0, bed_depth // depth)
 
 
-def pack(parts: Sequence[Part], printer: Printer, max_plates: int | None = None) -> list[Plate]:
-    """Place all copies, each on the first plate with room, as far to the front as it goes.
+def pack(
+    parts: Sequence[Part],
+    printer: Printer,
+    max_plates: int | None = None,
+    max_parts: int = MOST_PARTS,
+) -> list[Plate]:
+    """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
     Raises PlateError when a part is larger than the usable bed or taller than the printer, when
     more than `max_plates` are needed, and for more than MOST_PARTS copies.
@@ -75,7 +90,7 @@ def pack(parts: Sequence[Part], printer: Printer, max_plates: int | None = None)
     if total > MOST_PARTS:
         raise PlateError(f"{total} parts: at most {MOST_PARTS} are arranged at once; make fewer")
     _check_sizes(parts, printer)
-    plates = _packed(parts, printer)
+    plates = _packed(parts, printer, max_parts)
     if max_plates is not None and len(plates) > max_plates:
         placed = sum(len(plate.placements) for plate in plates[:max_plates])
         raise PlateError(
@@ -86,52 +101,69 @@ def pack(parts: Sequence[Part], printer: Printer, max_plates: int | None = None)
 
 
 def plate_3mf(
-    plate: Plate, parts: Sequence[Part], meshes: Sequence[Mesh], printer: Printer, title: str
+    plate: Plate,
+    parts: Sequence[Part],
+    meshes: Sequence[Mesh],
+    printer: Printer,
+    title: str,
+    thumbnail: bytes | None = None,
 ) -> bytes:
-    """3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts."""
+    """3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts.
+
+    `thumbnail` is a PNG that file managers show.
+    """
     used = sorted({placement.part for placement in plate.placements})
     solid_of = {part: number for number, part in enumerate(used)}
     solids = [export.Solid(parts[part].name, meshes[part]) for part in used]
-    centred = printer.origin == "centre"
-    left = -0.5 * printer.bed_width_mm if centred else 0.0
-    front = -0.5 * printer.bed_depth_mm if centred else 0.0
+    left, front = printer.bed_corner
     items = [
-        export.Item(solid_of[part], f"{parts[part].name}-{copy}", left + x, front + y)
+        export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)
         for part, copy, x, y in plate.placements
     ]
-    return export.threemf_bytes(solids, items, title)
+    return export.threemf_bytes(solids, items, title, thumbnail)
 
 
-def _packed(parts: Sequence[Part], printer: Printer) -> list[Plate]:
-    """Skyline packing, bottom left first (rectpack); every cell is a part and the gap behind it."""
-    packer = rectpack.newPacker(
-        bin_algo=rectpack.PackingBin.BFF,
-        pack_algo=rectpack.SkylineBl,
-        sort_algo=rectpack.SORT_NONE,
-        rotation=False,
-    )
+def item_name(part: Part, copy: int) -> str:
+    """Name of one printed copy, such as walker_t10.0_flexible_s0.40-3."""
+    return f"{part.name}-{copy}"
+
+
+def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
+    """Rows from left to right and from front to back, each as deep as its deepest part."""
+    (bed_width, bed_depth), edge = _bed(printer), border(printer)
+    plates: list[Plate] = []
+    placed: list[Placement] = []
+    x = y = row_depth = 0
     for index, part in enumerate(parts):
+        width, depth = _cell(part, printer)
         for copy in range(1, part.copies + 1):
-            packer.add_rect(*_cell(part, printer), rid=(index, copy))
-    packer.add_bin(*_bed(printer), count=MOST_PARTS)
-    packer.pack()
-    return [Plate(tuple(_placement(cell, printer.margin_mm) for cell in sheet)) for sheet in packer]
+            if x + width > bed_width:
+                x, y, row_depth = 0, y + row_depth, 0
+            if y + depth > bed_depth or len(placed) == max_parts:
+                plates.append(Plate(tuple(placed)))
+                placed, x, y, row_depth = [], 0, 0, 0
+            placed.append(Placement(index, copy, edge + 1e-3 * x, edge + 1e-3 * y))
+            x, row_depth = x + width, max(row_depth, depth)
+    return [*plates, Plate(tuple(placed))] if placed else plates
 
 
-def _placement(cell: rectpack.geometry.Rectangle, margin: float) -> Placement:
-    part, copy = cell.rid
-    return Placement(part, copy, margin + 1e-3 * cell.x, margin + 1e-3 * cell.y)
+def _free(printer: Printer) -> tuple[float, float]:
+    """Width and depth of the bed inside its border, mm."""
+    return (
+        printer.bed_width_mm - 2.0 * border(printer),
+        printer.bed_depth_mm - 2.0 * border(printer),
+    )
 
 
 def _bed(printer: Printer) -> tuple[int, int]:
-    """The usable bed in micrometres, larger by the gap that the last cell of a row carries."""
-    width, depth = (math.floor(round(1e3 * length, 6)) for length in printer.usable_bed)
-    gap = _micrometres(printer.gap_mm)
+    """The free bed in micrometres, larger by the gap that the last cell of a row carries."""
+    width, depth = (math.floor(round(1e3 * length, 6)) for length in _free(printer))
+    gap = _micrometres(spacing(printer))
     return width + gap, depth + gap
 
 
 def _cell(part: Part, printer: Printer) -> tuple[int, int]:
-    gap = _micrometres(printer.gap_mm)
+    gap = _micrometres(spacing(printer))
     return _micrometres(part.width) + gap, _micrometres(part.depth) + gap
 
 
@@ -145,10 +177,10 @@ def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
     if not too_large:
         return
     part, others = too_large[0], len(too_large) - 1
-    width, depth = printer.usable_bed
+    width, depth = _free(printer)
     raise PlateError(
         f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
         f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
-        f"{printer.margin_mm:g} mm, {printer.height_mm:g} mm high"
+        f"{border(printer):g} mm, {printer.height_mm:g} mm high"
         + (f"; neither do {others} more" if others else "")
     )

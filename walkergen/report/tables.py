@@ -9,6 +9,7 @@ from rich import box
 from rich.console import Console
 from rich.table import Table
 
+from walkergen.design import Design
 from walkergen.prediction import Prediction
 
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
@@ -28,15 +29,58 @@ class Simulated(NamedTuple):
     sim_outcomes: str
 
 
-def to_csv(rows: Sequence[Prediction], simulated: Sequence[Simulated] = ()) -> str:
+class Weighing(NamedTuple):
+    """A member's weighed mass beside its mesh's; the field names are columns."""
+
+    weighings: int
+    """How many numbers from a balance the row rests on."""
+    mass_g: float
+    """Of the whole walker, as predicted with."""
+    mass_se_g: float | None
+    """Standard error of that mass; None when it is not known."""
+    mass_mesh_g: float
+    speed_mesh_mm_s: float
+    """Predicted with the mesh's masses."""
+
+
+def to_csv(
+    rows: Sequence[Prediction],
+    simulated: Sequence[Simulated] = (),
+    weighed: Sequence[Weighing] = (),
+) -> str:
     """One line a member; columns are the fields of the rows, numbers with every digit."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(Prediction._fields + (Simulated._fields if simulated else ()))
-    for row, *more in zip(rows, *([simulated] if simulated else []), strict=True):
-        values = (*row, *(more[0] if more else ()))
-        writer.writerow(["" if value is None else value for value in values])
+    tables = [table for table in (rows, simulated, weighed) if table]
+    writer.writerow([field for table in tables for field in table[0]._fields])
+    for row in zip(*tables, strict=True):
+        writer.writerow(["" if value is None else value for part in row for value in part])
     return text.getvalue()
+
+
+def weighed_table(
+    rows: Sequence[Prediction], weighed: Sequence[Weighing], style: box.Box = box.SIMPLE_HEAD
+) -> Table:
+    """What weighing changed: masses and speeds beside those of the mesh."""
+    table = Table(box=style, padding=(0, 1 if style is box.MARKDOWN else 0))
+    for heading in ("tilt", "legs", "weighings", "mass\ng", "mesh's\ng", "speed\nmm/s",
+                    "mesh's\nmm/s", "change\nmm/s"):  # fmt: skip
+        text = heading if style is not box.MARKDOWN else heading.replace("\n", " ")
+        table.add_column(text, justify="left" if heading == "legs" else "right", no_wrap=True)
+    for row, one in zip(rows, weighed, strict=True):
+        error = "" if one.mass_se_g is None else f" ± {one.mass_se_g:.2g}"
+        table.add_row(
+            f"{row.tilt_deg:g}", row.legs, str(one.weighings), f"{_short(one.mass_g)}{error}",
+            _short(one.mass_mesh_g), _fixed(row.speed_mm_s, 2), _fixed(one.speed_mesh_mm_s, 2),
+            _fixed(row.speed_mm_s - one.speed_mesh_mm_s, 2),
+        )  # fmt: skip
+    return table
+
+
+WEIGHED = (
+    "Weighed: whole walkers alone (grams) scale every mass alike, which leaves the predicted speed "
+    "as it is; a body or leg weighed apart (body_g, leg_g) changes it."
+)
 
 
 def to_table(
@@ -69,6 +113,36 @@ def to_markdown(
     body = as_markdown(table)
     listed = "\n".join(f"{number}. {note}" for number, note in enumerate(notes_of(rows), start=1))
     return f"# {title}\n\n{caption}\n\n{body}\n\n{listed}\n".rstrip() + "\n"
+
+
+def weighed_markdown(rows: Sequence[Prediction], weighed: Sequence[Weighing]) -> str:
+    """The table of weighed masses as a section of a Markdown page."""
+    return (
+        f"\n## Weighed\n\n{WEIGHED}\n\n{as_markdown(weighed_table(rows, weighed, box.MARKDOWN))}\n"
+    )
+
+
+def legend_markdown(members: Sequence[Design]) -> str:
+    """Which mark means which tilt, in Markdown; "" without marks."""
+    marks = {design.legs.tilt_deg: design.mark for design in members if design.mark}
+    if not marks:
+        return ""
+    lines = [f"| {tilt:g} | `{mark}` |" for tilt, mark in sorted(marks.items())]
+    head = "| tilt (deg) | mark |\n|-----------:|:-----|"
+    return f"{legend_caption(members[0])}\n\n{head}\n" + "\n".join(lines) + "\n"
+
+
+def legend_caption(design: Design) -> str:
+    """How to read the marks of a design; "" without any."""
+    if design.marks.kind == "none":
+        return ""
+    if design.marks.kind == "digits":
+        return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+    unit = 2.0 * design.marks.line_mm
+    return (
+        f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
+        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm)."
+    )
 
 
 def as_markdown(table: Table) -> str:

@@ -1,0 +1,181 @@
+"""Masses from a balance: read or refused line by line, and felt by the prediction."""
+
+import numpy as np
+import pytest
+
+from walkergen import family, mass, solids, templates, weights
+from walkergen.design import Design
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+
+PAPER = templates.load("koumakis2016", "walkers", Design)
+SCENE = templates.load("lane-90hz", "scenes", Scene)
+MEMBERS = PAPER.members([5.0, 10.0], ["flexible"])
+FIVE, TEN = "walker_t5.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"
+
+
+@pytest.fixture
+def read(tmp_path):
+    def call(text: str):
+        path = tmp_path / "weights.csv"
+        path.write_text(text)
+        return weights.read(path, MEMBERS)
+
+    return call
+
+
+def predicted(weighed, members=MEMBERS):
+    built = [solids.build(member) for member in members]
+    return list(family.predicted(members, built, SCENE, "coulomb", weighed))
+
+
+def meshed(design):
+    built, density = solids.build(design), 1.24e-3
+    return mass.weigh(built.body, density).mass, mass.weigh(built.leg, density).mass
+
+
+def test_copies_are_averaged_with_their_standard_error(read):
+    grams = [0.86, 0.88, 0.90]
+    found = read("part,grams\n" + "".join(f"{FIVE}-{k},{g}\n" for k, g in enumerate(grams, 1)))
+    assert list(found) == [FIVE]
+    error = np.std(grams, ddof=1) / np.sqrt(3)
+    assert found[FIVE].grams == pytest.approx((np.mean(grams), error, 3))
+    assert found[FIVE].leg_g is None
+
+
+def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
+    text = weights.template([FIVE, TEN])
+    with pytest.raises(InputError, match="no masses; fill in grams, body_g, leg_g"):
+        read(text)
+    assert not weights.filled(tmp_path / "weights.csv")
+    found = read(text.replace(f"{TEN},,,", f"{TEN},,0.8,0.03"))
+    assert weights.filled(tmp_path / "weights.csv")
+    assert found == {TEN: weights.Weighings(None, (0.8, None, 1), (0.03, None, 1))}
+
+
+@pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
+@pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"'])
+def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
+    path = tmp_path / "weights.csv"
+    weights.write_template(tmp_path, ["x"])
+    path.write_text(f"{header}\n{line}\n")
+    weights.write_template(tmp_path, ["y"])
+    assert path.read_text() == f"{header}\n{line}\n"
+
+
+def test_an_empty_template_follows_the_print(tmp_path):
+    weights.write_template(tmp_path, ["x"])
+    weights.write_template(tmp_path, ["y"])
+    assert (tmp_path / "weights.csv").read_text() == "part,grams,body_g,leg_g\ny,,,\n"
+
+
+def test_whole_walkers_scale_all_masses_alike_and_leave_the_speed(read):
+    """The factor depends on ratios of masses only (physics.md section 2)."""
+    member = predicted(read(f"part,grams\n{TEN},1.0\n"))[1]
+    body, leg = meshed(MEMBERS[1])
+    scale = 1.0 / (body + 2 * leg)
+    assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
+    assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=1e-12)
+    assert member.weighing.mass_g == pytest.approx(1.0)
+    assert member.weighing.mass_mesh_g == pytest.approx(body + 2 * leg)
+
+
+@pytest.mark.parametrize(
+    "cells",
+    ["grams,body_g\n{},0.95,0.87", "grams,leg_g\n{},0.95,0.04", "body_g,leg_g\n{},0.87,0.04"],
+)
+def test_two_masses_of_three_give_the_same_prediction(read, cells):
+    member = predicted(read("part," + cells.format(TEN) + "\n"))[1]
+    assert (member.row.M_g, member.row.m_g) == pytest.approx((0.87, 0.04), rel=1e-12)
+
+
+def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(read):
+    first, second = predicted(read(f"part,leg_g\n{TEN},0.06\n"))
+    data = MEMBERS[1].model_dump()
+    data["weighed"]["leg_mass_g"] = 0.06
+    (same,) = predicted({}, [Design.model_validate(data)])
+    assert second.row == same.row
+    assert second.weighing.speed_mesh_mm_s - second.row.speed_mm_s > 10.0  # mm/s, of 131
+    assert first.row.speed_mm_s == first.weighing.speed_mesh_mm_s
+    assert first.weighing.weighings == 0
+
+
+def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
+    (design,) = PAPER.members([10.0], ["braced"])
+    path = tmp_path / "w.csv"
+    path.write_text("part,grams,leg_g\nwalker_t10.0_braced_s1.00,1.1,0.1\n")
+    (member,) = predicted(weights.read(path, [design]), [design])
+    assert member.row.M_g == pytest.approx(1.1)
+    assert member.weighing.mass_g == pytest.approx(1.1)
+    assert member.row.m_g is None
+
+
+def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
+    rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
+    found = read("part,body_g,leg_g\n" + rows)[TEN]
+    assert weights.total_error(found) == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN]) is None
+
+
+@pytest.mark.parametrize(
+    ("text", "told"),
+    [
+        ("part,grams\nwalker_t5_flexible_s0.40,1", f":2: part .* did you mean {FIVE}"),
+        (
+            "part,grams\n\nzzz,1",
+            ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t5.0",
+        ),
+        (f"part,grams\n{FIVE}-0,1", ":2: part"),
+        (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number > 0"),
+        (f"part,grams\n{FIVE},nan", ":2: grams = 'nan'"),
+        (f"part,grams\n{FIVE},inf", ":2: grams = 'inf'"),
+        (f"part,grams\n{FIVE},1e999", ":2: grams = '1e999'"),
+        (f"part,grams\n{FIVE},0,81", ":2: 3 cells, the header has 2: .*decimal point"),
+        (f'part,grams\n{FIVE},"0,81"', ":2: grams = '0,81'"),
+        (f"part,grams\n{FIVE}", ":2: 1 cells"),
+        ("part;grams\nx;1", ":1: columns 'part;grams': must be part and any of grams, body_g"),
+        ("part,gram\nx,1", ":1: columns"),
+        ("part,grams,grams\nx,1,2", ":1: columns"),
+        ("grams,leg_g\n1,1", ":1: columns"),
+        ("part\nx", ":1: columns"),
+        ("", ":1: columns ''"),
+    ],
+)
+def test_bad_lines_are_named(read, text, told):
+    with pytest.raises(InputError, match=told):
+        read(text)
+
+
+def test_all_bad_lines_are_told_at_once(read):
+    with pytest.raises(InputError) as caught:
+        read(f"part,grams\n{FIVE},x\nfoo,1\n{TEN},1\n{TEN},-1\n")
+    assert [line.split(":")[1] for line in str(caught.value).splitlines()] == ["2", "3", "5"]
+
+
+@pytest.mark.parametrize(
+    ("cells", "told"),
+    [
+        ("grams,body_g,leg_g\n{},1,0.8,0.1", "one too many"),
+        ("grams\n{},890", "a body of 830.* g by the balance, 0.8333 g by the mesh: more than 10"),
+        ("grams,body_g\n{},0.8,0.9", "a leg of -0.05 g"),
+        ("leg_g\n{},0.8", "a leg of 0.8 g"),
+    ],
+)
+def test_impossible_masses_are_refused(read, cells, told):
+    with pytest.raises(InputError, match=f"{TEN}: .*{told}"):
+        predicted(read("part," + cells.format(TEN) + "\n"))
+
+
+def test_files_that_cannot_be_read_are_one_line(tmp_path):
+    binary = tmp_path / "b.csv"
+    binary.write_bytes(b"\xff\xfe\x00")
+    for path in (binary, tmp_path, tmp_path / "none.csv", tmp_path / ("x" * 300)):
+        with pytest.raises(InputError) as caught:
+            weights.read(path, MEMBERS)
+        assert len(str(caught.value).splitlines()) == 1
+
+
+def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
+    path = tmp_path / "w.csv"
+    path.write_bytes(f"part,grams\r\n{FIVE},0.9\r\n".encode("utf-8-sig"))
+    assert weights.read(path, MEMBERS)[FIVE].grams.mean == 0.9

@@ -1,0 +1,137 @@
+"""Plates of walkers as files: 3MF with a thumbnail, a picture that names every part, a CSV map."""
+
+import csv
+import io
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from walkergen import names, solids
+from walkergen.design import Design
+from walkergen.mass import Mesh
+from walkergen.printing import checks, export, plate, sheet, slicer
+from walkergen.printing.checks import Finding
+from walkergen.printing.printers import Printer
+from walkergen.report import tables
+
+COMMON_FILES = 3
+"""Of a layout, beside those of each plate."""
+
+
+class Place(NamedTuple):
+    """Where one copy lies; the field names are the columns of a map."""
+
+    printer: str
+    plate: int
+    """From 1."""
+    item: str
+    """The copy's name, as in the 3MF file."""
+    name: str
+    """The part's name, as in stl/."""
+    tilt_deg: float
+    legs: str
+    mark: str
+    copy: int
+    x_mm: float
+    """Left of the bounding box, from the left edge of the bed."""
+    y_mm: float
+    """Front of the bounding box, from the front edge of the bed."""
+    width_mm: float
+    depth_mm: float
+
+
+class Layout(NamedTuple):
+    """Copies of walkers, arranged for one printer."""
+
+    printer: Printer
+    members: Sequence[Design]
+    meshes: Sequence[Mesh]
+    """Of the members, in their order."""
+    parts: Sequence[plate.Part]
+    """Of the members, in their order."""
+    plates: Sequence[plate.Plate]
+
+
+def arrange(
+    members: Sequence[Design],
+    meshes: Sequence[Mesh],
+    copies: Sequence[int],
+    printer: Printer,
+    max_plates: int | None = None,
+    max_parts: int = plate.MOST_PARTS,
+) -> Layout:
+    """Arrange the copies wanted of each member. Raises PlateError when they do not fit."""
+    parts = [
+        plate.Part.of(names.part(design), mesh, count)
+        for design, mesh, count in zip(members, meshes, copies, strict=True)
+    ]
+    plates = plate.pack(parts, printer, max_plates, max_parts)
+    return Layout(printer, members, meshes, parts, plates)
+
+
+def places(layout: Layout) -> list[Place]:
+    """The map: a row for every copy, plate by plate."""
+    rows = []
+    for number, one in enumerate(layout.plates, start=1):
+        for placed in one.placements:
+            design, part = layout.members[placed.part], layout.parts[placed.part]
+            item = plate.item_name(part, placed.copy)
+            lengths = (placed.x, placed.y, part.width, part.depth)
+            row = Place(
+                layout.printer.name, number, item, part.name, design.legs.tilt_deg,
+                design.legs.kind, design.mark, placed.copy,
+                *(round(length, 6) for length in lengths),
+            )  # fmt: skip
+            rows.append(row)
+    return rows
+
+
+def findings(layout: Layout) -> list[Finding]:
+    """What the printability checks find, of parts and of plates."""
+    return checks.of_batch(
+        layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
+    )
+
+
+def files(
+    layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
+) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of a layout's files, words first (COMMON_FILES), then the plates one by one.
+
+    STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
+    PrusaSlicer; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
+    plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
+    """
+    start = f"{stem}_{layout.printer.name}"
+    yield f"{start}.csv", to_csv(places(layout)).encode()
+    yield f"{start}.md", _print_sheet(layout, start).encode()
+    yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
+    for number, one in enumerate(layout.plates, start=1):
+        name = f"{start}_{number}"
+        thumbnail = None
+        if pictures:
+            from walkergen.report import plate_map
+
+            view = layout.printer, layout.members, layout.meshes, one
+            yield f"{name}.png", plate_map.png(*view, name)
+            thumbnail = plate_map.thumbnail(*view)
+        data = plate.plate_3mf(one, layout.parts, layout.meshes, layout.printer, name, thumbnail)
+        yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
+
+
+def _print_sheet(layout: Layout, stem: str) -> str:
+    weights = [
+        sheet.weigh(part.name, design, solids.build(design), layout.printer)
+        for part, design in zip(layout.parts, layout.members, strict=True)
+    ]
+    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts)
+    legend = tables.legend_markdown(layout.members)
+    return sheet.to_markdown(printed, weights, findings(layout), legend)
+
+
+def to_csv(rows: Sequence[Place]) -> str:
+    """The map as CSV; lengths are exact to a nanometre."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(Place._fields)
+    writer.writerows(rows)
+    return text.getvalue()

@@ -1,0 +1,308 @@
+"""Printability: what would not print as drawn, said before anything is written.
+
+An error would fail on the printer (or print another walker); a warning prints, but not as
+predicted; an advice is worth knowing. Slicers say nothing of most of it: PrusaSlicer 2.5 slices
+legs away and parts off the bed without a word (tests/test_slicer.py).
+"""
+
+import itertools
+import math
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+
+from walkergen import solids
+from walkergen.design import Design
+from walkergen.errors import PrintabilityError
+from walkergen.mass import Array, Mesh
+from walkergen.printing import walls
+from walkergen.printing.plate import Part, Plate, border, spacing
+from walkergen.printing.printers import Printer
+
+Level = Literal["error", "warning", "advice"]
+
+ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
+"""Thicknesses in printed lines that come out as one or two of them on any slicer we know of."""
+
+TOLERATED_DEVIATION = 0.10
+"""Of the plastic in a leg from its mesh; beyond it a warning."""
+
+THICKEST_LAYER = 0.8
+"""Of the nozzle: the rule of thumb of slicers' makers; PrusaSlicer refuses more than 1."""
+
+SMALLEST_CONTACT_MM2, SLENDEREST_WALL = 50.0, 20.0
+"""Area on the bed, and height over thickness, beyond which a brim is advised. Assumed: the paper's
+walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one."""
+
+NOISE_MM = 1e-6
+"""What sums of floats and whole micrometres may leave."""
+
+
+class Finding(NamedTuple):
+    """One thing that will not print as drawn."""
+
+    level: Level
+    where: str
+    """The part, plate or printer."""
+    what: str
+    seen: float
+    limit: float
+    unit: str
+    change: str
+
+
+def of_batch(
+    designs: Sequence[Design],
+    meshes: Sequence[Mesh],
+    parts: Sequence[Part],
+    plates: Sequence[Plate],
+    printer: Printer,
+) -> list[Finding]:
+    """Findings about everything printed at once; designs, meshes and parts in the same order."""
+    return [
+        *of_printer(printer),
+        *(
+            finding
+            for design, mesh, part in zip(designs, meshes, parts, strict=True)
+            for finding in of_part(part.name, design, mesh, printer)
+        ),
+        *(
+            finding
+            for number, one in enumerate(plates, start=1)
+            for finding in of_plate(f"plate {number}", one, parts, printer)
+        ),
+    ]
+
+
+def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
+    """Findings about one walker as `printer` would print it: walls, gaps, layers, size, mesh."""
+    found = [
+        *_walls(design, printer),
+        *_gaps(design, printer),
+        *_marks(design, printer),
+        *_layers(design, printer),
+        *_size(Part.of(name, mesh), printer),
+        *_mesh(mesh),
+    ]
+    if printer.brim_width_mm == 0.0:
+        found += _standing(design, mesh)
+    return [finding._replace(where=name) for finding in found]
+
+
+def of_printer(printer: Printer) -> list[Finding]:
+    """Findings about a process, whatever it prints."""
+    layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
+    found = []
+    if layer > THICKEST_LAYER * nozzle + NOISE_MM:
+        level: Level = "error" if layer > nozzle else "warning"
+        found.append(_new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle,
+                          "mm", "lower layer_height_mm"))  # fmt: skip
+    if width <= layer:
+        found.append(_new("error", "lines are not wider than layers are high", width, layer,
+                          "mm", "raise line_width_mm or lower layer_height_mm"))  # fmt: skip
+    return [finding._replace(where=printer.name) for finding in found]
+
+
+def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
+    """Findings about the bounding boxes on one plate: off the bed, too close, overlapping."""
+    boxes = np.array(
+        [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
+    ).reshape(-1, 4)
+    labels = [f"{name}: {parts[p.part].name}-{p.copy}" for p in plate.placements]
+    return [*_off_the_bed(labels, boxes, printer), *_too_close(labels, boxes, printer)]
+
+
+def refuse(findings: Sequence[Finding], strict: bool) -> None:
+    """Raise PrintabilityError for errors, and for warnings too when `strict`; a line for each."""
+    fatal = {"error", "warning"} if strict else {"error"}
+    lines = [line(finding) for finding in grouped(findings) if finding.level in fatal]
+    if lines:
+        raise PrintabilityError("\n".join(lines))
+
+
+def grouped(findings: Sequence[Finding]) -> list[Finding]:
+    """Each distinct finding once, with the first place and how many more; errors first."""
+    places: dict[Finding, list[str]] = {}
+    for finding in findings:
+        places.setdefault(finding._replace(where=""), []).append(finding.where)
+    merged = [
+        key._replace(where=at[0] + (f" and {len(at) - 1} more" if len(at) > 1 else ""))
+        for key, at in places.items()
+    ]
+    return sorted(merged, key=lambda finding: ("error", "warning", "advice").index(finding.level))
+
+
+def line(finding: Finding) -> str:
+    """A finding in one line, without its level."""
+    where, what, unit = finding.where, finding.what, finding.unit
+    return (
+        f"{where}: {what}: {finding.seen:.4g} {unit}, limit {finding.limit:.4g} {unit}: "
+        f"{finding.change}"
+    )
+
+
+def walls_of(design: Design) -> dict[str, float]:
+    """Thickness of every upright wall of a design by name, mm."""
+    body = {"body": min(design.body.thickness_mm, design.body.length_mm)}
+    brace = {"brace": design.legs.brace_thickness_mm} if design.braced else {}
+    return {"leg": design.leg_thickness} | brace | body
+
+
+def _new(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
+    return Finding(level, "", what, float(seen), float(limit), unit, change)
+
+
+def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
+    for name, thickness in walls_of(design).items():
+        if found := _wall(name, thickness, printer, 0.01 * design.weighed.mass_sd_percent):
+            yield found
+
+
+def _wall(name: str, thickness: float, printer: Printer, mass_sd: float) -> Finding | None:
+    width = printer.line_width_mm
+    lines, expected = thickness / width, walls.deviation(thickness, printer)
+    change = f"{_nearest_good(thickness, printer):g} mm would do"
+    if lines < ONE_LINE[0]:
+        return _new("error", f"the {name} is thinner than {ONE_LINE[0]:g} printed lines",
+                    thickness, ONE_LINE[0] * width, "mm", change)  # fmt: skip
+    if thickness <= walls.vanishes_below(printer):
+        return _new("error", f"the {name} gets no plastic, thin walls not being detected",
+                    thickness, walls.vanishes_below(printer), "mm",
+                    f"set thin_walls = true; or {change}")  # fmt: skip
+    if ONE_LINE[1] < lines < TWO_LINES[0]:
+        what = f"the {name} ({thickness:g} mm, plastic {expected:+.0%}) is more than one line and "
+        return _new("warning", what + "less than two", lines, ONE_LINE[1], "lines", change)
+    what = f"plastic in the {name} ({thickness:g} mm, {lines:.2f} lines) differs from the mesh's"
+    weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
+    if abs(expected) > TOLERATED_DEVIATION:
+        return _new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
+                    f"{change}, or {weigh}")  # fmt: skip
+    if abs(expected) > mass_sd:
+        return _new("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+    return None
+
+
+def _good(thickness: float, printer: Printer) -> bool:
+    """True when a wall neither fails nor prints another mass than predicted."""
+    lines = thickness / printer.line_width_mm
+    return (
+        thickness > walls.vanishes_below(printer)
+        and lines >= ONE_LINE[0]
+        and not ONE_LINE[1] < lines < TWO_LINES[0]
+        and abs(walls.deviation(thickness, printer)) <= TOLERATED_DEVIATION
+    )
+
+
+def _nearest_good(thickness: float, printer: Printer) -> float:
+    """The closest good thickness in hundredths of a millimetre; thick ones are good."""
+    start, steps = round(100 * thickness), itertools.count()
+    candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
+    return next(one for one in candidates if one > 0 and _good(one, printer))
+
+
+def _instead_of_arachne(lines: float, printer: Printer) -> str:
+    if printer.wall_generator == "classic" or lines > ONE_LINE[1]:
+        return ""
+    return '; wall_generator = "classic" with thin_walls = true prints it as drawn'
+
+
+def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
+    width = printer.line_width_mm
+    window, clearance = solids.window_width(design), solids.clearance(design)
+    if 0.0 < window < width:
+        yield _new("warning", "the window between leg and brace may fuse", window, width, "mm",
+                   "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
+    if clearance < width:
+        yield _new("warning", "the two legs may fuse", clearance, width, "mm",
+                   "raise legs.contact_spacing_mm")  # fmt: skip
+
+
+def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
+    marks, width = design.marks, printer.line_width_mm
+    if marks.kind != "none" and marks.line_mm < width - NOISE_MM:
+        yield _new("advice", f"the {marks.kind} may close up: their strokes against a line",
+                   marks.line_mm, width, "mm", "raise marks.line_mm")  # fmt: skip
+
+
+def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
+    height = printer.layer_height_mm
+    layers = design.body.depth_mm / height
+    # PrusaSlicer prints a layer whose middle is in the part.
+    whole = math.floor(layers + 0.5 + NOISE_MM)
+    if layers <= 0.5:
+        yield _new("error", "the depth is less than half a layer", design.body.depth_mm,
+                   0.5 * height, "mm", "raise body.depth_mm or lower layer_height_mm")  # fmt: skip
+    elif abs(layers - whole) > NOISE_MM:
+        printed = max(1, whole) * height
+        yield _new("warning", "the depth is not a whole number of layers", layers, whole, "layers",
+                   f"make body.depth_mm {printed:.6g}, which is what prints")  # fmt: skip
+
+
+def _size(part: Part, printer: Printer) -> Iterator[Finding]:
+    around = 2.0 * border(printer)
+    for what, seen, limit in (
+        ("width", part.width, printer.bed_width_mm - around),
+        ("depth", part.depth, printer.bed_depth_mm - around),
+        ("height", part.height, printer.height_mm),
+    ):
+        if seen > limit + NOISE_MM:
+            yield _new("error", f"its {what} as printed exceeds the printer's", seen, limit, "mm",
+                       "make it smaller or take a larger printer")  # fmt: skip
+
+
+def _mesh(mesh: Mesh) -> Iterator[Finding]:
+    bodies = solids.bodies(mesh)
+    if bodies != 1:
+        yield _new("error", "the mesh is not one closed body", bodies, 1, "bodies",
+                   "enlarge details below about 1e-5 mm, which files do not hold")  # fmt: skip
+
+
+def _standing(design: Design, mesh: Mesh) -> Iterator[Finding]:
+    area, change = _contact_area(mesh), "set brim_width_mm, and cut it off every leg"
+    if area < SMALLEST_CONTACT_MM2:
+        yield _new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
+                   change)  # fmt: skip
+    for name, thickness in walls_of(design).items():
+        slenderness = design.body.depth_mm / thickness
+        if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
+            yield _new("advice", f"the {name} prints high and thin: height over thickness",
+                       slenderness, SLENDEREST_WALL, "", change)  # fmt: skip
+
+
+def _contact_area(mesh: Mesh) -> float:
+    """Of the triangles that lie on the bed, mm^2."""
+    corners = mesh.vertices[mesh.triangles]
+    lying = corners[:, :, 2].max(axis=1) <= mesh.vertices[:, 2].min()
+    (a, b), (c, d) = ((corners[lying, k] - corners[lying, 0])[:, :2].T for k in (1, 2))
+    return float(0.5 * np.abs(a * d - b * c).sum())
+
+
+def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+    """How far parts, brims and the skirt reach beyond the bed, the first of each kind by name."""
+    bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
+    brim = printer.brim_width_mm
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
+    rings = {"the part": 0.0} | ({"its brim": brim} if brim else {})
+    if printer.skirt_loops:  # half a line more: measured on PrusaSlicer's skirts
+        rings["the skirt around it"] = brim + skirt
+    for what, reach in rings.items():
+        over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
+        for index in np.flatnonzero(over > NOISE_MM)[:1]:
+            yield _new("error", f"{what} leaves the bed", over[index], 0.0, "mm",
+                       "raise margin_mm, or make brim or skirt smaller",
+                       )._replace(where=labels[index])  # fmt: skip
+
+
+def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
+    brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
+    for first, box in enumerate(boxes):
+        later = boxes[first + 1 :]
+        apart = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
+        for second in np.flatnonzero(apart < wanted - NOISE_MM):
+            other = labels[first + 1 + int(second)].split(": ")[-1]
+            overlap = apart[second] < brims - NOISE_MM
+            level: Level = "error" if overlap else "warning"
+            what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
+            yield _new(level, f"{what} {other}", apart[second], wanted, "mm",
+                       "move them apart")._replace(where=labels[first])  # fmt: skip
