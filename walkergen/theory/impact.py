@@ -209,7 +209,7 @@ def resolve(
 def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
     """Kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
 
-    Negative when energy is lost; Poisson's and Newton's laws can make it positive with friction.
+    Negative when energy is lost; Newton's law can make it positive with friction.
     """
     return 0.5 * (
         outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y)
