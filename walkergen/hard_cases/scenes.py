@@ -97,6 +97,16 @@ def lift(engine: Engine, state: Array, gap: float) -> None:
     state[Y] += gap - float(feet(engine, state)[:, 1].min())
 
 
+def mirrored(state: Array) -> Array:
+    """The state of the mirror image (x -> -x, back and front exchanged), but for the modes."""
+    image = state.copy()
+    image[[X, PITCH, V_X, SPIN]] *= -1.0
+    if len(state) > 9:
+        image[[ANGLE_BACK, ANGLE_FRONT]] = -state[[ANGLE_FRONT, ANGLE_BACK]]
+        image[[RATE_BACK, RATE_FRONT]] = -state[[RATE_FRONT, RATE_BACK]]
+    return image
+
+
 def feet(engine: Engine, state: Array) -> Array:
     """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
     walker, shaker = engine.arguments[:2]

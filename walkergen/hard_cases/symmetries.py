@@ -9,12 +9,8 @@ import numpy as np
 from walkergen import mass as masses
 from walkergen.hard_cases.case import COMPLIANT, EVERY, THREE_COORDINATES, Case, Check
 from walkergen.hard_cases.scenes import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
     PHASE,
     PITCH,
-    RATE_BACK,
-    RATE_FRONT,
     SPIN,
     STILL,
     V_X,
@@ -27,6 +23,7 @@ from walkergen.hard_cases.scenes import (
     engine_of,
     feet,
     lift,
+    mirrored,
     scene_of,
     shaken,
 )
@@ -50,15 +47,6 @@ def _dropped(engine: Engine, side: float = 1.0, phase: float = 1.0, gap: float =
     return state
 
 
-def _mirrored(state: Array) -> Array:
-    image = state.copy()
-    image[[X, PITCH, V_X, SPIN]] *= -1.0
-    if len(state) > 9:
-        image[[ANGLE_BACK, ANGLE_FRONT]] = -state[[ANGLE_FRONT, ANGLE_BACK]]
-        image[[RATE_BACK, RATE_FRONT]] = -state[[RATE_FRONT, RATE_BACK]]
-    return image
-
-
 def _apart(one: Array, other: Array) -> float:
     """Largest difference of place (mm) and pitch (rad)."""
     return float(np.abs(one - other)[[X, Y, PITCH]].max())
@@ -77,7 +65,7 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
         advance(left, other, seconds)
         yield Check(
             f"{law}, mu = {mu:g}: image after {seconds:g} s, mm",
-            _apart(_mirrored(other), one),
+            _apart(mirrored(other), one),
             0.0 if exact else 1e-8,
             reason,
         )
