@@ -283,6 +283,35 @@ def _rocking(model: str, method: str) -> Iterator[Check]:
         )
 
 
+def _dip(model: str, method: str) -> Iterator[Check]:
+    """Rocking on the back foot, which slides: friction lifts the front foot, after it has dipped.
+
+    Turning down at `spin` against an angular acceleration alpha from the pitch spin^2 / (2 alpha),
+    it would just graze the plate.
+    """
+    mu, spin, share = 1.0, 0.2, {"event": 1e-3, "step": 3e-2}[method]
+    engine = engine_of(
+        model, method, 0.0, drive=STILL, contact={"restitution": 0.0, "friction": mu}
+    )
+    walker = engine.arguments[0]
+    M = getattr(walker, "M", None) or walker.mass
+    J = getattr(walker, "J", None) or walker.inertia
+    normal = GRAVITY / (1.0 / M + (6.5**2 - mu * 6.5 * 9.0) / J)
+    alpha = normal * (mu * 9.0 - 6.5) / J
+    for sign in (1.0, -1.0):
+        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state[PITCH], state[SPIN] = (1.0 + sign * share) * spin**2 / (2.0 * alpha), -spin
+        lift(engine, state, 0.0)
+        back = feet(engine, state)[0]
+        state[V_X], state[V_Y] = -200.0, 0.0
+        state[V_Y] -= float(feet(engine, state)[0, 3])
+        outcome, tally = advance(engine, state, 2.0 * spin / alpha)
+        yield exactly(
+            f"front foot {'misses' if sign > 0 else 'touches'} by {share:g} of the pitch",
+            outcome is Outcome.OK and (tally.counts[0] > 0) == (sign < 0) and back[1] < 1e-9,
+        )
+
+
 def _housner(engine: Engine) -> tuple[float, float]:
     """Spin after over spin before, and share of energy lost, by angular momentum about the foot."""
     walker = engine.arguments[0]
@@ -311,5 +340,6 @@ CASES = [
     Case("zeno: bouncing to rest", "6.7", EVERY, _zeno),
     Case("grazing contact", "6.8", EVERY, _grazing),
     Case("one foot leaves as the other lands", "6.8", RIGID, _rocking),
+    Case("a foot that dips while the other slides", "6.8", EVERY[:3], _dip),
     Case("time after 1e5 s", "6.12", EVERY, _long_time),
 ]

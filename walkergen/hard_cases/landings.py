@@ -121,7 +121,8 @@ def _starts(model: str, method: str) -> Iterator[Check]:
     if model == "compliant":
         engine = with_legs(engine, 1.0, 1.0)
     ends = []
-    for gap in (0.0, -1e-12, -1e-15):
+    deeper = (-1e-9, -1e-7) if (model, method) in THREE_COORDINATES else ()
+    for gap in (0.0, -1e-12, -1e-15, *deeper):
         state = engine.start(gap, 0.0, 0.5 * math.pi)
         state[V_Y] = 0.0
         outcome, _ = advance(engine, state, 0.1)

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.hard_cases.case import Check, Pair, exactly
-from walkergen.hard_cases.scenes import PITCH, V_X, advance, energy_error, feet, lift
-from walkergen.simulation import record
+from walkergen.hard_cases.scenes import PHASE, PITCH, V_X, advance, energy_error, feet, lift
+from walkergen.simulation import plate, record
 from walkergen.simulation.run import Engine, Outcome
 
 ENDINGS = (Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED)
@@ -34,18 +34,19 @@ def survives(
     state[V_X] = 5.0
     lift(engine, state, 0.03)
     before, lowest, outcome = engine.energy(state), 0.0, Outcome.OK
-    total = record.new(len(state))
+    total, turned = record.new(len(state)), True
     for _ in range(40):
         outcome, tally = advance(engine, state, seconds / 40)
         total.sums[:] += tally.sums
+        turned = turned and 0.0 <= state[PHASE] < plate.TWO_PI
         lowest = min(lowest, float(feet(engine, state)[:, 1].min()))
         if outcome is not Outcome.OK:
             break
     finite = bool(np.isfinite(state).all() and np.isfinite(total.sums).all())
-    told = exactly(
+    yield exactly(
         f"{about}: a physical end ({outcome.value}), finite", outcome in ENDINGS and finite
     )
-    yield told
+    yield exactly(f"{about}: phase stays in one turn", turned)
     allowed, reason = limit or ENERGY[pair]
     yield Check(
         f"{about}: energy unaccounted for",

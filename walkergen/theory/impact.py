@@ -127,7 +127,7 @@ def impact(
         stop = -v_x / slope_x1 if slope_x1 * v_x < 0.0 else math.inf
 
     # Compression; in the first segment slope_y1 <= 0 is possible (jamming): it goes on beyond it.
-    stops_early = not (slope_y1 > 0.0 and -v_y <= slope_y1 * stop)
+    stops_early = slope_y1 * stop < -v_y
     if stops_early:
         v_stop = v_y + slope_y1 * stop
         compression = stop - v_stop / slope_y2
