@@ -54,7 +54,7 @@ def _below_one_g(model: str, method: str) -> Iterator[Check]:
         "rounding of the time",
     )
     off = float(np.abs(feet(engine, state)[:, 1]).max())
-    yield Check("feet off the plate, mm", off, 1e-11, "rounding: drift is taken back each step")
+    yield Check("feet off the plate, mm", off, 1e-13, "rounding: drift is taken back each step")
     if model != "compliant":  # whose legs let go of the plate's friction once a period, and creep
         yield Check("way, mm", abs(state[X] - place), 1e-12, "held by friction; rounding")
 

@@ -24,8 +24,8 @@ X, Y, PITCH, V_X, V_Y, SPIN, PHASE, MODE_BACK, MODE_FRONT = range(9)
 ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT = range(9, 13)
 OPEN, STICK = 0.0, 1.0
 
-LEG = 7.5
-"""Length of the paper's leg, mm."""
+LEG, HALF, TALL = 7.5, 6.5, 9.0
+"""The paper's walker, mm: length of a leg; half the distance of the feet; height of O at tilt 0."""
 
 STILL = {"frequency_hz": 90.0, "gamma": 1e-30}
 """A plate at rest: its amplitude vanishes against the rounding of any height."""
@@ -90,6 +90,14 @@ def advance(engine: Engine, state: Array, seconds: float) -> tuple[Outcome, reco
     tally = record.new(len(state))
     status = engine.advance(*engine.arguments, state, seconds, tally)
     return (Outcome.OK if status == 0 else engine.failures[status]), tally
+
+
+def body_of(engine: Engine) -> tuple[float, float]:
+    """Mass (g) and moment of inertia about O (g mm^2) of the body; of all when braced."""
+    walker = engine.arguments[0]
+    if isinstance(walker, chains.Walker):
+        return walker.mass, walker.inertia
+    return walker.M, walker.J
 
 
 def lift(engine: Engine, state: Array, gap: float) -> None:
