@@ -20,16 +20,12 @@ from walkergen.simulation.compliant.chain import (
 from walkergen.simulation.compliant.legs import (
     ANGLE_BACK,
     ANGLE_FRONT,
-    FOLDED,
-    MODE_BACK,
-    MODE_FRONT,
     OK,
     PHASE,
     PITCH,
     RATE_BACK,
     RATE_FRONT,
     SPIN,
-    TOPPLED,
     V_X,
     V_Y,
     X,
@@ -70,15 +66,6 @@ def masses(design):
 def walker_at(tilt, kind="flexible", **options):
     design = Design().variant(tilt_deg=float(tilt), kind=kind)
     return walker_of(design, masses(design), **options)
-
-
-def stiff(walker, factor, ratio=None):
-    legs = walker.legs
-    k = factor * legs.stiffness
-    c = legs.damping * math.sqrt(factor)
-    if ratio is not None:
-        c = 2.0 * ratio * math.sqrt(k * legs.inertia)
-    return walker._replace(legs=legs._replace(stiffness=k, damping=c))
 
 
 def run(method, walker, contact, state, duration, plate=PLATE, **keep):
@@ -259,31 +246,6 @@ def test_energy_balance_closes(method, tilt, kind, contact):
 
 
 @both
-def test_mirror_image_runs_backwards(method):
-    walker, mirrored = walker_at(15), walker_at(-15)
-    state = new_state(walker, PLATE, 0.03, 0.004, 1.0)
-    state[V_X], state[ANGLE_BACK] = 12.0, 1e-3
-    image = state.copy()
-    for index in (X, V_X, PITCH, SPIN):
-        image[index] *= -1.0
-    image[[ANGLE_BACK, ANGLE_FRONT]] = -state[[ANGLE_FRONT, ANGLE_BACK]]
-    for who, where in ((walker, state), (mirrored, image)):
-        assert run(method, who, Contact(0.4, 0.25, 0), where, 0.012)[0] == OK
-    # 1e-6 mm: rounding grown by the chaos of two landings (e-fold within 4-13 ms)
-    np.testing.assert_allclose(image[[X, Y, PITCH]], state[[X, Y, PITCH]] * [-1, 1, -1], atol=1e-6)
-
-
-@both
-@pytest.mark.parametrize("restitution", [0.0, 0.6])
-def test_symmetric_walker_that_lands_on_both_feet_does_not_drift(method, restitution):
-    walker = walker_at(0)
-    state = new_state(walker, PLATE, 0.03, 0.0, 1.0)
-    status, _ = run(method, walker, Contact(restitution, 0.25, 0), state, 0.05)
-    assert status == OK
-    assert abs(state[X]) < 1e-7  # rounding, grown over four landings
-
-
-@both
 @pytest.mark.parametrize(("friction", "law"), [(0.25, 0), (1e3, 0), (0.25, 1), (0.25, 2)])
 def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction, law):
     walker = walker_at(10)
@@ -301,87 +263,6 @@ def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction
     impacts = tally.events.rows[: tally.events.cursor[0]]
     assert len(impacts) > 10
     assert np.all(np.abs(impacts[:, 2]) <= friction * impacts[:, 3] * (1 + 1e-12))
-
-
-@both
-@pytest.mark.parametrize("kind", ["flexible", "braced"])
-def test_below_one_g_it_never_leaves_the_plate(method, kind):
-    walker, plate = walker_at(10, kind), plate_of(0.9)
-    state = new_state(walker, plate, 0.0)
-    contact = Contact(0.5, 0.25, 0)
-    # legs that are let go from their relaxed angle first bounce for a while
-    assert run(method, damped(walker), contact, state, 0.1, plate)[0] == OK
-    status, tally = run(method, damped(walker), contact, state, 0.05, plate)
-    assert status == OK
-    assert tally.sums[record.CONTACT_TIME] == pytest.approx(0.05, abs=1e-9)
-    assert state[MODE_BACK] != 0
-    assert state[MODE_FRONT] != 0
-
-
-def damped(walker):
-    return walker if walker.legs is None else stiff(walker, 1.0, 1.0)
-
-
-@both
-def test_resting_walker_on_stiffer_legs_approaches_the_braced_one(method):
-    """Static deflection without friction in proportion to 1 / k_t."""
-    sunk = []
-    for factor in (1e2, 1e4):
-        walker, plate = stiff(walker_at(20), factor, 1.0), plate_of(0.0)
-        state = new_state(walker, plate, 0.0)
-        height = state[Y]
-        assert run(method, walker, Contact(0.0, 0.0, 0), state, 0.03, plate)[0] == OK
-        sunk.append(height - state[Y])
-    legs, reach = walker.legs, 7.5 * math.sin(math.radians(20))
-    load = 0.5 * walker.mass * G
-    # both feet alike up to the legs' own weight and the shift of the load, a few per cent
-    assert sunk[0] == pytest.approx(load * reach**2 * 1e2 / legs.stiffness, rel=0.2)
-    assert sunk[0] / sunk[1] == pytest.approx(100.0, rel=1e-2)  # the rest: finite angles
-
-
-@both
-def test_weak_legs_fold_and_a_tipped_walker_topples(method):
-    soft = stiff(walker_at(35), 1e-5, 1.0)
-    state = new_state(soft, plate_of(0.0), 0.0)
-    assert run(method, soft, Contact(0.0, 0.25, 0), state, 0.5, plate_of(0.0))[0] in (
-        FOLDED,
-        TOPPLED,
-    )
-    walker = walker_at(10)
-    state = new_state(walker, PLATE, 0.1, 0.5, 0.0)
-    state[SPIN] = 20.0
-    assert run(method, walker, Contact(0.3, 0.25, 0), state, 0.5)[0] == TOPPLED
-
-
-@both
-@pytest.mark.parametrize(
-    ("gamma", "contact", "ratio"),
-    [
-        (50.0, Contact(0.8, 0.25, 0), 0.05),
-        (1.8, Contact(1.0, 0.0, 0), 0.0),
-        (1.8, Contact(0.0, 1e3, 0), 3.0),
-        (1.0 + 1e-9, Contact(0.5, 0.25, 1), 0.05),
-    ],
-)
-def test_hard_cases_stay_finite(method, gamma, contact, ratio):
-    walker, plate = stiff(walker_at(10), 1.0, ratio), plate_of(gamma)
-    state = new_state(walker, plate, -1e-12, 0.0, 0.1)
-    status, _ = run(method, walker, contact, state, 0.03, plate)
-    assert status in (OK, TOPPLED)
-    assert np.all(np.isfinite(state))
-    assert 0.0 <= state[PHASE] < 2.0 * math.pi
-
-
-@both
-def test_without_friction_nothing_moves_the_centre_of_mass_sideways(method):
-    walker = walker_at(20)
-    state = new_state(walker, PLATE, 0.03, 0.01, 1.0)
-    run(method, walker, Contact(0.5, 0.0, 0), state, 0.05)
-    rival = Rival(walker, PLATE)
-    _, v = rival.coordinates(state)
-    momentum = rival.masses[[0, 3, 6]] @ v[[0, 3, 6]]
-    # g mm/s; events: rounding; steps: the legs' turn within a step, second order in h
-    assert abs(momentum) < (1e-9 if method == "events" else 2e-3)
 
 
 @both

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from walkergen.errors import TheoryError
-from walkergen.theory.impact import Kind, Law, determinant, energy_change, resolve
+from walkergen.theory.impact import Kind, Law, resolve
 
 mp.mp.dps = 50
 
@@ -91,43 +91,12 @@ def test_impulse_in_friction_cone_and_velocity_consistent(law):
         assert out.v_y - velocity[1] == pytest.approx(dv_y, abs=1e-12 * size)
 
 
-def test_energetic_restitution_never_creates_energy():
-    for H, velocity, e, mu in random_cases(500, seed=3):
-        out = resolve(H, velocity, e, mu, Law.STRONGE)
-        assert energy_change(velocity, out) <= 1e-12 * np.hypot(*velocity) * out.F_y
-
-
-def test_without_restitution_no_law_creates_energy():
-    for H, velocity, _, mu in random_cases(200, seed=4):
-        for law in Law:
-            out = resolve(H, velocity, 0.0, mu, law)
-            assert energy_change(velocity, out) <= 1e-12 * np.hypot(*velocity) * out.F_y
-
-
-def test_newton_and_poisson_can_create_energy_which_is_reported():
-    gains = {
-        law: max(energy_change(v, resolve(H, v, 1.0, mu, law)) for H, v, _, mu in random_cases(300))
-        for law in (Law.NEWTON, Law.POISSON)
-    }
-    assert gains[Law.NEWTON] > 0
-    assert gains[Law.POISSON] > 0
-
-
 def test_laws_agree_without_friction():
     for H, velocity, e, _ in random_cases(100, seed=5):
         outcomes = [resolve(H, velocity, e, 0.0, law) for law in Law]
         assert all(out.F_x == 0.0 for out in outcomes)
         for out in outcomes:
             assert out.v_y == pytest.approx(-e * velocity[1], rel=1e-12, abs=1e-14)
-
-
-@pytest.mark.parametrize("law", list(Law))
-def test_mirror_image_runs_backwards_exactly(law):
-    for (xx, xy, yy), (v_x, v_y), e, mu in random_cases(200, seed=6):
-        out = resolve((xx, xy, yy), (v_x, v_y), e, mu, law)
-        mirrored = resolve((xx, -xy, yy), (-v_x, v_y), e, mu, law)
-        assert (mirrored.F_x, mirrored.F_y) == (-out.F_x, out.F_y)
-        assert (mirrored.v_x, mirrored.v_y) == (-out.v_x, out.v_y)
 
 
 @pytest.mark.parametrize("law", list(Law))
@@ -163,26 +132,9 @@ def test_types_of_figure_3(v_x, friction, kind, sticks):
     assert Kind(mirrored.kind) == expected[kind]
 
 
-def test_jamming_goes_on_compressing_until_the_slip_stops():
-    jam = (1.0, -0.9, 1.0)  # H_yy + mu H_xy = 1 - 0.9 * 2 < 0 while sliding backwards
-    out = resolve(jam, (-0.5, -1.0), 0.5, 2.0)
-    assert out.kind == Kind.III_MIRRORED
-    assert out.sticks
-    assert out.v_x == 0.0
-    assert out.F_y > (1 + 0.5) * 1.0 / (1 - 0.81)  # more than |v_y| = 1 alone would give
-
-
 def test_no_impulse_when_not_approaching():
     assert resolve(H, (3.0, 0.0), 0.8, 0.25) == (0.0, 0.0, 3.0, 0.0, Kind.NONE, False)
     assert resolve(H, (3.0, 2.0), 0.8, 0.25).F_y == 0.0
-
-
-def test_determinant_of_a_nearly_singular_tensor():
-    for condition in (1e8, 1e12, 1e15):
-        x = 1.0 / 3.0
-        xx, xy, yy = x, x, x * (1 + 4 / condition)
-        exact = mp.mpf(xx) * mp.mpf(yy) - mp.mpf(xy) ** 2
-        assert determinant(xx, xy, yy) == pytest.approx(float(exact), rel=1e-14)
 
 
 @pytest.mark.parametrize(

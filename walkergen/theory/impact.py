@@ -127,7 +127,7 @@ def impact(
         stop = -v_x / slope_x1 if slope_x1 * v_x < 0.0 else math.inf
 
     # Compression; in the first segment slope_y1 <= 0 is possible (jamming): it goes on beyond it.
-    stops_early = not (slope_y1 > 0.0 and -v_y <= slope_y1 * stop)
+    stops_early = slope_y1 * stop < -v_y
     if stops_early:
         v_stop = v_y + slope_y1 * stop
         compression = stop - v_stop / slope_y2
@@ -209,7 +209,7 @@ def resolve(
 def energy_change(velocity: tuple[float, float], outcome: Impact) -> float:
     """Kinetic energy gained in an impact, F . (v_before + v_after) / 2, in g mm^2/s^2 (1e-9 J).
 
-    Negative when energy is lost; Poisson's and Newton's laws can make it positive with friction.
+    Negative when energy is lost; Newton's law can make it positive with friction.
     """
     return 0.5 * (
         outcome.F_x * (velocity[0] + outcome.v_x) + outcome.F_y * (velocity[1] + outcome.v_y)

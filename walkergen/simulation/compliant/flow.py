@@ -47,6 +47,10 @@ from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 LEVEL = 2e-14
 """Depth (mm) below the plate at which a foot has landed: the rounding of a foot's height."""
 
+CONE = 1e-11
+"""Share of a force by which a stuck foot may leave the friction cone: `solve`'s own rounding, or a
+foot at its limit for good (no friction and no pull) would break away at every instant."""
+
 
 class Work(NamedTuple):
     """Arrays of one run: state and three integrals (plate work, friction, damping loss)."""
@@ -77,7 +81,7 @@ def _margin(mode, gap, v_x, F_x, F_y, yy, friction):
     if mode == OPEN:
         return gap + LEVEL
     if mode == STICK:
-        return yy * min(F_y, friction * F_y - abs(F_x))
+        return yy * min(F_y, friction * F_y - abs(F_x) + CONE * (F_y + abs(F_x)))
     return min(yy * F_y, v_x if mode == FORWARD else -v_x)
 
 

@@ -1,0 +1,25 @@
+"""Every hard case over every model and method to which it applies, from the one list."""
+
+import pytest
+
+from walkergen.hard_cases.catalogue import CASES
+
+JOBS = [(case, *pair) for case in CASES for pair in case.runs_on]
+
+
+@pytest.mark.parametrize(
+    ("case", "model", "method"), JOBS, ids=[f"{c.section} {c.name}-{a}-{b}" for c, a, b in JOBS]
+)
+def test_hard_case(case, model, method):
+    checks = list(case.check(model, method))
+    assert checks
+    failed = [check for check in checks if not check.holds]
+    assert not failed, "\n".join(
+        f"{check.what}: {check.value!r} > {check.limit!r} ({check.reason})" for check in failed
+    )
+
+
+def test_names_are_unique_and_every_section_is_covered():
+    names = [case.name for case in CASES]
+    assert len(set(names)) == len(names)
+    assert {case.section for case in CASES} >= {f"6.{number}" for number in range(1, 15)}

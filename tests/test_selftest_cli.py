@@ -1,0 +1,97 @@
+"""`walkergen selftest` as a user meets it: what holds, what fails, what raises, what is stopped."""
+
+import json
+import math
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.hard_cases import catalogue, selftest
+from walkergen.hard_cases.case import Case, Check
+
+LAW = (("impact law", "closed form"),)
+
+
+def call(*words):
+    return CliRunner().invoke(app, ["selftest", *words], catch_exceptions=True)
+
+
+def only(monkeypatch, check):
+    monkeypatch.setattr(catalogue, "CASES", (Case("made up", "6.0", LAW, check),))
+
+
+def test_a_section_runs_its_cases_in_processes_of_their_own():
+    result = call("--only", "6.3")
+    assert result.exit_code == 0, result.output
+    assert "nearly singular tensor" in result.stdout
+    lines = result.stdout.strip().splitlines()
+    assert lines[-1].startswith("3 hard cases in 3 runs")
+    assert lines[-1].endswith("3 runs hold, 0 fail")
+
+
+def test_json_holds_every_check_with_its_reason():
+    result = call("--only", "jamming: one impact", "--json")
+    found = json.loads(result.stdout)
+    assert (found["held"], found["failed"]) == (1, 0)
+    (row,) = found["rows"]
+    assert (row["section"], row["model"], row["method"]) == ("6.2", "impact law", "closed form")
+    assert all(check["holds"] and check["reason"] for check in row["checks"])
+
+
+def test_quiet_prints_nothing():
+    assert call("--only", "jamming: one impact", "--quiet").output == ""
+
+
+@pytest.mark.parametrize("value", [2.0, math.nan, math.inf])
+def test_a_check_beyond_its_limit_fails_the_command(monkeypatch, value):
+    only(monkeypatch, lambda model, method: iter([Check("a thing", value, 1.0, "because")]))
+    result = call()
+    assert result.exit_code == 1
+    assert "FAILED" in result.stdout
+    assert "0 runs hold, 1 fail" in result.stdout
+    assert json.loads(call("--json").stdout)["failed"] == 1
+
+
+def test_a_case_that_raises_is_a_failed_case_with_its_message(monkeypatch):
+    def raises(model, method):
+        yield Check("first", 0.0, 1.0, "because")
+        raise ValueError("no such\nluck")
+
+    only(monkeypatch, raises)
+    result = call()
+    assert result.exit_code == 1
+    assert "ValueError: no such luck" in result.stdout
+
+
+def test_a_case_that_checks_nothing_fails(monkeypatch):
+    only(monkeypatch, lambda model, method: iter([]))
+    assert call().exit_code == 1
+
+
+def test_ctrl_c_shows_what_is_done(monkeypatch):
+    def interrupted(model, method):
+        yield Check("first", 0.0, 1.0, "because")
+        raise KeyboardInterrupt
+
+    cases = (*catalogue.CASES[:1], Case("made up", "6.0", LAW, interrupted))
+    monkeypatch.setattr(catalogue, "CASES", cases)
+    monkeypatch.setattr(selftest.os, "cpu_count", lambda: 1)
+    result = call()
+    assert result.exit_code == 130
+    assert catalogue.CASES[0].name in result.stdout
+    assert "interrupted after 1 of 2" in result.stderr
+
+
+@pytest.mark.parametrize("name", ["nonsense", "6.99", "", " "])
+def test_an_unknown_name_is_refused_with_those_known(name):
+    with pytest.raises(InputError, match=r"no hard case .* 6\.10.* zeno"):
+        selftest.choose(name)
+
+
+def test_a_section_holds_those_below_it_and_no_others():
+    assert {job.case.section for job in selftest.choose("6.1")} == {"6.1"}
+    assert len(selftest.choose("6")) == len(
+        [job for job in selftest.choose(None) if job.case.section.startswith("6.")]
+    )

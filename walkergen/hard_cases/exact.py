@@ -1,0 +1,52 @@
+"""The impact law in exact rational arithmetic: the rival of the compiled one.
+
+Velocities are followed along the normal impulse from event to event (stop of the slip, end of
+compression, end of the impact), as physics.md section 3 says, without a rounding. Stronge's law
+needs a square root and has no place here.
+"""
+
+from fractions import Fraction
+
+from walkergen.theory.impact import Law
+
+Tensor = tuple[float, float, float]
+
+
+def follow(
+    H: Tensor, velocity: tuple[float, float], restitution: float, friction: float, law: Law
+) -> tuple[Fraction, Fraction, Fraction, Fraction]:
+    """Impulse (F_x, F_y) and velocity after (v_x, v_y) of one impact, for Poisson's or Newton's."""
+    xx, xy, yy = (Fraction(entry) for entry in H)
+    v_x, v_y = (Fraction(component) for component in velocity)
+    e, mu = Fraction(restitution), Fraction(friction)
+    rebound = -e * v_y
+    p = F_x = Fraction(0)
+    p_end: Fraction | None = None
+    while True:
+        ratio = _ratio(xx, xy, v_x, mu)
+        s_x, s_y = xy + ratio * xx, yy + ratio * xy
+        steps = []
+        if v_x != 0 and s_x * v_x < 0:
+            steps.append((-v_x / s_x, "stop"))
+        if v_y < 0 and s_y > 0:
+            steps.append((-v_y / s_y, "compressed"))
+        if v_y >= 0:
+            steps.append(
+                ((rebound - v_y) / s_y if law == Law.NEWTON or p_end is None else p_end - p, "end")
+            )
+        dp, event = min(steps)
+        p, F_x, v_y = p + dp, F_x + ratio * dp, v_y + s_y * dp
+        v_x = Fraction(0) if event == "stop" else v_x + s_x * dp
+        if event == "compressed":
+            p_end = (1 + e) * p if law == Law.POISSON else None
+        if event == "end":
+            return F_x, p, v_x, v_y
+
+
+def _ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
+    """F_x / F_y: friction against the slip; at rest what holds the foot, or all there is."""
+    if v_x != 0:
+        return -mu if v_x > 0 else mu
+    if abs(xy) <= mu * xx:
+        return -xy / xx
+    return -mu if xy > 0 else mu
