@@ -1,0 +1,1 @@
+"""Hard cases: exact outcomes and invariants that must hold on any machine (`case.Case`)."""
