@@ -34,6 +34,9 @@ EXPLICIT_OSCILLATIONS = 3000
 """Of a leg, followed in one example: the explicit compliant method takes 30 steps for each, so
 that a leg of 20 MHz is followed for less time than one of 2 kHz."""
 
+RESOLVED = 0.25
+"""Oscillations of a leg in a time step beyond which `step` cannot follow it (it says so)."""
+
 MOST_EVENTS = 200_000
 
 
@@ -199,7 +202,12 @@ def feet_gaps(plan, weighed, rows, drive):
 
 
 def check_motion(design, scene, weighed, plan, result):
-    assert result.outcome in ENDINGS, result.outcome
+    unresolved = (
+        scene.run.method == "step"
+        and plan.resolved.model == "compliant"
+        and (1e-6 * scene.run.step_us * leg_frequency(design, weighed) > RESOLVED)
+    )
+    assert result.outcome in ENDINGS | ({Outcome.ENERGY} if unresolved else set()), result.outcome
     sums, rows = result.tally.sums, result.tally.samples.rows
     rows = rows[: result.tally.samples.cursor[0]]
     assert np.isfinite(rows).all()
@@ -225,15 +233,21 @@ def check_motion(design, scene, weighed, plan, result):
     # The impulses of a landing are sums of many: rounding of the larger component.
     worst = (np.abs(F_x) - limit - 1e-9 * np.hypot(F_x, F_y)).max(initial=-1.0)
     assert worst <= 0.0, worst
-    assert (v_y <= 0.0).all()
+    # Sliding that jams is stopped on feet whose normal speed is rounding.
+    assert v_y.max(initial=-1.0) <= 1e-12 * scene.drive.peak_speed, v_y.max()
 
-    exchanged = np.abs(sums[record.PLATE_WORK :]).max()
-    assert sums[record.FRICTION_LOSS] >= -1e-3 * exchanged, sums
-    assert sums[record.DAMPING_LOSS] >= -1e-3 * exchanged, sums
+    # Losses are losses; by time steps, to the accuracy of the balance itself. Less than a billionth
+    # of the walker's energy is rounding.
+    exchanged = max(
+        np.abs(sums[record.PLATE_WORK :]).max(), 1e-9 * abs(plan.engine.energy(rows[0, 1:]))
+    )
+    share = 0.05 if scene.run.method == "step" else 1e-3
+    assert sums[record.FRICTION_LOSS] >= -share * exchanged, sums
+    assert sums[record.DAMPING_LOSS] >= -share * exchanged, sums
     if scene.contact.law == "stronge" and plan.resolved.model != "relaxed":
         assert sums[record.IMPACT_LOSS] >= -1e-9 * exchanged, sums
     tolerance = 0.05 if scene.run.method == "step" else 1e-4
-    assert result.energy_error <= tolerance, result.energy_error
+    assert result.energy_error <= tolerance or unresolved, result.energy_error
 
 
 def check(tables):

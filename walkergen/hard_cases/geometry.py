@@ -116,7 +116,7 @@ def _refused(what: str, word: str, body: dict[str, Any] | None = None, **legs: A
 
 
 def _thin_legs(model: str, method: str) -> Iterator[Check]:
-    thin = {f"{part}_thickness_mm": 0.05 for part in ("flexible", "braced")}
+    thin: dict[str, Any] = {f"{part}_thickness_mm": 0.05 for part in ("flexible", "braced")}
     thin["brace_thickness_mm"] = 0.03
     combinations = itertools.product(KINDS, FEET, (0.0, 10.0, -45.0))
     return _all_sound(_design(kind=k, foot=f, tilt_deg=t, **thin) for k, f, t in combinations)

@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     chain_of,
@@ -25,8 +26,10 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.compliant.contact import (
     FORWARD,
+    FRICTIONLESS,
     OPEN,
     STICK,
+    applied,
     both_feet,
     collide,
     folded,
@@ -57,6 +60,7 @@ from walkergen.simulation.record import (
     DAMPING_LOSS,
     ELAPSED,
     FRICTION_LOSS,
+    IMPACT_LOSS,
     LARGEST_PITCH,
     PLATE_WORK,
     next_sample,
@@ -142,13 +146,21 @@ def _direction(v_x):
 
 
 @kernel
-def _hold(walker, plate, state, chain, closed, rows):
-    """Remove what is left of the velocities of closed feet: normal, and tangential when at rest."""
-    u = feet_velocities(walker, plate, state, chain)
-    back = (STICK if abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
-    front = (STICK if abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
-    F = impulses(mobility_of(chain), u, back, front, 0.0, rows)
+def _hold(walker, plate, contact, state, chain, closed, sums, rows):
+    """Remove what is left of the velocities of closed feet: normal, and tangential when at rest.
+
+    A rebound too slow to be one ends here; what it loses is an impact's loss.
+    """
+    u, W = feet_velocities(walker, plate, state, chain), mobility_of(chain)
+    holds = contact.friction >= FRICTIONLESS
+    back = (STICK if holds and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
+    front = (STICK if holds and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
+    F = impulses(W, u, back, front, 0.0, rows)
+    d = applied(W, F)
     accelerate(walker.legs, state, push(chain, F))
+    sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    for i in range(4):
+        sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
 
 
 @kernel
@@ -170,7 +182,7 @@ def decide(walker, plate, contact, state, tally, snap, rows):
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if not (closed[0] or closed[1]):
         return
-    _hold(walker, plate, state, chain, closed, rows)
+    _hold(walker, plate, contact, state, chain, closed, tally.sums, rows)
     W = mobility_of(chain)
     _, a = accelerations(walker, plate, state, chain)
     u = feet_velocities(walker, plate, state, chain)
@@ -187,7 +199,7 @@ def decide(walker, plate, contact, state, tally, snap, rows):
 
 
 @kernel
-def _accept(walker, plate, state, work, passed, sums, rows):
+def _accept(walker, plate, contact, state, work, passed, sums, rows):
     """The step's end becomes the state; drift off the plate is taken away."""
     n = state.size
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
@@ -200,7 +212,8 @@ def _accept(walker, plate, state, work, passed, sums, rows):
     if closed[0] or closed[1]:
         sums[CONTACT_TIME] += passed
         settle(walker, plate, state, 0.0, rows)
-        _hold(walker, plate, state, chain_of(walker, state, 0.0), closed, rows)
+        chain = chain_of(walker, state, 0.0)
+        _hold(walker, plate, contact, state, chain, closed, sums, rows)
 
 
 @kernel
@@ -268,7 +281,7 @@ def advance(walker, plate, contact, options, state, duration, tally):
             passed = min(SHORTEST, until)
             shoot(walker, plate, contact, work, passed)
         stalled = stalled + 1 if passed <= SHORTEST else 0
-        _accept(walker, plate, state, work, passed, sums, work.rows)
+        _accept(walker, plate, contact, state, work, passed, sums, work.rows)
         t = duration if duration - t - passed < 1e-15 else t + passed
         sums[ELAPSED] = begin + t
         if event:

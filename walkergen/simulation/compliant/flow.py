@@ -24,6 +24,7 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.compliant.contact import (
     FORWARD,
+    FRICTIONLESS,
     OPEN,
     STICK,
     impulses,
@@ -78,6 +79,8 @@ def _margin(mode, gap, v_x, F_x, F_y, yy, friction):
         return gap + LEVEL
     if mode == STICK:
         return yy * min(F_y, friction * F_y - abs(F_x))
+    if friction < FRICTIONLESS:
+        return yy * F_y
     return min(yy * F_y, v_x if mode == FORWARD else -v_x)
 
 

@@ -80,6 +80,10 @@ INSTANT = 1e-12
 TOGETHER = 1e-9
 """Part of a step within which two landings are one."""
 
+TURN = 0.1
+"""Largest turn (rad) of the body in one step of flight with legs: the kick that corrects their
+linear swing is of second order in it."""
+
 SLIVER = 0.1
 """Steps shorter than this part of h, and those after a stop, are not ended at a foot's stop: the
 error of second order that a stopped foot keeps would be stopped again and again."""
@@ -261,9 +265,32 @@ def _step_to_landing(walker, plate, contact, state, start, t, stops, gap_0, u_0,
 
 
 @kernel
-def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
-    """Impacts of the feet that land (and of those on the plate); sets who stays on it."""
-    touching = (landed[0] or state[MODE_BACK] != OPEN, landed[1] or state[MODE_FRONT] != OPEN)
+def _swings_back(legs, t):
+    """True when a leg that is hit swings back within t: by the half period of its slower mode."""
+    if legs is None:
+        return False
+    swing = legs.swing
+    slower = legs.stiffness * min(swing.mobility_1, swing.mobility_2)
+    return t * math.sqrt(slower) > math.pi
+
+
+@kernel
+def _longest_flight(legs, state, longest):
+    """Longest step in the air, s: exact when braced, else the body must not turn far in it."""
+    if legs is None:
+        return longest
+    return min(longest, TURN / (abs(state[SPIN]) + 1e-300))
+
+
+@kernel
+def _land(walker, plate, contact, state, chain, gap, landed, step, tally, rows):
+    """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
+    other's impact may throw onto it; sets who stays there.
+    """
+    touching = (
+        landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
+        landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
+    )
     d = feet_changes(chain, free_acceleration(walker, state, chain, 0.0))
     turning = feet_turning(walker, state, chain)
     lift = plates.acceleration(plate, state[PHASE])
@@ -272,6 +299,8 @@ def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
         max(step * (lift - d[1] - turning[1]), least),
         max(step * (lift - d[3] - turning[3]), least),
     )
+    e = 0.0 if _swings_back(walker.legs, 2.0 * step) else contact.restitution
+    contact = plates.Contact(e, contact.friction, contact.law)
     collide(walker, plate, contact, state, chain, touching, rest, tally, rows)
     u = feet_velocities(walker, plate, state, chain)
     if touching[0]:
@@ -304,13 +333,13 @@ def advance(walker, plate, contact, options, state, duration, tally):
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
-            _land(walker, plate, contact, state, chain, (back, front), h, tally, rows)
+            _land(walker, plate, contact, state, chain, gap, (back, front), h, tally, rows)
             u = feet_velocities(walker, plate, state, chain)
         length = h
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if not closed:
             clear = clear_time(walker, plate, state, chain, gap)
-            length = min(max(clear, h), options.flight * h)
+            length = min(max(clear, h), _longest_flight(walker.legs, state, options.flight * h))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         passed, back, front = _step_to_landing(
             walker,
