@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 from walkergen import config, mass, solids
 from walkergen.design import Design
 from walkergen.errors import InputError
-from walkergen.scene import GRAVITY, Scene
+from walkergen.scene import Scene
 from walkergen.simulation import engines, record
 from walkergen.simulation.effects import leg_frequency
 from walkergen.simulation.run import Outcome, simulate
@@ -34,8 +34,10 @@ EXPLICIT_OSCILLATIONS = 3000
 """Of a leg, followed in one example: the explicit compliant method takes 30 steps for each, so
 that a leg of 20 MHz is followed for less time than one of 2 kHz."""
 
-RESOLVED = 0.25
-"""Oscillations of a leg in a time step beyond which `step` cannot follow it (it says so)."""
+RESOLVED, MOST_STEPS = 0.1, 20_000
+"""Oscillations of a leg in a time step beyond which `step` follows its contact only roughly: its
+energy may then miss the balance, which the outcome says. Examples resolve the leg where that takes
+no more than so many steps."""
 
 MOST_EVENTS = 200_000
 
@@ -152,10 +154,15 @@ def built(tables):
     )  # fmt: skip
     shape = solids.build(design)
     weighed = solids.weigh(design, shape)
-    if (scene.legs.model, scene.run.method) == ("compliant", "event"):
-        followed = EXPLICIT_OSCILLATIONS / leg_frequency(design, weighed)
-        seconds = min(scene.run.seconds, followed)
-        run = scene.run.model_copy(update={"seconds": seconds})
+    if scene.legs.model == "compliant":
+        seconds, step_us = scene.run.seconds, scene.run.step_us
+        frequency = leg_frequency(design, weighed)
+        if scene.run.method == "event":
+            seconds = min(seconds, EXPLICIT_OSCILLATIONS / frequency)
+        else:
+            finest = max(1e6 * seconds / MOST_STEPS, 0.01)
+            step_us = min(step_us, max(0.8e6 * RESOLVED / frequency, finest))
+        run = scene.run.model_copy(update={"seconds": seconds, "step_us": step_us})
         scene = scene.model_copy(update={"run": run})
     return design, scene, shape, weighed, engines.prepare(scene, design, weighed)
 
@@ -214,20 +221,18 @@ def check_motion(design, scene, weighed, plan, result):
     assert np.isfinite(result.block_speeds).all()
     assert np.isfinite(sums).all()
 
-    gaps = feet_gaps(plan, weighed, rows, scene.drive)
-    size = design.body.length_mm + design.legs.length_mm + scene.drive.amplitude
-    slack = 1e-9 * size
-    if scene.run.method == "step":
-        pull = GRAVITY * (
-            1.0 + scene.drive.peak_gamma * (1 + 4 * scene.drive.second_harmonic_ratio)
-        )
-        slack += 2.0 * pull * (1e-6 * scene.run.step_us) ** 2
-    assert gaps.min() >= -slack, (gaps.min(), slack)
-
     events = result.tally.events
     count = events.cursor[0]
     assert count < MOST_EVENTS
     _, _, F_x, F_y, _, v_y, _ = events.rows[:count].T
+    gaps = feet_gaps(plan, weighed, rows, scene.drive)
+    size = design.body.length_mm + design.legs.length_mm + scene.drive.amplitude
+    slack = 1e-9 * size
+    if scene.run.method == "step":
+        # Landings are located, but a leg may swing back within the step that follows.
+        slack += 0.5e-6 * scene.run.step_us * -v_y.min(initial=0.0)
+    assert gaps.min() >= -slack, (gaps.min(), slack)
+
     limit = scene.contact.friction * F_y
     assert (F_y >= 0.0).all()
     # The impulses of a landing are sums of many: rounding of the larger component.
@@ -242,7 +247,7 @@ def check_motion(design, scene, weighed, plan, result):
         np.abs(sums[record.PLATE_WORK :]).max(), 1e-9 * abs(plan.engine.energy(rows[0, 1:]))
     )
     share = 0.05 if scene.run.method == "step" else 1e-3
-    assert sums[record.FRICTION_LOSS] >= -share * exchanged, sums
+    assert sums[record.FRICTION_LOSS] >= -share * exchanged or unresolved, sums
     assert sums[record.DAMPING_LOSS] >= -share * exchanged, sums
     if scene.contact.law == "stronge" and plan.resolved.model != "relaxed":
         assert sums[record.IMPACT_LOSS] >= -1e-9 * exchanged, sums
@@ -265,16 +270,22 @@ def check(tables):
     return result.outcome.value
 
 
-ON = st.just(True)
-ANY = st.sampled_from([True, False])
+def sweep(model, method, effects, **examples):
+    @settings(deadline=None, database=None, **examples)
+    @given(walks(model, method, effects))
+    def any_walker(tables):
+        check(tables)
+
+    any_walker()
 
 
 @pytest.mark.slow
 @pytest.mark.parametrize(("model", "method"), METHODS)
 def test_any_walker_is_refused_or_lawful(model, method):
-    @settings(max_examples=60, deadline=None, derandomize=True, database=None)
-    @given(walks(model, method, ON))
-    def sweep(tables):
-        check(tables)
+    sweep(model, method, st.just(True), max_examples=60, derandomize=True)
 
-    sweep()
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_ten_thousand_walkers_are_refused_or_lawful(model, method):
+    sweep(model, method, st.booleans(), max_examples=2000, print_blob=True)

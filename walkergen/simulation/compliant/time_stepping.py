@@ -5,7 +5,8 @@ contact as a complementarity problem between velocities and impulses, solved exa
 of modes (physics.md section 5). In the air, closed-form flight, in long steps when no foot can
 reach the plate. A landing is located inside its step and resolved by the impact law there, so
 that every law of restitution is supported; rebounds too short for a step (less than 2 h) are
-absorbed. Second order in h.
+absorbed, and so is every rebound off a leg that swings back within that time. Second order in h
+while h resolves the legs' swing; a foot may sink by part of what it travels in a step.
 """
 
 import math
@@ -80,9 +81,9 @@ INSTANT = 1e-12
 TOGETHER = 1e-9
 """Part of a step within which two landings are one."""
 
-TURN = 0.1
-"""Largest turn (rad) of the body in one step of flight with legs: the kick that corrects their
-linear swing is of second order in it."""
+TURN = 0.25
+"""Largest turn (rad) of body or legs in one step of flight: the kick that corrects the linear swing
+is unstable far beyond it."""
 
 SLIVER = 0.1
 """Steps shorter than this part of h, and those after a stop, are not ended at a foot's stop: the
@@ -275,11 +276,16 @@ def _swings_back(legs, t):
 
 
 @kernel
-def _longest_flight(legs, state, longest):
-    """Longest step in the air, s: exact when braced, else the body must not turn far in it."""
+def _longest_flight(legs, state, options):
+    """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it."""
+    longest = options.flight * options.step
     if legs is None:
         return longest
-    return min(longest, TURN / (abs(state[SPIN]) + 1e-300))
+    square = legs.stiffness * max(legs.swing.mobility_1, legs.swing.mobility_2)
+    angles = state[ANGLE_BACK] ** 2 + state[ANGLE_FRONT] ** 2
+    rates = state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2
+    fastest = math.sqrt(state[SPIN] ** 2 + rates + square * angles)
+    return min(longest, max(SLIVER * options.step, TURN / (fastest + 1e-300)))
 
 
 @kernel
@@ -339,7 +345,7 @@ def advance(walker, plate, contact, options, state, duration, tally):
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if not closed:
             clear = clear_time(walker, plate, state, chain, gap)
-            length = min(max(clear, h), _longest_flight(walker.legs, state, options.flight * h))
+            length = min(max(clear, h), _longest_flight(walker.legs, state, options))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         passed, back, front = _step_to_landing(
             walker,
