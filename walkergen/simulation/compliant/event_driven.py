@@ -173,7 +173,8 @@ def _hold(walker, plate, contact, state, chain, closed, sums, rows):
 def _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, rows):
     """Sliding that friction presses ever harder into the plate (Painleve) stops at once.
 
-    The impulse sticks each foot that jams on its own, or both when they jam only together.
+    The impulse sticks each foot that jams on its own, or both when they jam only together; a foot
+    that this would have to pull down leaves instead.
     """
     u, mu = feet_velocities(walker, plate, state, chain), contact.friction
     back = closed[0] and W.bb_yy <= sliding[0] * mu * W.bb_xy
@@ -181,6 +182,9 @@ def _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, r
     if not (back or front):
         back, front = closed
     F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
+    if back and front and min(F[1], F[3]) < 0.0:
+        back, front = F[1] >= F[3], F[3] > F[1]
+        F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
     d = applied(W, F)
     accelerate(walker.legs, state, push(chain, F))
     tally.sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
