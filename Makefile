@@ -1,4 +1,4 @@
-.PHONY: check test bench
+.PHONY: check test nightly bench
 PYTHON ?= .venv/bin/python
 
 check:
@@ -9,6 +9,9 @@ check:
 
 test:
 	$(PYTHON) -m pytest
+
+nightly:
+	$(PYTHON) -m pytest -m nightly
 
 bench:
 	$(PYTHON) benchmarks/parts.py

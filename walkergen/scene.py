@@ -141,7 +141,8 @@ class Run(Section):
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     method: Literal["auto", "event", "step"] = "auto"
     step_us: Annotated[float, Field(ge=0.01, le=1000)] = 30.0
-    """Step of the time-stepping method while a foot is in contact."""
+    """Step of the time-stepping method while a foot is in contact; ten in an oscillation of a leg
+    keep its energy in balance."""
     energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
     """Largest share of the exchanged energy that may go unaccounted for."""
     accepted_error: Annotated[float, Field(gt=0, le=10)] = 0.1

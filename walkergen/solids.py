@@ -24,6 +24,10 @@ if TYPE_CHECKING:
 FOOT_SEGMENTS = 64
 """Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
 
+NARROWEST_WINDOW = 1e-9
+"""Width of a window between leg and brace, over the leg's length, below which there is none: such
+slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
+
 Polygon = npt.NDArray[np.float64]
 
 
@@ -71,7 +75,7 @@ def weigh(design: Design, solids: Solids) -> MassProperties:
 
 def has_window(design: Design) -> bool:
     """True when there is air between a braced leg and its brace (not at small tilt)."""
-    return window_width(design) > 0.0
+    return window_width(design) > NARROWEST_WINDOW * design.legs.length_mm
 
 
 def window_width(design: Design) -> float:
@@ -201,6 +205,8 @@ def _extrude(
     section = manifold3d.CrossSection(
         [scale * profile for profile in profiles], manifold3d.FillRule.Positive
     )
+    if windows == 0:
+        section = _without_slivers(section)
     solid = manifold3d.Manifold.extrude(section, scale * depth)
     if solid.status() != manifold3d.Error.NoError or solid.is_empty():
         raise SolidError(f"the solid modeller gave no body: {solid.status().name}")
@@ -215,6 +221,25 @@ def _extrude(
     raw = solid.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
+
+
+def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
+    """A profile that has no windows: what is left of one narrower than NARROWEST_WINDOW is filled.
+
+    Raises SolidError when a hole is more than that.
+    """
+    least = NARROWEST_WINDOW * section.area()
+    outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
+    filled = manifold3d.CrossSection(outlines)
+    if filled.area() - section.area() > least:
+        raise SolidError("the solid has a window that the design has not")
+    return filled
+
+
+def _signed_area(polygon: Polygon) -> float:
+    """Negative for a hole."""
+    following = np.roll(polygon, -1, axis=0)
+    return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
 
 def _engraved(

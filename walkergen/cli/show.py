@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from walkergen.accuracy import Study
     from walkergen.batch import Checked, Room
     from walkergen.design import Design
-    from walkergen.plates import Place
     from walkergen.hard_cases.selftest import Result
+    from walkergen.plates import Place
     from walkergen.prediction import Prediction
     from walkergen.printing.checks import Finding
     from walkergen.printing.printers import Printer

@@ -1,6 +1,14 @@
 """The list of hard cases: one registry for the tests and for `walkergen selftest`."""
 
-from walkergen.hard_cases import bounces, extremes, friction, impacts, landings, symmetries
+from walkergen.hard_cases import (
+    bounces,
+    extremes,
+    friction,
+    geometry,
+    impacts,
+    landings,
+    symmetries,
+)
 from walkergen.hard_cases.case import Case
 
 
@@ -10,7 +18,7 @@ def _place(case: Case) -> tuple[int, ...]:
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
 
-_MODULES = (impacts, friction, bounces, landings, symmetries, extremes)
+_MODULES = (impacts, friction, bounces, landings, symmetries, extremes, geometry)
 
 CASES: tuple[Case, ...] = tuple(
     sorted((case for module in _MODULES for case in module.CASES), key=_place)

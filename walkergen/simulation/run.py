@@ -42,6 +42,10 @@ class Outcome(Enum):
     STOPPED = "stopped"
 
 
+UNFINISHED = {Outcome.FAILED, Outcome.STOPPED}
+"""Ends that no energy balance explains; a fall or a folded leg must balance like any motion."""
+
+
 class Engine(NamedTuple):
     """A model and a method, ready to run: kernels with their arguments."""
 
@@ -123,7 +127,7 @@ def simulate(
         places[done] = state[X]
 
     error = _energy_error(tally.sums, engine.energy(state) - energy, energy)
-    if outcome is Outcome.OK and error > scene.run.energy_tolerance:
+    if outcome not in UNFINISHED and error > scene.run.energy_tolerance:
         outcome = Outcome.ENERGY
     if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done] == places[0]:
         outcome = Outcome.STUCK

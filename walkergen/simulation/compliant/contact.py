@@ -46,6 +46,10 @@ SHARING = 1e-12
 """Relative softness added to the friction of two feet that stick: a braced walker's two friction
 forces are undetermined by one, and it picks the pair of least squares (equal halves)."""
 
+FRICTIONLESS = 1e-12
+"""Friction below which a foot slides for ever: its force would be lost to rounding, and so would
+the side to which it points."""
+
 ALTERNATIONS = 60
 """Impacts at one instant before what is left of the sequence is taken as plastic."""
 
@@ -161,9 +165,9 @@ def solve(W, u, touching, sliding, guess, friction, rows):
     best_F = (0.0, 0.0, 0.0, 0.0)
     for trial in range(-1, 16):
         back, front = (guess[0], guess[1]) if trial < 0 else (trial // 4, trial % 4)
-        if not _allowed(back, touching[0], sliding[0]):
+        if not _allowed(back, touching[0], sliding[0], friction):
             continue
-        if not _allowed(front, touching[1], sliding[1]):
+        if not _allowed(front, touching[1], sliding[1], friction):
             continue
         F = impulses(W, u, back, front, friction, rows)
         d = applied(W, F)
@@ -187,7 +191,9 @@ def solve(W, u, touching, sliding, guess, friction, rows):
 
 
 @kernel
-def _allowed(mode, touching, sliding):
+def _allowed(mode, touching, sliding, friction):
+    if mode == STICK and friction < FRICTIONLESS:
+        return False
     if not touching or sliding == 0:
         return touching or mode == OPEN
     return mode == OPEN or mode == (FORWARD if sliding > 0 else BACKWARD)

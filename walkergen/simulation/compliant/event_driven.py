@@ -14,6 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.kernels import kernel
+from walkergen.simulation import plate as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     chain_of,
@@ -25,9 +26,10 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.compliant.contact import (
     FORWARD,
+    FRICTIONLESS,
     OPEN,
     STICK,
-    both_feet,
+    applied,
     collide,
     folded,
     impulses,
@@ -38,6 +40,7 @@ from walkergen.simulation.compliant.flow import (
     Work,
     accelerations,
     error_of,
+    level_of,
     scales_of,
     shoot,
     slopes_of,
@@ -57,22 +60,29 @@ from walkergen.simulation.record import (
     DAMPING_LOSS,
     ELAPSED,
     FRICTION_LOSS,
+    IMPACT_LOSS,
     LARGEST_PITCH,
     PLATE_WORK,
     next_sample,
+    note_event,
     take_sample,
+    tally_impact,
 )
 
 TWO_PI = 2.0 * math.pi
 
-TOUCH = 1e-11
-"""Gap (mm) below which a foot that approaches takes part in an impact."""
+TOUCH = 500.0
+"""Gap, in roundings of a foot's height, below which a foot that approaches takes part in an impact:
+1e-11 mm for a walker of 1 cm."""
 
 REST = 1e-8
 """Sliding speed (mm/s) below which a foot on the plate is at rest."""
 
 SHORTEST = 1e-10
 """Step (s) taken over an event that lasts no time, such as friction exactly at its limit."""
+
+INSTANT, REPEATED = 1e-15, 10
+"""Time (s) that is none when so many steps in a row were no longer."""
 
 STALLED = 10_000
 """Steps below SHORTEST in a row before a run has failed."""
@@ -84,7 +94,7 @@ class Options(NamedTuple):
     tolerance: float = 1e-10
     """Error of a step, relative to the speeds of a fall by a leg's length (1e-3 of the length)."""
     snap: float = 1e-3
-    """Speed (mm/s) below which a foot does not rebound; larger than sqrt(2 a LEVEL), where the
+    """Speed (mm/s) below which a foot does not rebound; larger than sqrt(2 a level_of), where the
     spring's acceleration a of a foot reaches 1e6 mm/s^2."""
     longest: float = 2e-4
     """Longest step, s."""
@@ -142,13 +152,50 @@ def _direction(v_x):
 
 
 @kernel
-def _hold(walker, plate, state, chain, closed, rows):
-    """Remove what is left of the velocities of closed feet: normal, and tangential when at rest."""
-    u = feet_velocities(walker, plate, state, chain)
-    back = (STICK if abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
-    front = (STICK if abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
-    F = impulses(mobility_of(chain), u, back, front, 0.0, rows)
+def _hold(walker, plate, contact, state, chain, closed, sums, rows):
+    """Remove what is left of the velocities of closed feet: normal, and tangential when at rest.
+
+    A rebound too slow to be one ends here; what it loses is an impact's loss.
+    """
+    u, W = feet_velocities(walker, plate, state, chain), mobility_of(chain)
+    holds = contact.friction >= FRICTIONLESS
+    back = (STICK if holds and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
+    front = (STICK if holds and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
+    F = impulses(W, u, back, front, 0.0, rows)
+    d = applied(W, F)
     accelerate(walker.legs, state, push(chain, F))
+    sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    for i in range(4):
+        sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
+
+
+@kernel
+def _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, rows):
+    """Sliding that friction presses ever harder into the plate (Painleve) stops at once.
+
+    The impulse sticks each foot that jams on its own, or both when they jam only together; a foot
+    that this would have to pull down leaves instead.
+    """
+    u, mu = feet_velocities(walker, plate, state, chain), contact.friction
+    back = closed[0] and W.bb_yy <= sliding[0] * mu * W.bb_xy
+    front = closed[1] and W.ff_yy <= sliding[1] * mu * W.ff_xy
+    if not (back or front):
+        back, front = closed
+    F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
+    if back and front and min(F[1], F[3]) < 0.0:
+        back, front = F[1] >= F[3], F[3] > F[1]
+        F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
+    d = applied(W, F)
+    accelerate(walker.legs, state, push(chain, F))
+    tally.sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    for i in range(4):
+        tally.sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
+    for foot in range(2):
+        if (back, front)[foot]:
+            F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
+            kind = 3 if v_x > 0.0 else -3
+            tally_impact(tally.counts, kind, True)
+            note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 
 @kernel
@@ -156,9 +203,10 @@ def decide(walker, plate, contact, state, tally, snap, rows):
     """Impacts of this instant, then the modes of the feet that stay on the plate; in place."""
     chain = chain_of(walker, state, 0.0)
     gap, u = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+    touch = TOUCH * level_of(plate, state)
     touching = (
-        state[MODE_BACK] != OPEN or (gap[0] <= TOUCH and u[1] <= snap),
-        state[MODE_FRONT] != OPEN or (gap[1] <= TOUCH and u[3] <= snap),
+        state[MODE_BACK] != OPEN or (gap[0] <= touch and u[1] <= snap),
+        state[MODE_FRONT] != OPEN or (gap[1] <= touch and u[3] <= snap),
     )
     collide(walker, plate, contact, state, chain, touching, (snap, snap), tally, rows)
     u = feet_velocities(walker, plate, state, chain)
@@ -170,24 +218,20 @@ def decide(walker, plate, contact, state, tally, snap, rows):
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if not (closed[0] or closed[1]):
         return
-    _hold(walker, plate, state, chain, closed, rows)
+    _hold(walker, plate, contact, state, chain, closed, tally.sums, rows)
     W = mobility_of(chain)
     _, a = accelerations(walker, plate, state, chain)
     u = feet_velocities(walker, plate, state, chain)
     sliding = (_direction(u[0]), _direction(u[2]))
     back, front, _, violation = solve(W, a, closed, sliding, guess, contact.friction, rows)
-    if violation > 1e-9 and closed[0] and closed[1]:  # sliding jams: it stops at once
-        both_feet(walker, plate, contact, 0.0, state, chain, W, tally, rows)
-        back, front, _, _ = solve(W, a, closed, (0, 0), guess, contact.friction, rows)
-    elif violation > 1e-9:
-        F = impulses(W, u, STICK * closed[0], STICK * closed[1], contact.friction, rows)
-        accelerate(walker.legs, state, push(chain, F))
+    if violation > 1e-9:
+        _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, rows)
         back, front, _, _ = solve(W, a, closed, (0, 0), guess, contact.friction, rows)
     state[MODE_BACK], state[MODE_FRONT] = back, front
 
 
 @kernel
-def _accept(walker, plate, state, work, passed, sums, rows):
+def _accept(walker, plate, contact, state, work, passed, sums, rows):
     """The step's end becomes the state; drift off the plate is taken away."""
     n = state.size
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
@@ -200,7 +244,8 @@ def _accept(walker, plate, state, work, passed, sums, rows):
     if closed[0] or closed[1]:
         sums[CONTACT_TIME] += passed
         settle(walker, plate, state, 0.0, rows)
-        _hold(walker, plate, state, chain_of(walker, state, 0.0), closed, rows)
+        chain = chain_of(walker, state, 0.0)
+        _hold(walker, plate, contact, state, chain, closed, sums, rows)
 
 
 @kernel
@@ -264,11 +309,11 @@ def advance(walker, plate, contact, options, state, duration, tally):
         if passed < 0.0 or stalled > STALLED:
             return FAILED
         length = max(grown, 1e-9)
-        if event and passed == 0.0:
+        if event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED)):
             passed = min(SHORTEST, until)
             shoot(walker, plate, contact, work, passed)
         stalled = stalled + 1 if passed <= SHORTEST else 0
-        _accept(walker, plate, state, work, passed, sums, work.rows)
+        _accept(walker, plate, contact, state, work, passed, sums, work.rows)
         t = duration if duration - t - passed < 1e-15 else t + passed
         sums[ELAPSED] = begin + t
         if event:

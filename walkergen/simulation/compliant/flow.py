@@ -24,6 +24,7 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.compliant.contact import (
     FORWARD,
+    FRICTIONLESS,
     OPEN,
     STICK,
     impulses,
@@ -44,12 +45,8 @@ from walkergen.simulation.compliant.legs import (
 )
 from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 
-LEVEL = 2e-14
-"""Depth (mm) below the plate at which a foot has landed: the rounding of a foot's height."""
-
-CONE = 1e-11
-"""Share of a force by which a stuck foot may leave the friction cone: `solve`'s own rounding, or a
-foot at its limit for good (no friction and no pull) would break away at every instant."""
+ROUNDING = 2e-15
+"""Relative rounding of a foot's height, from some ten operations."""
 
 
 class Work(NamedTuple):
@@ -76,12 +73,20 @@ def _leg_slopes(legs, z, dz, change):
 
 
 @kernel
-def _margin(mode, gap, v_x, F_x, F_y, yy, friction):
+def level_of(plate, z):
+    """Depth (mm) below the plate at which a foot has landed: the rounding of its height."""
+    return ROUNDING * (abs(z[Y]) + plate.amplitude)
+
+
+@kernel
+def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
     """Positive while a foot's mode holds; passes zero at its event."""
     if mode == OPEN:
-        return gap + LEVEL
+        return gap + level
     if mode == STICK:
-        return yy * min(F_y, friction * F_y - abs(F_x) + CONE * (F_y + abs(F_x)))
+        return yy * min(F_y, friction * F_y - abs(F_x))
+    if friction < FRICTIONLESS:
+        return yy * F_y
     return min(yy * F_y, v_x if mode == FORWARD else -v_x)
 
 
@@ -123,10 +128,10 @@ def slopes_of(walker, plate, contact, z, dz, rows):
     dz[n] = (F[1] + F[3]) * plates.velocity(plate, z[PHASE])
     dz[n + 1] = -F[0] * u[0] - F[2] * u[2]
     dz[n + 2] = _leg_slopes(walker.legs, z, dz, change)
-    gap = gaps(plate, z, chain)
+    gap, level = gaps(plate, z, chain), level_of(plate, z)
     return (
-        _margin(back, gap[0], u[0], F[0], F[1], W.bb_yy, friction),
-        _margin(front, gap[1], u[2], F[2], F[3], W.ff_yy, friction),
+        _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, friction),
+        _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, friction),
     )
 
 

@@ -5,7 +5,8 @@ contact as a complementarity problem between velocities and impulses, solved exa
 of modes (physics.md section 5). In the air, closed-form flight, in long steps when no foot can
 reach the plate. A landing is located inside its step and resolved by the impact law there, so
 that every law of restitution is supported; rebounds too short for a step (less than 2 h) are
-absorbed. Second order in h.
+absorbed, and so is every rebound off a leg that swings back within that time. Second order in h
+while h resolves the legs' swing; a foot may sink by part of what it travels in a step.
 """
 
 import math
@@ -79,6 +80,10 @@ INSTANT = 1e-12
 
 TOGETHER = 1e-9
 """Part of a step within which two landings are one."""
+
+TURN = 0.25
+"""Largest turn (rad) of body or legs in one step of flight: the kick that corrects the linear swing
+is unstable far beyond it."""
 
 SLIVER = 0.1
 """Steps shorter than this part of h, and those after a stop, are not ended at a foot's stop: the
@@ -261,9 +266,37 @@ def _step_to_landing(walker, plate, contact, state, start, t, stops, gap_0, u_0,
 
 
 @kernel
-def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
-    """Impacts of the feet that land (and of those on the plate); sets who stays on it."""
-    touching = (landed[0] or state[MODE_BACK] != OPEN, landed[1] or state[MODE_FRONT] != OPEN)
+def _swings_back(legs, t):
+    """True when a leg that is hit swings back within t: by the half period of its slower mode."""
+    if legs is None:
+        return False
+    swing = legs.swing
+    slower = legs.stiffness * min(swing.mobility_1, swing.mobility_2)
+    return t * math.sqrt(slower) > math.pi
+
+
+@kernel
+def _longest_flight(legs, state, options):
+    """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it."""
+    longest = options.flight * options.step
+    if legs is None:
+        return longest
+    square = legs.stiffness * max(legs.swing.mobility_1, legs.swing.mobility_2)
+    angles = state[ANGLE_BACK] ** 2 + state[ANGLE_FRONT] ** 2
+    rates = state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2
+    fastest = math.sqrt(state[SPIN] ** 2 + rates + square * angles)
+    return min(longest, max(SLIVER * options.step, TURN / (fastest + 1e-300)))
+
+
+@kernel
+def _land(walker, plate, contact, state, chain, gap, landed, step, tally, rows):
+    """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
+    other's impact may throw onto it; sets who stays there.
+    """
+    touching = (
+        landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
+        landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
+    )
     d = feet_changes(chain, free_acceleration(walker, state, chain, 0.0))
     turning = feet_turning(walker, state, chain)
     lift = plates.acceleration(plate, state[PHASE])
@@ -272,6 +305,8 @@ def _land(walker, plate, contact, state, chain, landed, step, tally, rows):
         max(step * (lift - d[1] - turning[1]), least),
         max(step * (lift - d[3] - turning[3]), least),
     )
+    e = 0.0 if _swings_back(walker.legs, 2.0 * step) else contact.restitution
+    contact = plates.Contact(e, contact.friction, contact.law)
     collide(walker, plate, contact, state, chain, touching, rest, tally, rows)
     u = feet_velocities(walker, plate, state, chain)
     if touching[0]:
@@ -304,13 +339,13 @@ def advance(walker, plate, contact, options, state, duration, tally):
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
-            _land(walker, plate, contact, state, chain, (back, front), h, tally, rows)
+            _land(walker, plate, contact, state, chain, gap, (back, front), h, tally, rows)
             u = feet_velocities(walker, plate, state, chain)
         length = h
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if not closed:
             clear = clear_time(walker, plate, state, chain, gap)
-            length = min(max(clear, h), options.flight * h)
+            length = min(max(clear, h), _longest_flight(walker.legs, state, options))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         passed, back, front = _step_to_landing(
             walker,

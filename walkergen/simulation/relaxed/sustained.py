@@ -274,14 +274,14 @@ def _stopping_time(plate, contact, options, state, limit):
     slip, mu = direction(state[MODE_BACK]), contact.friction
     g_x, g_y = slip * along(options), across(options)
     v_p, bound = velocity(plate, state[PHASE]), mu * derivative_bound(plate, 3)
-    t = 0.0
+    t, instant = 0.0, 1e-12 / plate.omega  # a break-away may have been located so much too early
     for _ in range(MOST_STEPS):
         phase = state[PHASE] + plate.omega * t
         speed = slip * state[V_X] + (g_x - mu * g_y) * t - mu * (velocity(plate, phase) - v_p)
         rate = g_x - mu * (g_y + acceleration(plate, phase))
-        if speed <= 1e-2 * REST * options.snap_speed and rate < 0.0:
+        if speed <= 1e-2 * REST * options.snap_speed and rate < -bound * instant:
             return t
-        t += quadratic_wait(max(speed, 0.0), rate, bound)
+        t += max(quadratic_wait(max(speed, 0.0), rate, bound), instant)
         if t >= limit:
             break
     return math.inf

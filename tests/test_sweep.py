@@ -1,0 +1,297 @@
+"""Any design, drive and contact: refused in one clear line, or a sound solid and a lawful motion.
+
+Each example is a whole walker on a whole plate, drawn within the allowed ranges and, for one field
+in ten, beyond them. In CI both optional effects (second harmonic, slope) are compiled in for every
+engine, at sizes that include zero, so that five kernels serve all examples; the nightly sweep also
+leaves either out.
+"""
+
+import math
+import re
+
+import numpy as np
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+
+from walkergen import config, mass, solids
+from walkergen.design import Design
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation import engines, record
+from walkergen.simulation.run import Outcome, simulate
+
+METHODS = [
+    ("rigid", "event"), ("rigid", "step"), ("relaxed", "event"),
+    ("compliant", "event"), ("compliant", "step"),
+]  # fmt: skip
+
+ENDINGS = {Outcome.OK, Outcome.STUCK, Outcome.TOPPLED, Outcome.FOLDED, Outcome.LEFT}
+"""Physical ends of a run; an energy error, or no convergence, is none."""
+
+EXPLICIT_OSCILLATIONS = 3000
+"""Of a leg, followed in one example: the explicit compliant method takes 30 steps for each, so
+that a leg of 20 MHz is followed for less time than one of 2 kHz."""
+
+RESOLVED, MOST_STEPS = 0.1, 20_000
+"""Oscillations of a leg in a time step beyond which `step` follows its contact only roughly: its
+energy may then miss the balance, which the outcome says. Examples resolve the leg where that takes
+no more than so many steps."""
+
+MOST_EVENTS = 200_000
+
+
+def decades(low, high):
+    """Numbers spread evenly over the powers of ten from 10^low to 10^high."""
+    return st.floats(low, high).map(lambda exponent: 10.0**exponent)
+
+
+BEYOND = {
+    ("body", "length_mm"): (0.0, -1.0, 1.001e6, math.nan, "28"),
+    ("body", "depth_mm"): (0.0, -8.0, math.inf),
+    ("body", "thickness_mm"): (0.0, -1e-9, 1e300),
+    ("legs", "kind"): ("soft", None),
+    ("legs", "tilt_deg"): (85.01, -90.0, 90.0, math.nan),
+    ("legs", "length_mm"): (0.0, -7.5, 1e7),
+    ("legs", "contact_spacing_mm"): (0.0, -13.0, math.inf),
+    ("legs", "flexible_thickness_mm"): (0.0, -0.4, True),
+    ("legs", "braced_thickness_mm"): (0.0, -1.0, 2e6),
+    ("legs", "brace_thickness_mm"): (0.0, -0.5, math.nan),
+    ("legs", "foot"): ("oval", 3),
+    ("material", "density_g_cm3"): (0.0, -1.0, 100.1),
+    ("material", "youngs_modulus_gpa"): (0.0, -3.0, 1.001e4),
+    ("weighed", "body_mass_g"): (0.0, -1.0, 2e12),
+    ("weighed", "leg_mass_g"): (0.0, -1.0, math.nan),
+    ("drive", "frequency_hz"): (0.0, -90.0, 2e9),
+    ("drive", "gamma"): (0.0, -1.8, math.inf),
+    ("drive", "second_harmonic_ratio"): (-0.1, 1.01),
+    ("drive", "second_harmonic_phase_deg"): (361.0, math.nan),
+    ("contact", "restitution"): (-0.01, 1.01, math.nan),
+    ("contact", "friction"): (-0.01, 1.1e6, "rough"),
+    ("contact", "law"): ("hooke", 0),
+    ("plate", "slope_deg"): (60.0, -60.0, math.nan),
+    ("scene_legs", "damping_ratio"): (-0.01, 10.1),
+    ("run", "step_us"): (0.0, 1001.0),
+}
+"""Values just outside what each field allows."""
+
+
+@st.composite
+def walks(draw, model, method, effects):
+    """Design and scene tables, keyed by table; `effects`: strategy of "is each compiled in?"."""
+    scale = draw(st.sampled_from([1.0, 1.0, 1.0, 1e-3, 1e-2, 10.0, 1e3]))
+    flexible = model in ("relaxed", "compliant") or draw(st.booleans())
+    body_length = scale * draw(st.floats(10.0, 80.0))
+    tilt_deg = draw(
+        st.one_of(st.sampled_from([0.0, 1e-12, -1e-12, 1e-6, 85.0, -85.0]), st.floats(-50, 50))
+    )
+    length = body_length * draw(st.floats(0.05, 0.5))
+    thickness = length * draw(st.floats(0.01, 0.4))
+    # What the legs leave of the body for the distance of their feet; a little beyond is refused.
+    room = body_length - 2.0 * abs(length * math.sin(math.radians(tilt_deg))) - thickness
+    tables = {
+        "body": {
+            "length_mm": body_length,
+            "depth_mm": scale * draw(st.floats(0.1, 20.0)),
+            "thickness_mm": scale * draw(st.floats(0.05, 10.0)),
+        },
+        "legs": {
+            "kind": "flexible" if flexible else "braced",
+            "tilt_deg": tilt_deg,
+            "length_mm": length,
+            "contact_spacing_mm": max(room, 0.2 * body_length) * draw(st.floats(0.3, 1.02)),
+            "flexible_thickness_mm": thickness,
+            "braced_thickness_mm": thickness,
+            "brace_thickness_mm": thickness * draw(st.floats(0.1, 1.05)),
+            "foot": draw(st.sampled_from(["flat", "square", "round"])),
+        },
+        "material": {
+            "density_g_cm3": draw(decades(-2, 2)), "youngs_modulus_gpa": draw(decades(-4, 4))
+        },
+        "weighed": {},
+        "drive": {
+            "frequency_hz": draw(st.floats(5.0, 2000.0)),
+            "gamma": draw(st.one_of(st.sampled_from([1.0, 1.0 + 1e-9]), st.floats(0.2, 60.0))),
+            "second_harmonic_ratio": draw(st.one_of(st.just(0.0), st.floats(0.0, 1.0))),
+            "second_harmonic_phase_deg": draw(st.floats(-360.0, 360.0)),
+        },
+        "contact": {
+            "restitution": draw(st.one_of(st.sampled_from([0.0, 1.0]), st.floats(0.0, 1.0))),
+            "friction": draw(st.one_of(st.just(0.0), st.floats(0.0, 1.0), decades(-3, 3))),
+            "law": draw(st.sampled_from(["poisson", "newton", "stronge"])),
+        },
+        "plate": {"slope_deg": draw(st.one_of(st.just(0.0), st.floats(-30.0, 30.0)))},
+        "scene_legs": {
+            "model": model,
+            "damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), st.floats(0.0, 3.0))),
+        },
+        "effects": {"second_harmonic": draw(effects), "plate_slope": draw(effects)},
+        "run": {"method": method, "step_us": 30.0, "discard_seconds": 0.0},
+    }  # fmt: skip
+    if draw(st.integers(0, 3)) == 0:
+        tables["weighed"]["body_mass_g"] = scale**3 * draw(decades(-2, 2))
+        tables["weighed"]["leg_mass_g"] = tables["weighed"]["body_mass_g"] * draw(decades(-5, 2))
+    # A few periods, in steps that resolve them.
+    period = 1.0 / tables["drive"]["frequency_hz"]
+    tables["run"]["seconds"] = min(draw(st.integers(5, 60)) * period, 0.3)
+    tables["run"]["step_us"] = min(max(1e6 * period / 400.0, 0.01), 30.0)
+    if draw(st.integers(0, 9)) == 0:
+        table, key = draw(st.sampled_from(sorted(BEYOND)))
+        tables[table][key] = draw(st.sampled_from(BEYOND[table, key]))
+    return tables
+
+
+def fastest_swing(plan):
+    """Frequency (Hz) of the faster mode of both legs on the free body, which a heavy leg turns."""
+    legs = plan.engine.arguments[0].legs
+    fastest = max(legs.swing.mobility_1, legs.swing.mobility_2)
+    return math.sqrt(legs.stiffness * fastest) / (2.0 * math.pi)
+
+
+def built(tables):
+    """Design, scene and plan of an example, or raises InputError."""
+    design = config.validate(
+        {key: tables[key] for key in ("body", "legs", "material", "weighed")}, Design, "sweep"
+    )
+    scene = config.validate(
+        {key: tables[key] for key in ("drive", "contact", "plate", "effects", "run")}
+        | {"legs": tables["scene_legs"]},
+        Scene, "sweep",
+    )  # fmt: skip
+    shape = solids.build(design)
+    weighed = solids.weigh(design, shape)
+    if scene.legs.model == "compliant":
+        seconds, step_us = scene.run.seconds, scene.run.step_us
+        frequency = fastest_swing(engines.prepare(scene, design, weighed))
+        if scene.run.method == "event":
+            seconds = min(seconds, EXPLICIT_OSCILLATIONS / frequency)
+        else:
+            finest = max(1e6 * seconds / MOST_STEPS, 0.01)
+            step_us = min(step_us, max(0.8e6 * RESOLVED / frequency, finest))
+        run = scene.run.model_copy(update={"seconds": seconds, "step_us": step_us})
+        scene = scene.model_copy(update={"run": run})
+    return design, scene, shape, weighed, engines.prepare(scene, design, weighed)
+
+
+def check_refusal(error, tables):
+    """One line a mistake, each naming a field that the example has set."""
+    fields = {f"{table.removeprefix('scene_')}.{key}" for table in tables for key in tables[table]}
+    for line in str(error).splitlines():
+        named = re.search(r"\b([a-z]+(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: "))
+        assert named, line
+        assert named[1] in fields | {"drive"}, line
+
+
+def check_solid(design, shape):
+    parts = [mass.weigh(part, 1.0).volume for part in shape]
+    # Round feet are polygons: the union against its own parts; coordinates carry 16 digits.
+    assert parts[0] == pytest.approx(parts[1] + 2 * parts[2], rel=1e-11)
+    body, legs = design.body, design.legs
+    assert parts[1] == pytest.approx(body.length_mm * body.depth_mm * body.thickness_mm, rel=1e-12)
+    if legs.kind == "flexible" and legs.foot != "round":
+        closed = legs.length_mm * design.leg_thickness * body.depth_mm
+        assert parts[2] == pytest.approx(closed, rel=1e-11)
+    assert parts[2] > 0.0
+
+
+def feet_gaps(plan, weighed, rows, drive):
+    """Height of both feet over the plate at every sample, straight from the state."""
+    y, pitch, phase = rows[:, 2], rows[:, 3], rows[:, 7]
+    if plan.resolved.model == "rigid":
+        weighed = mass.as_rigid(weighed)
+    alphas = rows[:, 10:12].T if plan.resolved.model == "compliant" else np.zeros((2, len(rows)))
+    plate = np.sin(phase)
+    if plan.resolved.on("second harmonic"):
+        shift = math.radians(drive.second_harmonic_phase_deg)
+        plate = plate + drive.second_harmonic_ratio * np.sin(2 * phase + shift)
+    reach = weighed.c_A + weighed.c_T
+    heights = []
+    for anchor, alpha in zip((weighed.a, weighed.b), alphas, strict=True):
+        turn = pitch + alpha
+        foot = anchor[0] * np.sin(pitch) + anchor[1] * np.cos(pitch)
+        foot = foot + reach[0] * np.sin(turn) + reach[1] * np.cos(turn)
+        heights.append(y + foot - drive.amplitude * plate)
+    return np.array(heights)
+
+
+def check_motion(design, scene, weighed, plan, result):
+    unresolved = (
+        scene.run.method == "step"
+        and plan.resolved.model == "compliant"
+        and (1e-6 * scene.run.step_us * fastest_swing(plan) > RESOLVED)
+    )
+    assert result.outcome in ENDINGS | ({Outcome.ENERGY} if unresolved else set()), result.outcome
+    sums, rows = result.tally.sums, result.tally.samples.rows
+    rows = rows[: result.tally.samples.cursor[0]]
+    assert np.isfinite(rows).all()
+    assert np.isfinite(result.block_speeds).all()
+    assert np.isfinite(sums).all()
+
+    events = result.tally.events
+    count = events.cursor[0]
+    assert count < MOST_EVENTS
+    _, _, F_x, F_y, _, v_y, _ = events.rows[:count].T
+    gaps = feet_gaps(plan, weighed, rows, scene.drive)
+    size = design.body.length_mm + design.legs.length_mm + scene.drive.amplitude
+    slack = 1e-9 * size
+    if scene.run.method == "step":
+        # Landings are located, but a leg may swing back within the step that follows.
+        slack += 0.5e-6 * scene.run.step_us * -v_y.min(initial=0.0)
+    assert gaps.min() >= -slack, (gaps.min(), slack)
+
+    limit = scene.contact.friction * F_y
+    assert (F_y >= 0.0).all()
+    # The impulses of a landing are sums of many: rounding of the larger component.
+    worst = (np.abs(F_x) - limit - 1e-9 * np.hypot(F_x, F_y)).max(initial=-1.0)
+    assert worst <= 0.0, worst
+    # Sliding that jams is stopped on feet whose normal speed is rounding.
+    assert v_y.max(initial=-1.0) <= 1e-12 * scene.drive.peak_speed, v_y.max()
+
+    # Losses are losses; by time steps, to the accuracy of the balance itself. Less than a billionth
+    # of the walker's energy is rounding.
+    exchanged = max(
+        np.abs(sums[record.PLATE_WORK :]).max(), 1e-9 * abs(plan.engine.energy(rows[0, 1:]))
+    )
+    share = 0.05 if scene.run.method == "step" else 1e-3
+    assert sums[record.FRICTION_LOSS] >= -share * exchanged or unresolved, sums
+    assert sums[record.DAMPING_LOSS] >= -share * exchanged, sums
+    if scene.contact.law == "stronge" and plan.resolved.model != "relaxed":
+        assert sums[record.IMPACT_LOSS] >= -1e-9 * exchanged, sums
+    tolerance = 0.05 if scene.run.method == "step" else 1e-4
+    assert result.energy_error <= tolerance or unresolved, result.energy_error
+
+
+def check(tables):
+    try:
+        design, scene, shape, weighed, plan = built(tables)
+    except InputError as error:
+        event("refused: " + type(error).__name__)
+        check_refusal(error, tables)
+        return "refused"
+    check_solid(design, shape)
+    interval = scene.run.seconds / 200.0
+    result = simulate(plan.engine, scene, 0, sample_interval=interval, event_room=MOST_EVENTS)
+    check_motion(design, scene, weighed, plan, result)
+    event(result.outcome.value)
+    return result.outcome.value
+
+
+def sweep(model, method, effects, **examples):
+    @settings(deadline=None, database=None, **examples)
+    @given(walks(model, method, effects))
+    def any_walker(tables):
+        check(tables)
+
+    any_walker()
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_any_walker_is_refused_or_lawful(model, method):
+    sweep(model, method, st.just(True), max_examples=60, derandomize=True)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_ten_thousand_walkers_are_refused_or_lawful(model, method):
+    sweep(model, method, st.booleans(), max_examples=2000, print_blob=True)
