@@ -149,8 +149,8 @@ def _many_bounces(model: str, method: str) -> Iterator[Check]:
     yield Check(
         "drift sideways, mm",
         abs(float(state[X])),
-        1e-10 * bounces * period,
-        "1e-10 mm/s, which the roundings of impulses that stop 44 mm/s may add up to",
+        1e-9 * bounces * period,
+        "1e-9 mm/s, which the roundings of impulses that stop 44 mm/s may add up to",
     )
     yield Check(
         "foot below the plate, mm",
