@@ -218,6 +218,11 @@ def decide(walker, plate, contact, state, tally, snap, rows):
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if not (closed[0] or closed[1]):
         return
+    # A foot that leaves from inside the plate, if only by rounding, would land again at once.
+    state[MODE_BACK] = FORWARD if closed[0] else OPEN
+    state[MODE_FRONT] = FORWARD if closed[1] else OPEN
+    settle(walker, plate, state, 0.0, rows)
+    chain = chain_of(walker, state, 0.0)
     _hold(walker, plate, contact, state, chain, closed, tally.sums, rows)
     W = mobility_of(chain)
     _, a = accelerations(walker, plate, state, chain)
