@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from walkergen.batch import Row
     from walkergen.design import Design
+    from walkergen.experiment import Analysed
     from walkergen.prediction import Prediction
     from walkergen.report.tables import Simulated
     from walkergen.scene import Scene
@@ -144,6 +145,31 @@ def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "
     console.print(
         "cost: CPU time over that of the scene without the effect, whose motion differs too"
     )
+
+
+def motion_as_json(found: "Analysed") -> None:
+    """Print everything measured, and what was noted while reading."""
+    from walkergen.report import motion_tables
+
+    data = motion_tables.as_dict(found.motion)
+    as_json(data | {"notes": found.notes, "folder": str(found.folder)})
+
+
+def motion(found: "Analysed", title: str) -> None:
+    """Print the table of what was measured."""
+    from rich.console import Console
+
+    from walkergen.report import motion_tables
+
+    console = Console(highlight=False)
+    if found.motion.by_plate_speed:
+        console.print(motion_tables.plate_table(found.motion))
+        console.print(motion_tables.line_told(found.motion), markup=False)
+    else:
+        console.print(motion_tables.to_table(found.motion, title))
+    for note in found.notes:
+        console.print(note, markup=False)
+    print(f"tables and figures in {found.folder}/")
 
 
 @contextmanager

@@ -66,11 +66,16 @@ def to_markdown(
         table.add_column(name, justify="left" if heading == "legs" else "right", no_wrap=True)
     for cells in zip(*columns.values(), strict=True):
         table.add_row(*cells)
-    text = io.StringIO()
-    Console(file=text, width=300, color_system=None).print(table)
-    body = "\n".join(line.rstrip() for line in text.getvalue().strip().splitlines())
+    body = console_text(table)
     listed = "\n".join(f"{number}. {note}" for number, note in enumerate(notes_of(rows), start=1))
     return f"# {title}\n\n{caption}\n\n{body}\n\n{listed}\n".rstrip() + "\n"
+
+
+def console_text(table: Table) -> str:
+    """A table as plain text, as wide as it needs."""
+    text = io.StringIO()
+    Console(file=text, width=300, color_system=None).print(table)
+    return "\n".join(line.rstrip() for line in text.getvalue().strip().splitlines())
 
 
 def _columns(

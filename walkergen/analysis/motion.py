@@ -1,0 +1,225 @@
+"""Motion of walkers from their tracks: speed, squared displacement, persistence, turning.
+
+Every number carries the standard error of a jackknife over independent samples, or is refused with
+the reason. Noise of the positions (localisation) does not shift them: speeds along heading or lane
+are means of signed displacements, in which it averages out; speed and persistence without headings
+come from products of displacements that share no position; squared displacements carry it as an
+offset that is fitted and reported.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import statistics
+from walkergen.analysis import estimates, lagged, moments
+from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
+from walkergen.analysis.fits import Line, line_through_origin
+from walkergen.analysis.moments import Grid
+from walkergen.analysis.tracks import Tracks
+from walkergen.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+FITTED = 4
+"""Curves are fitted up to this fraction of a sample's length: longer lags are too few to count."""
+
+INDEPENDENT = 8.0
+"""Correlation times that a piece of a track lasts at least: its error is then at most 7 % low."""
+
+
+class Curve(NamedTuple):
+    """Values with their errors along a lag (s) or in bins (mm), each of shape (n,)."""
+
+    at: Array
+    value: Array
+    se: Array
+    """NaN where samples are too short to tell."""
+
+
+class Motion(NamedTuple):
+    """What a file of tracks says of the motion."""
+
+    estimates: dict[str, Estimate]
+    """By the names of UNITS."""
+    particles: int
+    samples: int
+    """Independent ones, which the errors come from."""
+    tracked_s: float
+    lag_s: float
+    """Of the displacements along and across: the asked one, to whole samples."""
+    method: str
+    """What `speed` is and what the errors come from, in words."""
+    msd: Curve
+    """Mean squared displacement, mm^2, by lag."""
+    msd_fit: tuple[float, ...] | None
+    """speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    correlation: Curve
+    """Modulus of the correlation of headings by lag (without them: of displacements, mm^2)."""
+    parallel: Curve
+    """Density (1/mm) of the displacement along the heading at `lag_s`, by its bins' middles."""
+    orthogonal: Curve
+    by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
+    """Speed at each plate speed (mm/s), where the file has several."""
+    line: Line | None = None
+    """Of speed against plate speed, through the origin."""
+
+
+def analyse(tracks: Tracks, lag_s: float = 0.04) -> Motion:
+    """Statistics of all tracks; displacements along and across the body are taken over `lag_s`.
+
+    With tracks at several plate speeds only the speed at each, and the line through the origin
+    (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
+    lag is below one sample or nothing is seen twice.
+    """
+    shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
+    if not 0.999 * shortest <= lag_s < shortest * (longest - 1):
+        raise InputError(
+            f"--lag-ms {1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
+            f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
+        )
+    whole = _analyse(tracks, lag_s)
+    plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
+    if len(plates) < 2:
+        return whole
+    found = []
+    for plate in plates:
+        ran = tuple(track for track in tracks.tracks if track.plate_speed == plate)
+        found.append((plate, _analyse(tracks._replace(tracks=ran), lag_s).estimates["speed"]))
+    usable = [(plate, one.value, one.se) for plate, one in found if one.value is not None]
+    line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
+    reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
+    refused = {name: Estimate(None, None, reason) for name in UNITS}
+    return whole._replace(estimates=refused, msd_fit=None, by_plate_speed=tuple(found), line=line)
+
+
+def _analyse(tracks: Tracks, lag_s: float) -> Motion:
+    groups, length = moments.samples(tracks.tracks)
+    if not groups:
+        raise InputError("no particle is seen twice; nothing moves")
+    headed = any(track.heading is not None for track in tracks.tracks)
+    grid = _grid(tracks, lag_s, length, headed)
+    parts = [moments.total(moments.measure(track, grid) for track in group) for group in groups]
+    rest = moments.total(parts)
+    left_out = [moments.without(rest, part) for part in parts]
+    in_pieces = moments.in_pieces(tracks.tracks)
+    # Whole tracks have pairs that their pieces lack.
+    whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
+    both = [whole, *left_out]
+    msd = _curve(grid.square_lags, [mean(m.square, m.square_pairs).real for m in both], length)
+    turn = [mean(m.turn, m.turn_pairs) for m in both]
+    fitted = grid.square_lags <= length // FITTED
+    frame = Frame(
+        grid, tracks.interval, tracks.lane, headed,
+        np.where(fitted, msd.se, np.nan),
+        _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
+    )  # fmt: skip
+    values = estimates.evaluate(whole, frame)
+    judged = estimates.judge(
+        values,
+        [estimates.evaluate(one, frame) for one in left_out],
+        frame,
+        _dependent(tracks, grid.step, length) if in_pieces else {},
+        length // FITTED * tracks.interval,
+    )
+    fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
+    correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
+    return Motion(
+        estimates=judged,
+        particles=len(tracks.tracks),
+        samples=len(parts),
+        tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
+        lag_s=grid.step * tracks.interval,
+        method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
+        msd=msd._replace(at=msd.at * tracks.interval),
+        msd_fit=None if np.isnan(fit).any() else fit,
+        correlation=correlation._replace(at=correlation.at * tracks.interval),
+        parallel=_density(grid.bins[0], [one.density_along for one in both]),
+        orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
+    )
+
+
+def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
+    step = max(round(lag_s / tracks.interval), 1)
+    longest = max(len(track.position) for track in tracks.tracks)
+    moved = [moments.displacements(track, step) for track in tracks.tracks]
+    along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
+    # Displacements without headings have to share no position, whose noise would correlate them.
+    first = 1 if headed else step + 1
+    turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(length // FITTED, 32, first)
+    squares = lagged.spread_out(max(longest // 4, 1), 64)
+    return Grid(step, squares, turns, (_bins(along, step), _bins(across, step)))
+
+
+def _bins(values: Array, step: int) -> Array:
+    """Edges by the rule of Freedman and Diaconis for the displacements that do not overlap."""
+    if len(values) < 2 or np.ptp(values) == 0:
+        return np.zeros(0)
+    low, high = np.quantile(values, [0.25, 0.75])
+    width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
+    count = math.ceil(np.ptp(values) / width) if width > 0 else 1
+    return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)
+
+
+def _jackknife(replicates: Sequence[Array]) -> Array:
+    return statistics.jackknife_error(np.stack(replicates))
+
+
+def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: int) -> Curve:
+    """The first of the values, with the spread of the others as its error."""
+    known = at <= length // 2
+    return Curve(at.astype(float), values[0], np.where(known, _jackknife(values[1:]), np.nan))
+
+
+def _density(edges: Array, counts: Sequence[Array]) -> Curve:
+    if not len(edges):
+        return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
+    densities = [one / (one.sum() * np.diff(edges)) for one in counts]
+    return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], _jackknife(densities[1:]))
+
+
+def _dependent(tracks: Tracks, step: int, length: int) -> dict[str, str]:
+    """Which numbers have errors that pieces of tracks cannot give, and why.
+
+    Signed displacements stay correlated for some time, over which pieces have to be long. What is
+    made of products over a lag needs no such check: it does not depend on the direction at start.
+    """
+    block, piece = step * tracks.interval, length * tracks.interval
+    runs, bodies = [], []
+    for track in tracks.tracks:
+        position = moments.planar(track)[::step]
+        runs.append(np.diff(position).real)
+        if track.heading is not None:
+            bodies.append((np.diff(position) * np.exp(-1j * track.heading[::step][:-1])).real)
+    found = {}
+    checks = {("lane_speed", *(("speed", "diffusivity") if tracks.lane else ())): runs}
+    if bodies:
+        checks["body_speed", "speed", "persistence_length"] = bodies
+    for names, series in checks.items():
+        time = statistics.correlation_time([one[~np.isnan(one)] for one in series], block)
+        if time is None:
+            told = f"tracks of less than {statistics.FEWEST_VALUES} x {1e3 * block:g} ms"
+        elif piece < INDEPENDENT * time:
+            told = f"it keeps for {time:.2g} s, a tenth of the film lasts only {piece:.2g} s"
+        else:
+            continue
+        found |= dict.fromkeys(names, f"{told}: film for longer, or more walkers")
+    return found
+
+
+def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:
+    if tracks.lane:
+        speed = "along the lane"
+    elif headed:
+        speed = "along the body's heading"
+    else:
+        speed = "along the direction of motion, from displacements that share no position"
+    if not in_pieces:
+        return f"speed {speed}; errors from {samples} independent samples of particles"
+    return (
+        f"speed {speed}; errors from {samples} pieces of {length_s:.3g} s, which leave out how "
+        "walkers differ from one another"
+    )

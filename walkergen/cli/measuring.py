@@ -1,0 +1,46 @@
+"""The commands that meet the experiment: `analyse` and `fit`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
+
+
+def analyse(
+    file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="Tracks of walkers.")],
+    fps: Annotated[float | None, typer.Option(help="Frames per second of a film.")] = None,
+    mm_per_px: Annotated[float | None, typer.Option(help="Millimetres per pixel.")] = None,
+    y_down: Annotated[
+        bool, typer.Option("--y-down", help="y grows downward, as rows of an image do.")
+    ] = False,
+    lane: Annotated[
+        bool, typer.Option("--lane", help="The walkers ran in a lane along x; y says nothing.")
+    ] = False,
+    lag_ms: Annotated[
+        float, typer.Option(help="Lag of the displacements along and across the body.")
+    ] = 40.0,
+    pictures: Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Measure speed, persistence and spread from tracks, filmed or simulated."""
+    from walkergen import experiment
+    from walkergen.analysis.tracks import Units
+
+    folder = experiment.folder_of(file, out, "analysis")
+    units = Units(fps, mm_per_px, y_down, lane)
+    found = experiment.analyse(file, units, 1e-3 * lag_ms, folder, pictures)
+    if json:
+        show.motion_as_json(found)
+    elif not quiet:
+        show.motion(found, file.name)
+
+
+ALL = (analyse,)
+"""The commands."""

@@ -1,0 +1,44 @@
+"""Errors of means over correlated samples: correlation time, jackknife."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+FEWEST_VALUES = 32
+"""Values below which a series says nothing of its correlation time."""
+
+
+def correlation_time(series: Sequence[Array], interval: float) -> float | None:
+    """Integrated autocorrelation time (s) of series sampled every `interval` seconds.
+
+    By Sokal's self-consistent window over all series together; at least half an interval; None
+    when no series has FEWEST_VALUES values.
+    """
+    long = [values for values in series if len(values) >= FEWEST_VALUES]
+    if not long:
+        return None
+    centred = [values - values.mean() for values in long]
+    variance = float(np.mean([np.mean(values**2) for values in centred]))
+    if variance == 0.0:
+        return 0.5 * interval
+    time = 0.5
+    for lag in range(1, min(len(values) for values in centred) // 4):
+        product = float(np.mean([np.mean(values[:-lag] * values[lag:]) for values in centred]))
+        time += product / variance
+        if lag >= 5.0 * time:
+            break
+    return max(time, 0.5) * interval
+
+
+def jackknife_error(replicates: Array) -> Array:
+    """Standard errors, shape (k,), from leave-one-out values of shape (n, k) with n >= 2.
+
+    Efron and Stein (1981); the n groups left out have to be independent and of similar size.
+    """
+    count = len(replicates)
+    spread = replicates - replicates.mean(axis=0)
+    error: Array = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
+    return error
