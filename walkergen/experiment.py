@@ -1,6 +1,5 @@
-"""Experiments: tracks and measured speeds in, a folder of tables and figures out."""
+"""Tracks of walkers in; a folder of tables and figures of their motion out."""
 
-import re
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -17,15 +16,6 @@ class Analysed(NamedTuple):
     motion: Motion
     notes: list[str]
     folder: Path
-
-
-def folder_of(path: Path, out: Path | None, what: str) -> Path:
-    """Folder for results: below --out, or below out/ with the name of the file read.
-
-    A folder of its own within, so that the results of other commands stay.
-    """
-    name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "tracks"
-    return (out or Path("out") / name) / what
 
 
 def analyse(path: Path, units: Units, lag_s: float, folder: Path, pictures: bool) -> Analysed:

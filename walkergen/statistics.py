@@ -1,5 +1,6 @@
 """Errors of means over correlated samples: correlation time, jackknife."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -9,6 +10,9 @@ Array = npt.NDArray[np.float64]
 
 FEWEST_VALUES = 32
 """Values below which a series says nothing of its correlation time."""
+
+FEWEST_SAMPLES = 10
+"""Independent samples below which the error of a mean is refused."""
 
 
 def correlation_time(series: Sequence[Array], interval: float) -> float | None:
@@ -31,6 +35,18 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
         if lag >= 5.0 * time:
             break
     return max(time, 0.5) * interval
+
+
+def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
+    """Standard error of the mean over all series, sampled every `interval` seconds.
+
+    Two correlation times (s) give one independent sample; None with less than FEWEST_SAMPLES.
+    """
+    values = np.concatenate(list(series))
+    independent = len(values) * interval / (2.0 * correlation)
+    if independent < FEWEST_SAMPLES:
+        return None
+    return float(values.std(ddof=1) / math.sqrt(independent))
 
 
 def jackknife_error(replicates: Array) -> Array:

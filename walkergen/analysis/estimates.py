@@ -17,6 +17,9 @@ Complex = npt.NDArray[np.complex128]
 SIGNIFICANT = 3.0
 """Standard errors by which a rate or an offset has to differ from 0 to be inverted or reported."""
 
+DECAYED = 0.2
+"""Share of the direction that has to be lost at the longest fitted lag: less is extrapolation."""
+
 FEWEST_SAMPLES = 8
 """Independent samples below which every error, and so every number, is refused."""
 
@@ -33,6 +36,11 @@ HEADED = ("body_speed", "heading_noise")
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
 TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
+
+
+IN_A_LANE = "along a lane, where direction does not turn"
+HEADINGS_KNOWN = "headings are known: see body_speed"
+"""Refusals that no better film would change; tables leave such lines out."""
 
 
 class Estimate(NamedTuple):
@@ -137,11 +145,9 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
         if abs(value) > 3.0 * error:
             turn += float(np.angle(value * np.exp(-1j * turn * at))) / at
     fallen = np.flatnonzero(size < size[0] / math.e)
-    if len(fallen):
-        rate = 1.0 / lag[fallen[0]]
-    else:
-        rate = math.log(size[0] / size[-1]) / lag[-1]
-    return float(size[0]), rate, turn
+    # Without such a fall, the rate by which the last lag lies below the first.
+    at, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
+    return float(size[0]), fall / lag[at], turn
 
 
 def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
@@ -189,19 +195,21 @@ def judge(
     values: Mapping[str, float],
     replicates: Sequence[Mapping[str, float]],
     frame: Frame,
-    dependent: Mapping[str, str],
+    means: Mapping[str, tuple[float, str]],
     longest_s: float,
 ) -> dict[str, Estimate]:
     """Values with jackknife errors, or refusals.
 
-    `dependent` names what the samples are not independent for; `longest_s` is the longest lag.
+    `means` has the errors, or the reasons of refusal, of what the samples are too short for;
+    `longest_s` is the longest lag.
     """
-    errors = {}
-    for name in values:
+    errors = {name: error for name, (error, _) in means.items()}
+    for name in values.keys() - errors.keys():
         spread = np.array([[one[name]] for one in replicates])
         finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
         errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
-    refused = _meaningless(frame) | _unresolved(values, errors, frame, longest_s) | dict(dependent)
+    refused = {name: reason for name, (_, reason) in means.items() if reason}
+    refused |= _meaningless(frame) | _unresolved(values, errors, frame, longest_s)
     if len(replicates) < FEWEST_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
         refused = dict.fromkeys(UNITS, few)
@@ -210,18 +218,17 @@ def judge(
         reason = refused.get(name, "")
         if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
             reason = "too few data for its fit: film for longer"
-        kept = (None, None) if reason else (values[name], errors[name])
-        estimates[name] = Estimate(*kept, reason)
+        value, error = (None, None) if reason else (values[name], errors[name])
+        estimates[name] = Estimate(value, error, reason)
     return estimates
 
 
 def _meaningless(frame: Frame) -> dict[str, str]:
     if frame.lane:
-        along = "along a lane, where direction does not turn"
         names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
-        return dict.fromkeys((*names, "localisation_noise"), along)
+        return dict.fromkeys((*names, "localisation_noise"), IN_A_LANE)
     if frame.headed:
-        return {"motion_speed": "headings are known: see body_speed"}
+        return {"motion_speed": HEADINGS_KNOWN}
     return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
 
 
@@ -235,13 +242,15 @@ def _unresolved(
             found["crossover_time"] = "the spread about the mean run is too small to tell"
         return found
     rate, error = values["persistence_rate"], errors["persistence_rate"]
-    if not rate > SIGNIFICANT * error:
-        told = "direction keeps too long for this film"
+    if not (rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
+        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
         at_least = max(rate, 0.0) + 2.0 * error
         if math.isfinite(at_least) and at_least > 0:
-            told += f": longer than {1.0 / at_least:.3g} s (95 %)"
+            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
         found |= dict.fromkeys(("persistence_time", "persistence_length"), told)
-    if not values["msd_rate"] > SIGNIFICANT * errors["msd_rate"]:
+    rate, error = values["msd_rate"], errors["msd_rate"]
+    resolved = values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]
+    if not (resolved and rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
         told = f"ballistic at all lags up to {longest_s:.3g} s: film for longer"
         found |= dict.fromkeys(("diffusivity", "crossover_time"), told)
     offset, error = values["msd_offset"], errors["msd_offset"]

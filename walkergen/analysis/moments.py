@@ -4,8 +4,9 @@ Everything here is additive: the moments of two tracks, or of two pieces of one,
 one jackknife over independent samples gives the error of whatever is computed from the sums.
 """
 
+import itertools
 from collections.abc import Iterable, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -62,12 +63,14 @@ class Moments(NamedTuple):
 
 def total(parts: Iterable[Moments]) -> Moments:
     """The sum."""
-    return Moments(*(sum(field[1:], field[0]) for field in zip(*parts, strict=True)))
+    fields: list[Any] = [sum(field[1:], field[0]) for field in zip(*parts, strict=True)]
+    return Moments(*fields)
 
 
 def without(whole: Moments, part: Moments) -> Moments:
     """The difference."""
-    return Moments(*(a - b for a, b in zip(whole, part, strict=True)))
+    fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
+    return Moments(*fields)
 
 
 def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
@@ -98,7 +101,7 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     pieces = []
     for track, length in zip(tracks, lengths, strict=True):
         edges = np.linspace(0, length, max(length // max(size, 1), 1) + 1).astype(int)
-        for first, last in zip(edges[:-1], edges[1:], strict=True):
+        for first, last in itertools.pairwise(edges):
             window = slice(first, last + 1)  # neighbours share a position but no displacement
             heading = None if track.heading is None else track.heading[window]
             pieces.append(track._replace(position=track.position[window], heading=heading))
@@ -134,7 +137,8 @@ def planar(track: Track) -> Complex:
 def direction(track: Track, step: int) -> Complex:
     """Unit vectors of the heading; without it, displacements over `step` (mm): shape (times,)."""
     if track.heading is not None:
-        return np.exp(1j * track.heading)
+        unit: Complex = np.exp(1j * track.heading)
+        return unit
     position = planar(track)
     return position[step:] - position[:-step] if step < len(position) else position[:0]
 

@@ -26,9 +26,8 @@ Array = npt.NDArray[np.float64]
 
 FITTED = 4
 """Curves are fitted up to this fraction of a sample's length: longer lags are too few to count."""
-
 INDEPENDENT = 8.0
-"""Correlation times that a piece of a track lasts at least: its error is then at most 7 % low."""
+"""Correlation times that pieces have to last to be independent: errors are then 7 % low at most."""
 
 
 class Curve(NamedTuple):
@@ -122,7 +121,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         values,
         [estimates.evaluate(one, frame) for one in left_out],
         frame,
-        _dependent(tracks, grid.step, length) if in_pieces else {},
+        _errors_of_means(tracks, grid.step, length) if in_pieces else {},
         length // FITTED * tracks.interval,
     )
     fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
@@ -177,37 +176,48 @@ def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: int) -> C
 def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
-    densities = [one / (one.sum() * np.diff(edges)) for one in counts]
-    return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], _jackknife(densities[1:]))
+    densities = [one / (max(one.sum(), 1.0) * np.diff(edges)) for one in counts]
+    error = _jackknife(densities[1:])
+    if not all(one.any() for one in counts):
+        error = np.full_like(error, np.nan)
+    return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _dependent(tracks: Tracks, step: int, length: int) -> dict[str, str]:
-    """Which numbers have errors that pieces of tracks cannot give, and why.
+def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[float, str]]:
+    """Errors of mean speeds that stay correlated for longer than pieces can be told apart by.
 
-    Signed displacements stay correlated for some time, over which pieces have to be long. What is
-    made of products over a lag needs no such check: it does not depend on the direction at start.
+    Their own correlation time then says how many of them are independent, or that there are too
+    few. What is made of products over a lag does not depend on the direction at its start and can
+    do with pieces of any length.
     """
-    block, piece = step * tracks.interval, length * tracks.interval
+    block = step * tracks.interval
     runs, bodies = [], []
     for track in tracks.tracks:
-        position = moments.planar(track)[::step]
-        runs.append(np.diff(position).real)
+        moved = np.diff(moments.planar(track)[::step])
+        runs.append(moved.real)
         if track.heading is not None:
-            bodies.append((np.diff(position) * np.exp(-1j * track.heading[::step][:-1])).real)
+            bodies.append((moved * np.exp(-1j * track.heading[::step][:-1])).real)
     found = {}
-    checks = {("lane_speed", *(("speed", "diffusivity") if tracks.lane else ())): runs}
-    if bodies:
-        checks["body_speed", "speed", "persistence_length"] = bodies
-    for names, series in checks.items():
-        time = statistics.correlation_time([one[~np.isnan(one)] for one in series], block)
-        if time is None:
-            told = f"tracks of less than {statistics.FEWEST_VALUES} x {1e3 * block:g} ms"
-        elif piece < INDEPENDENT * time:
-            told = f"it keeps for {time:.2g} s, a tenth of the film lasts only {piece:.2g} s"
-        else:
-            continue
-        found |= dict.fromkeys(names, f"{told}: film for longer, or more walkers")
+    headed_names = ("body_speed", "speed")
+    lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
+    for names, series in ((lane_names, runs), (headed_names, bodies)):
+        speeds = [one[~np.isnan(one)] / block for one in series]
+        time = statistics.correlation_time(speeds, block)
+        if speeds and (time is None or length * tracks.interval < INDEPENDENT * time):
+            found |= dict.fromkeys(names, _error_of_mean(speeds, block, time))
     return found
+
+
+def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) -> tuple[float, str]:
+    if time is None:
+        fewest = statistics.FEWEST_VALUES
+        return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
+    error = statistics.error_of_mean(speeds, block, time)
+    if error is None:
+        total = sum(len(one) for one in speeds) * block
+        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
+        return math.nan, told
+    return error, ""
 
 
 def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:

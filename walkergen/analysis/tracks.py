@@ -1,7 +1,7 @@
 """Tracks of walkers from CSV files: trackpy's columns, or the trajectory that walkergen writes.
 
 trackpy: frame, particle, x, y in pixels, optionally theta (rad) or theta_deg, the heading counted
-from x toward y of the file's own axes. walkergen: t_s, x_mm, with y_mm vertical: a walker in a lane.
+from x toward y of the file's own axes. walkergen: t_s, x_mm, with y_mm vertical: a lane's walker.
 Both may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
 """
 
@@ -50,7 +50,7 @@ class Tracks(NamedTuple):
     @property
     def lane(self) -> bool:
         """Whether positions lie along a lane, not on a plane."""
-        return self.tracks[0].position.shape[1] == 1
+        return bool(self.tracks[0].position.shape[1] == 1)
 
 
 class Units(NamedTuple):
@@ -192,7 +192,9 @@ def _assemble(
             f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
         )
     tracks = tuple(
-        _track(path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate)
+        _track(
+            path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate
+        )
         for name, group in zip(names, groups, strict=True)
     )
     return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))

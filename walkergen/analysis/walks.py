@@ -6,6 +6,7 @@ v = v_x + i v_y (active Brownian motion with a turning bias: van Teeffelen and L
 """
 
 from collections.abc import Callable, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -48,9 +49,9 @@ def diffusivity(speed2: float, rate: float, turn: float = 0.0) -> float:
 
 
 def fit(
-    model: Callable[..., npt.NDArray[np.generic]],
+    model: Callable[..., npt.NDArray[Any]],
     lag: Array,
-    values: npt.NDArray[np.generic],
+    values: npt.NDArray[Any],
     errors: Array,
     start: Sequence[float],
 ) -> Array | None:

@@ -30,10 +30,10 @@ def analyse(
     quiet: opt.Quiet = False,
 ) -> None:
     """Measure speed, persistence and spread from tracks, filmed or simulated."""
-    from walkergen import experiment
+    from walkergen import experiment, names
     from walkergen.analysis.tracks import Units
 
-    folder = experiment.folder_of(file, out, "analysis")
+    folder = names.results(file, out, "analysis")
     units = Units(fps, mm_per_px, y_down, lane)
     found = experiment.analyse(file, units, 1e-3 * lag_ms, folder, pictures)
     if json:
@@ -42,5 +42,37 @@ def analyse(
         show.motion(found, file.name)
 
 
-ALL = (analyse,)
+def fit(
+    file: Annotated[Path, typer.Argument(metavar="SPEEDS.csv", help="Measured speeds by tilt.")],
+    design: Annotated[
+        str, typer.Option("--design", metavar="DESIGN", help="A template's name or a TOML file.")
+    ] = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    fix: Annotated[
+        list[str] | None,
+        typer.Option("--fix", metavar="NAME=VALUE", help="Not fitted; restitution=0.8, say."),
+    ] = None,
+    mode: opt.ModeName = "coulomb",
+    law: opt.LawName = None,
+    pictures: Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Estimate friction, restitution and impact speed from measured speeds against tilt."""
+    from walkergen import calibration, names
+
+    resolved = opt.scene_of(scene, opt.Changes(law=law))
+    job = calibration.Job(
+        opt.design_of(design), resolved, opt.mode_of(mode, resolved),
+        calibration.parse_fixed(fix or []), pictures,
+    )  # fmt: skip
+    found = calibration.fit(file, job, names.results(file, out, "fit"))
+    if json:
+        show.fit_as_json(found)
+    elif not quiet:
+        show.fit(found, file.name)
+
+
+ALL = (analyse, fit)
 """The commands."""

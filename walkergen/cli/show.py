@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from walkergen.batch import Row
+    from walkergen.calibration import Fitted
     from walkergen.design import Design
     from walkergen.experiment import Analysed
     from walkergen.prediction import Prediction
@@ -170,6 +171,29 @@ def motion(found: "Analysed", title: str) -> None:
     for note in found.notes:
         console.print(note, markup=False)
     print(f"tables and figures in {found.folder}/")
+
+
+def fit_as_json(found: "Fitted") -> None:
+    """Print the fitted parameters and what was noted."""
+    from walkergen.report import fit_tables
+
+    data = fit_tables.as_dict(found.fit)
+    as_json(data | {"notes": found.notes, "folder": str(found.folder)})
+
+
+def fit(found: "Fitted", title: str) -> None:
+    """Print the table of fitted parameters and what to make of them."""
+    from rich.console import Console
+
+    from walkergen.report import fit_tables
+
+    console = Console(highlight=False)
+    console.print(fit_tables.to_table(found.fit, title))
+    told = (fit_tables.quality(found.fit), fit_tables.correlations(found.fit), *found.notes)
+    for line in told:
+        if line:
+            console.print(line, markup=False)
+    print(f"tables, figure and scene.toml in {found.folder}/")
 
 
 @contextmanager

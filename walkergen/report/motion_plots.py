@@ -23,7 +23,7 @@ MOST_POINTS = 4000
 
 def msd_figure(motion: Motion, title: str) -> Figure:
     """Mean squared displacement against lag, with its ballistic and diffusive limits (fig. 6a)."""
-    figure, axes = _axes(title)
+    figure, axes = axes_of(title)
     lag, value = motion.msd.at, motion.msd.value
     _points(axes, motion.msd, "measured")
     axes.set_xscale("log")
@@ -41,7 +41,7 @@ def msd_figure(motion: Motion, title: str) -> Figure:
         axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=1, label="ballistic, ∝ t²")
     if diffusivity:
         axes.plot(lag, 4 * diffusivity * lag, ":", color="0.35", lw=1.4, label="diffusive, ∝ t")
-        crossover = motion.estimates["crossover_time"].value
+    if (crossover := motion.estimates["crossover_time"].value) is not None:
         axes.axvline(crossover, color="0.75", lw=0.8, zorder=0)
         axes.annotate(
             " crossover", (crossover, 0.02), xycoords=("data", "axes fraction"), color="0.4",
@@ -57,7 +57,7 @@ def msd_figure(motion: Motion, title: str) -> Figure:
 
 def density_figure(motion: Motion, title: str) -> Figure:
     """Densities of the displacement along and across the body at one lag (fig. 6c)."""
-    figure, axes = _axes(title)
+    figure, axes = axes_of(title)
     for curve, name, colour, line in (
         (motion.parallel, "along", INK, "-"), (motion.orthogonal, "across", WARM, "--")
     ):  # fmt: skip
@@ -73,7 +73,7 @@ def density_figure(motion: Motion, title: str) -> Figure:
 
 def correlation_figure(motion: Motion, title: str) -> Figure:
     """How long the direction is kept: modulus of its autocorrelation, with the fitted decay."""
-    figure, axes = _axes(title)
+    figure, axes = axes_of(title)
     _points(axes, motion.correlation, "measured")
     rate = motion.estimates["persistence_rate"].value
     if rate is not None:
@@ -95,7 +95,7 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
     drawn = tracks.tracks[:MOST_TRACKS]
     if len(drawn) < len(tracks.tracks):
         title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
-    figure, axes = _axes(title)
+    figure, axes = axes_of(title)
     for number, track in enumerate(drawn):
         colour = (INK, WARM, LIGHT, "0.2")[number % 4]
         stride = len(track.position) // MOST_POINTS + 1
@@ -120,7 +120,7 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
 
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
     """Speed against plate speed with the line through the origin (fig. 5, inset)."""
-    figure, axes = _axes(title)
+    figure, axes = axes_of(title)
     points = [(p, one.value, one.se) for p, one in motion.by_plate_speed if one.value is not None]
     plates, speeds, errors = np.array(points, dtype=float).reshape(-1, 3).T
     axes.errorbar(plates, speeds, errors, fmt="o", color=INK, capsize=3, label="measured")
@@ -148,7 +148,8 @@ def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, F
     return drawn
 
 
-def _axes(title: str) -> tuple[Figure, Axes]:
+def axes_of(title: str) -> tuple[Figure, Axes]:
+    """An empty figure of the size of a column, with its title."""
     with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False}):
         figure = Figure(figsize=(5.6, 4.2), layout="constrained")
         axes = figure.add_subplot()

@@ -7,10 +7,10 @@ from collections.abc import Iterator, Sequence
 from typing import Any
 
 from rich import box
-from rich.console import Console
+from rich.markup import escape
 from rich.table import Table
 
-from walkergen.analysis.estimates import UNITS, Estimate
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, Estimate
 from walkergen.analysis.motion import Curve, Motion
 from walkergen.report.tables import console_text
 
@@ -29,15 +29,16 @@ def with_error(one: Estimate) -> str:
 
 
 def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
-    """Name, unit and value of every estimate, in words."""
+    """Name, unit and value in words of every estimate that the kind of tracks can have."""
     for name, unit in UNITS.items():
         one = motion.estimates[name]
-        yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one)
+        if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
+            yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one)
 
 
 def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
     """The estimates."""
-    table = Table(title=title or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
+    table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("", "", "value ± standard error"):
         table.add_column(heading)
     for row in rows(motion):
@@ -81,7 +82,7 @@ def to_csv(motion: Motion) -> str:
         (f"{name}_{unit}", _cell(one.value), _cell(one.se), one.reason)
         for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
     ]
-    return _csv(("quantity", "value", "se", "refused"), lines)
+    return csv_text(("quantity", "value", "se", "refused"), lines)
 
 
 def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Curve]]) -> str:
@@ -91,10 +92,11 @@ def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Curve]]) ->
         for name, curve in curves
         for point in zip(*curve, strict=True)
     ]
-    return _csv(columns, lines)
+    return csv_text(columns, lines)
 
 
-def _csv(header: Sequence[str], lines: Sequence[Sequence[Any]]) -> str:
+def csv_text(header: Sequence[str], lines: Sequence[Sequence[Any]]) -> str:
+    """A CSV file of a header and lines."""
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
     writer.writerow(header)

@@ -25,9 +25,6 @@ Array = npt.NDArray[np.float64]
 FEWEST_RUNS = 8
 """From this many runs on, their spread gives the standard error; below, the blocks of each run."""
 
-FEWEST_SAMPLES = 10
-"""Independent samples below which an error bar is refused."""
-
 
 KINDS = ("I", "II", "III", "IV", "from rest", "II mirrored", "III mirrored")
 
@@ -147,12 +144,8 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
         return float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
     if not len(speeds) or correlation is None:
         return None
-    measured = sum(result.measured_s for result in results)
-    independent = measured / (2.0 * correlation)
-    if independent < FEWEST_SAMPLES:
-        return None
-    blocks = np.concatenate([result.block_speeds for result in results])
-    return float(blocks.std(ddof=1) / math.sqrt(independent))
+    blocks = [result.block_speeds for result in results]
+    return statistics.error_of_mean(blocks, results[0].block_s, correlation)
 
 
 def measure(
