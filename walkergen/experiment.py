@@ -18,7 +18,9 @@ class Analysed(NamedTuple):
     folder: Path
 
 
-def analyse(path: Path, units: Units, lag_s: float, folder: Path, pictures: bool) -> Analysed:
+def analyse(
+    path: Path, units: Units, lag_s: float | None, folder: Path, pictures: bool
+) -> Analysed:
     """Read tracks, measure their motion and write tables and figures.
 
     Writes analysis.csv, analysis.md, msd.csv, density.csv, correlation.csv, figures as PNG and
@@ -34,7 +36,7 @@ def analyse(path: Path, units: Units, lag_s: float, folder: Path, pictures: bool
         _write_curves(result, target)
     if pictures:
         _write_figures(result, found, path.name, target)
-    facts: dict[str, Any] = {"file": path.name, **units._asdict(), "lag_s": lag_s}
+    facts: dict[str, Any] = {"file": path.name, **units._asdict(), "lag_s": result.lag_s}
     target.finish(facts)
     return Analysed(result, notes, folder)
 

@@ -29,6 +29,9 @@ ALIGNED = 0.05
 """Smallest eigenvalue of the normalised information below which parameters go together; for two of
 them it is 1 - |correlation|."""
 
+NEARLY_STILL = 0.05
+"""Speed over plate speed below which walkers are not fitted: rigid legs have some 1e-3."""
+
 VAGUE = 3.0
 """Ratio of an interval's ends from which a parameter counts as not determined."""
 
@@ -119,7 +122,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     """The parameters not `fixed`, by weighted least squares; profiles take about a second.
 
     Raises InputError when there are fewer speeds than parameters plus one, or when the theory
-    gives speed 0 to all walkers.
+    gives nearly speed 0 to all walkers.
     """
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
@@ -130,8 +133,11 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
             f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
             f"at least {len(free) + 1}, or fix some: --fix restitution=0.8"
         )
-    if not unit_speeds(speeds, 0.5, 0.1).any():
-        raise InputError("the theory gives speed 0 to all these walkers: rigid legs tell nothing")
+    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
+        raise InputError(
+            "the theory gives nearly speed 0 to all these walkers, as to all rigid legs: they tell "
+            "nothing of the contact; add walkers with flexible, tilted legs"
+        )
     values, least = _best(speeds, fixed)
     scale = 1.0 if speeds.se is not None else least / dof
     slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]

@@ -67,14 +67,21 @@ class Motion(NamedTuple):
     """Of speed against plate speed, through the origin."""
 
 
-def analyse(tracks: Tracks, lag_s: float = 0.04) -> Motion:
+LAG_S = 0.04
+"""Lag of the displacements unless another is asked for (paper's figure 6c)."""
+
+
+def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     """Statistics of all tracks; displacements along and across the body are taken over `lag_s`.
+
+    Without one it is LAG_S, or one sample where that is longer.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin
     (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
     lag is below one sample or nothing is seen twice.
     """
     shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
+    lag_s = max(LAG_S, shortest) if lag_s is None else lag_s
     if not 0.999 * shortest <= lag_s < shortest * (longest - 1):
         raise InputError(
             f"--lag-ms {1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "

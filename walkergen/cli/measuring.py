@@ -22,8 +22,9 @@ def analyse(
         bool, typer.Option("--lane", help="The walkers ran in a lane along x; y says nothing.")
     ] = False,
     lag_ms: Annotated[
-        float, typer.Option(help="Lag of the displacements along and across the body.")
-    ] = 40.0,
+        float | None,
+        typer.Option(help="Lag of displacements along and across the body; 40 unless given."),
+    ] = None,
     pictures: Pictures = True,
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -35,7 +36,8 @@ def analyse(
 
     folder = names.results(file, out, "analysis")
     units = Units(fps, mm_per_px, y_down, lane)
-    found = experiment.analyse(file, units, 1e-3 * lag_ms, folder, pictures)
+    lag_s = None if lag_ms is None else 1e-3 * lag_ms
+    found = experiment.analyse(file, units, lag_s, folder, pictures)
     if json:
         show.motion_as_json(found)
     elif not quiet:
