@@ -122,11 +122,17 @@ def test_too_few_speeds_and_rigid_legs_are_refused():
         fits.fit_contact(speeds._replace(back=back, front=front), {})
 
 
-def test_a_line_through_the_origin_covers_its_slope():
-    x, scores = np.linspace(1, 5, 6), []
-    for seed in range(300):
-        errors = np.linspace(0.1, 0.5, 6)
-        y = 2.0 * x + errors * np.random.default_rng(seed).normal(size=6)
-        line = fits.line_through_origin(x, y, errors)
-        scores.append((line.slope - 2.0) / line.slope_se)
-    assert 0.60 < np.mean(np.abs(scores) < 1) < 0.76  # 68 % +- 2.7 %, 3 sigma
+def test_speeds_at_one_tilt_tell_only_a_factor():
+    speeds = measured(np.random.default_rng(8), plate=np.linspace(20, 40, len(TILTS)))
+    same = [4] * len(TILTS)
+    back, front = (fits.InverseMass(*(x[same] for x in H)) for H in (BACK, FRONT))
+    exact = 0.5 * fits.unit_speeds(speeds._replace(back=back, front=front), 0.8, 0.1)
+    alike = speeds._replace(back=back, front=front, speed=exact)
+    found = fits.fit_contact(alike, {})
+    assert any("cannot be told apart" in note for note in found.notes)
+    assert found.errors["impact_speed_factor"] is None
+    np.testing.assert_allclose(found.predicted, exact, rtol=1e-6)
+    told = fits.fit_contact(alike, {"restitution": 0.8, "friction": 0.1})
+    assert told.errors["impact_speed_factor"] == pytest.approx(
+        0.5 * 0.5 / np.sqrt((exact**2).sum()), rel=1e-6
+    )

@@ -175,6 +175,49 @@ def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
     assert not (tmp_path / "out").exists()
 
 
+def frames_of(filmed, mm_per_px, size):
+    """Pictures of bright spots on a dark plate, with the camera's noise."""
+    rng = np.random.default_rng(0)
+    rows, columns = np.mgrid[:size, :size]
+    pictures = []
+    for moment in zip(*(one.position for one in filmed.tracks), strict=True):
+        picture = rng.normal(10.0, 3.0, (size, size))
+        for number, place in enumerate(np.array(moment) / mm_per_px):
+            # Far enough from one another never to be taken for each other.
+            x, y = place + size * (0.25 + 0.5 * np.array([number % 2, number // 2]))
+            low, high = int(y) - 12, int(y) + 13
+            near = np.s_[low:high, int(x) - 12 : int(x) + 13]
+            square = (rows[near] - y) ** 2 + (columns[near] - x) ** 2
+            picture[near] += 200 * np.exp(-square / (2 * 2.5**2))
+        pictures.append(picture.clip(0, 255).astype(np.uint8))
+    return pictures
+
+
+@pytest.mark.slow
+def test_known_motion_comes_out_of_a_film_that_trackpy_tracked(run, tmp_path):
+    import warnings
+
+    trackpy = pytest.importorskip("trackpy")
+    walker = Walker(speed=20.0, rate=8.0, turn=0.0, noise=0.0, lost=0.0)
+    filmed = film(21, 4, 6.0, walker, interval=0.02)
+    with warnings.catch_warnings(action="ignore"):  # trackpy calls pandas in ways it deprecates
+        trackpy.quiet()
+        spots = trackpy.batch(frames_of(filmed, 0.5, 400), 13, minmass=1000, processes=1)
+        linked = trackpy.link(spots, search_range=6, memory=2)
+    linked.to_csv(tmp_path / "film.csv")
+    assert linked.particle.nunique() == 4
+    found = json.loads(
+        run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "0.5", "--json").stdout
+    )
+    for name, expected in (
+        ("speed_{}mm_s", 20.0), ("persistence_time_{}s", 1 / 8), ("diffusivity_{}mm2_s", 25.0),
+        ("ballistic_speed_{}mm_s", 20.0),
+    ):  # fmt: skip
+        value, error = found[name.format("")], found[name.format("se_")]
+        assert abs(value - expected) < 3.5 * error, name
+        assert 0 < error < 0.4 * expected, name
+
+
 @pytest.mark.slow
 def test_the_film_of_a_simulation_has_the_simulations_speed(run, tmp_path):
     words = ("--tilt", "10", "--seconds", "6", "--runs", "1", "--json")

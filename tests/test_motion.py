@@ -93,6 +93,37 @@ def test_few_data_are_refused_with_the_reason():
     assert "32" in found["speed"].reason
 
 
+def test_stubs_of_tracks_do_not_pass_for_walkers():
+    whole = film(9, 2, 40.0)
+    stubs = tuple(
+        Track(100 + n, whole.tracks[0].position[5 * n : 5 * n + 4], whole.tracks[0].heading[:4])
+        for n in range(40)
+    )
+    found = motion.analyse(whole._replace(tracks=whole.tracks + stubs))
+    assert "pieces" in found.method
+    alone = motion.analyse(whole).estimates["persistence_time"]
+    one = found.estimates["persistence_time"]
+    assert one.value == pytest.approx(alone.value, abs=alone.se)
+    assert one.se == pytest.approx(alone.se, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda rng, heading: heading, None),
+        (lambda rng, heading: heading + np.pi * rng.integers(0, 2, len(heading)), "half turn"),
+        (lambda rng, heading: -heading, "mirrored"),
+        (lambda rng, heading: heading + np.pi, "backwards"),
+    ],
+    ids=["sound", "half-turns", "mirrored", "backwards"],
+)
+def test_headings_that_cannot_be_right_are_doubted(change, told):
+    rng, one = np.random.default_rng(1), film(10, 8, 10.0)
+    changed = tuple(t._replace(heading=change(rng, t.heading)) for t in one.tracks)
+    doubts = motion.analyse(one._replace(tracks=changed)).doubts
+    assert doubts == [] if told is None else any(told in doubt for doubt in doubts)
+
+
 def lane(seed, particles, frames, speed=60.0, plate=None, interval=0.01, memory=5.0):
     """Walkers in a lane whose speed fluctuates by 30 mm/s with a memory of some frames."""
     rng = np.random.default_rng(seed)

@@ -1,6 +1,6 @@
 """Measured speeds in; restitution, friction and impact speed out, as a scene to predict with."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -22,6 +22,7 @@ from walkergen.theory.speed import Mode
 Array = npt.NDArray[np.float64]
 
 CURVE_POINTS = 121
+MOST_SPEEDS = 2000
 
 
 class Job(NamedTuple):
@@ -69,7 +70,7 @@ def parse_fixed(texts: list[str]) -> dict[str, float]:
     return found
 
 
-def fit(path: Path, job: Job, folder: Path) -> Fitted:
+def fit(path: Path, job: Job, folder: Path, progress: Callable[[str, int, int], None]) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds and write tables, figures and a scene.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
@@ -78,8 +79,10 @@ def fit(path: Path, job: Job, folder: Path) -> Fitted:
     """
     table = _read(path)
     speeds, tilt, legs = _speeds(table, job)
+    progress("fitting", 0, 2)
     result = fits.fit_contact(speeds, job.fixed)
-    scene = _scene(job.scene, result)
+    progress("drawing", 1, 2)
+    scene = _scene(job.scene, result, path.name)
     bad = columns.summary(table.bad)
     notes = [*result.notes, *([bad] if bad else [])]
     fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
@@ -112,6 +115,8 @@ def _read(path: Path) -> Columns:
     words = {"legs": KINDS}
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, words)
+    if len(table.lines) > MOST_SPEEDS:
+        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
     for name in optional:
         if name in table.values:
             table = table.without(table.values[name] <= 0, f"{name} must be > 0")
@@ -145,7 +150,7 @@ def _with_tensors(
     return Speeds(speed, se, plate, *fits.tensors(masses), job.scene.contact.law, job.mode)
 
 
-def _scene(scene: Scene, result: ContactFit) -> Scene:
+def _scene(scene: Scene, result: ContactFit, source: str) -> Scene:
     """The scene with the fitted values; what was given keeps the scene's standard deviation."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     places = {name: "prediction" if name.startswith("impact") else "contact" for name in RANGES}
@@ -155,6 +160,7 @@ def _scene(scene: Scene, result: ContactFit) -> Scene:
             low, high = RANGES[name]
             error = result.errors[name]
             data[places[name]][f"{name}_sd"] = min(error if error is not None else high - low, high)
+    data["description"] = f"As {scene.name}, with the contact fitted to {source[:200]}"
     data["name"] = f"{scene.name[:57]}-fitted"
     return validate(data, Scene, "fitted scene")
 

@@ -1,7 +1,8 @@
-"""Errors of means over correlated samples: correlation time, jackknife."""
+"""Errors of what is measured: correlation time, jackknife, a line through the origin."""
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -58,3 +59,26 @@ def jackknife_error(replicates: Array) -> Array:
     spread = replicates - replicates.mean(axis=0)
     error: Array = np.sqrt((count - 1) / count * np.sum(spread**2, axis=0))
     return error
+
+
+class Line(NamedTuple):
+    """A straight line through the origin."""
+
+    slope: float
+    slope_se: float
+    chi2: float
+    """Weighted squared residuals."""
+    p_value: float
+    """Probability of a chi2 at least as large if the line is true."""
+    points: int
+
+
+def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
+    """Weighted least squares of y = slope x, shapes (n,), n >= 2, errors > 0."""
+    from scipy.stats import chi2 as chi2_law
+
+    weights = errors**-2.0
+    norm = float(np.sum(weights * x**2))
+    slope = float(np.sum(weights * x * y)) / norm
+    rest = float(np.sum(weights * (y - slope * x) ** 2))
+    return Line(slope, norm**-0.5, rest, float(chi2_law.sf(rest, len(x) - 1)), len(x))

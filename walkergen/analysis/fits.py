@@ -1,4 +1,4 @@
-"""Least-squares fits of measured speeds: a line through the origin, and the contact's parameters.
+"""The contact's parameters from measured speeds, by weighted least squares.
 
 The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
 (physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly at
@@ -32,20 +32,11 @@ them it is 1 - |correlation|."""
 NEARLY_STILL = 0.05
 """Speed over plate speed below which walkers are not fitted: rigid legs have some 1e-3."""
 
+SINGULAR = 1e-6
+"""Share of the information below which there is none: differences of speeds have 1e-9."""
+
 VAGUE = 3.0
 """Ratio of an interval's ends from which a parameter counts as not determined."""
-
-
-class Line(NamedTuple):
-    """A straight line through the origin."""
-
-    slope: float
-    slope_se: float
-    chi2: float
-    """Weighted squared residuals."""
-    p_value: float
-    """Probability of a chi2 at least as large if the line is true."""
-    points: int
 
 
 class Speeds(NamedTuple):
@@ -91,17 +82,6 @@ class ContactFit(NamedTuple):
         return list(self.errors)
 
 
-def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
-    """Weighted least squares of y = slope x, shapes (n,), n >= 2, errors > 0."""
-    from scipy.stats import chi2 as chi2_law
-
-    weights = errors**-2.0
-    norm = float(np.sum(weights * x**2))
-    slope = float(np.sum(weights * x * y)) / norm
-    rest = float(np.sum(weights * (y - slope * x) ** 2))
-    return Line(slope, norm**-0.5, rest, float(chi2_law.sf(rest, len(x) - 1)), len(x))
-
-
 def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
     """Tensors at the back and the front feet of n walkers, entries of shape (n,)."""
     both = [feet(mass) for mass in masses]
@@ -141,14 +121,8 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     values, least = _best(speeds, fixed)
     scale = 1.0 if speeds.se is not None else least / dof
     slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]
-    information = slopes.T @ slopes / max(scale, 1e-300)
-    covariance: Array = np.linalg.pinv(information, rcond=1e-10, hermitian=True).astype(float)
-    seen = np.diag(information) > 1e-10 * np.diag(information).max()
-    widths = np.sqrt(np.diag(covariance))
-    errors = {
-        name: float(width) if known else None
-        for name, width, known in zip(free, widths, seen, strict=True)
-    }
+    known = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
+    errors = known.errors
     intervals = {
         name: _interval(speeds, fixed, values, name, errors[name], least, scale)
         for name in (free if profiles else ())
@@ -158,15 +132,14 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
         from scipy.stats import chi2 as chi2_law
 
         chi2, p_value = least, float(chi2_law.sf(least, dof))
-    safe = np.where(widths > 0, widths, 1.0)
-    correlation: Array = covariance / np.outer(safe, safe)
-    notes = [*_unseen(errors), *_aligned(information, free, values, errors, intervals)]
+    notes = [*_unseen(known), *_aligned(known, values, intervals)]
     notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
     predicted = values["impact_speed_factor"] * unit_speeds(
         speeds, values["restitution"], values["friction"]
     )
     return ContactFit(
-        values, errors, intervals, covariance, correlation, chi2, dof, p_value, predicted, notes,
+        values, errors, intervals, known.covariance, known.correlation, chi2, dof, p_value,
+        predicted, notes,
     )  # fmt: skip
 
 
@@ -262,34 +235,68 @@ def _interval(
     return ends[0], ends[1]
 
 
-def _unseen(errors: Mapping[str, float | None]) -> list[str]:
+class _Knowledge(NamedTuple):
+    """What the speeds tell of the parameters near the best ones."""
+
+    errors: dict[str, float | None]
+    covariance: Array
+    correlation: Array
+    unseen: list[str]
+    """Parameters that no speed depends on."""
+    together: list[str]
+    """Parameters of the combination that is known least."""
+    level: float
+    """Eigenvalue of the normalised information that belongs to it."""
+
+
+def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
+    """Covariance by the eigenvectors of the information; `slopes` (n, free) in standard errors."""
+    information = slopes.T @ slopes
+    norm = np.sqrt(np.diag(information))
+    weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
+    unseen = weight <= SINGULAR * weight.max()
+    norm = np.where(unseen, 1.0, norm)
+    normalised = np.where(unseen[:, None] | unseen, 0.0, information / np.outer(norm, norm))
+    levels, vectors = np.linalg.eigh(normalised)
+    told = levels > SINGULAR
+    inverse = (vectors[:, told] / levels[told]) @ vectors[:, told].T
+    covariance = inverse / np.outer(norm, norm)
+    widths = np.sqrt(np.diag(covariance))
+    lost = unseen | (np.abs(vectors[:, ~told]) > 0.1).any(axis=1)
+    width = np.where(widths > 0, widths, 1.0)
+    least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
+    return _Knowledge(
+        {
+            name: None if gone else float(one)
+            for name, gone, one in zip(free, lost, widths, strict=True)
+        },
+        covariance,
+        covariance / np.outer(width, width),
+        [name for name, gone in zip(free, unseen, strict=True) if gone],
+        [name for name, part in zip(free, vectors[:, least], strict=True) if abs(part) > 0.2],
+        float(levels[least]),
+    )
+
+
+def _unseen(known: _Knowledge) -> list[str]:
     return [
         f"{name}: none of these speeds depends on it; measure other tilts, or fix it"
-        for name, error in errors.items()
-        if error is None
+        for name in known.unseen
     ]
 
 
 def _aligned(
-    information: Array,
-    free: Sequence[str],
+    known: _Knowledge,
     values: Mapping[str, float],
-    errors: Mapping[str, float | None],
     intervals: Mapping[str, tuple[float | None, float | None]],
 ) -> list[str]:
-    """Which parameters only their combination is known of."""
-    known = [number for number, name in enumerate(free) if errors[name] is not None]
-    if len(known) < 2:
+    """Parameters of which only a combination is known."""
+    if known.level > ALIGNED or len(known.together) < 2:
         return []
-    norm = np.sqrt(np.diag(information)[known])
-    levels, vectors = np.linalg.eigh(information[np.ix_(known, known)] / np.outer(norm, norm))
-    if levels[0] > ALIGNED:
-        return []
-    weights = zip((free[number] for number in known), np.abs(vectors[:, 0]), strict=True)
-    together = [name for name, weight in weights if weight > 0.2]
+    together = known.together
     names = ", ".join(together[:-1]) + f" and {together[-1]}"
-    told = f"(smallest eigenvalue of the information {max(levels[0], 0.0):.2g})"
-    if any(_vague(values[name], errors[name], intervals.get(name)) for name in together):
+    told = f"(smallest eigenvalue of the information {max(known.level, 0.0):.2g})"
+    if any(_vague(values[name], known.errors[name], intervals.get(name)) for name in together):
         return [f"{names} cannot be told apart {told}: fix one, --fix {together[0]}=..."]
     return [f"{names} are strongly correlated {told}: quote them together"]
 
@@ -297,7 +304,9 @@ def _aligned(
 def _vague(
     value: float, error: float | None, interval: tuple[float | None, float | None] | None
 ) -> bool:
-    low, high = interval or (value - (error or 0.0), value + (error or 0.0))
+    if error is None:
+        return True
+    low, high = interval or (value - error, value + error)
     return low is None or high is None or high > VAGUE * low
 
 

@@ -74,7 +74,7 @@ def without(whole: Moments, part: Moments) -> Moments:
 
 
 def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Groups of independent samples, and the median length of a sample.
+    """Groups of independent samples, and the length that half of all time is spent in or above.
 
     Particles when there are enough; otherwise at least PIECES pieces of their tracks, of about
     equal length. Pieces are independent as far as increments forget: `motion` checks it.
@@ -83,14 +83,19 @@ def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
     pieces = _cut(long) if in_pieces(tracks) else long
     if not pieces:
         return [], 0
-    length = int(np.median([len(piece.position) for piece in pieces]))
+    lengths = np.sort([len(piece.position) for piece in pieces])
+    length = int(lengths[np.searchsorted(np.cumsum(lengths), 0.5 * lengths.sum())])
     count = min(len(pieces), MOST_GROUPS)
     return [pieces[number::count] for number in range(count)], length
 
 
 def in_pieces(tracks: Sequence[Track]) -> bool:
-    """Whether there are too few particles to be the samples, so that their tracks are cut."""
-    return sum(len(track.position) > 1 for track in tracks) < ENOUGH_PARTICLES
+    """Whether there are too few particles to be the samples, so that their tracks are cut.
+
+    Particles count by the time that they were seen: many stubs do not make up for few tracks.
+    """
+    lengths = np.array([len(track.position) - 1.0 for track in tracks])
+    return bool(lengths.sum() ** 2 < ENOUGH_PARTICLES * (lengths**2).sum())
 
 
 def _cut(tracks: Sequence[Track]) -> list[Track]:

@@ -17,10 +17,10 @@ import numpy.typing as npt
 from walkergen import statistics
 from walkergen.analysis import estimates, lagged, moments
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
-from walkergen.analysis.fits import Line, line_through_origin
 from walkergen.analysis.moments import Grid
 from walkergen.analysis.tracks import Tracks
 from walkergen.errors import InputError
+from walkergen.statistics import Line, line_through_origin
 
 Array = npt.NDArray[np.float64]
 
@@ -52,6 +52,8 @@ class Motion(NamedTuple):
     """Of the displacements along and across: the asked one, to whole samples."""
     method: str
     """What `speed` is and what the errors come from, in words."""
+    doubts: list[str]
+    """What makes the headings look wrong."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     msd_fit: tuple[float, ...] | None
@@ -66,6 +68,9 @@ class Motion(NamedTuple):
     line: Line | None = None
     """Of speed against plate speed, through the origin."""
 
+
+JUMPING = 0.01
+"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
 LAG_S = 0.04
 """Lag of the displacements unless another is asked for (paper's figure 6c)."""
@@ -140,6 +145,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
+        doubts=_doubts(tracks) if headed else [],
         msd=msd._replace(at=msd.at * tracks.interval),
         msd_fit=None if np.isnan(fit).any() else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
@@ -204,7 +210,7 @@ def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[
         runs.append(moved.real)
         if track.heading is not None:
             bodies.append((moved * np.exp(-1j * track.heading[::step][:-1])).real)
-    found = {}
+    found: dict[str, tuple[float, str]] = {}
     headed_names = ("body_speed", "speed")
     lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
     for names, series in ((lane_names, runs), (headed_names, bodies)):
@@ -225,6 +231,34 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
         told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
         return math.nan, told
     return error, ""
+
+
+def _doubts(tracks: Tracks) -> list[str]:
+    """Headings that jump, or that fit the displacements only when turned or mirrored."""
+    jumps = pairs = 0
+    along = mirrored = 0.0 + 0.0j
+    for track in tracks.tracks:
+        unit = moments.direction(track, 1)
+        moved = np.diff(moments.planar(track))
+        turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
+        jumps += int(np.count_nonzero(turned > 0.5 * math.pi))
+        pairs += int(np.count_nonzero(~np.isnan(turned)))
+        along += np.nansum(moved * np.conj(unit[:-1]))
+        mirrored += np.nansum(moved * unit[:-1])
+    found = []
+    if jumps > JUMPING * pairs:
+        found.append(
+            f"headings turn by more than 90 deg in {jumps} of {pairs} steps: are they known only "
+            "up to a half turn? Speeds along and across the body then mean nothing"
+        )
+    if abs(mirrored) > 2.0 * abs(along):
+        found.append(
+            "displacements fit the headings only when these are mirrored: theta has to count from "
+            "x toward y of the file's own axes"
+        )
+    elif along.real < -abs(along.imag):
+        found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
+    return found
 
 
 def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:

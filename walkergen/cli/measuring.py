@@ -30,14 +30,20 @@ def analyse(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Measure speed, persistence and spread from tracks, filmed or simulated."""
+    """Measure speed, persistence and spread from tracks, filmed or simulated.
+
+    A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading
+    theta (rad) or theta_deg, counted from x toward y. A simulation is what simulate --trajectory
+    writes. Tracks at several plate speeds say so in a column plate_speed_mm_s.
+    """
     from walkergen import experiment, names
     from walkergen.analysis.tracks import Units
 
     folder = names.results(file, out, "analysis")
     units = Units(fps, mm_per_px, y_down, lane)
     lag_s = None if lag_ms is None else 1e-3 * lag_ms
-    found = experiment.analyse(file, units, lag_s, folder, pictures)
+    with show.progress("analyse", wanted=not quiet) as progress:
+        found = experiment.analyse(file, units, lag_s, folder, pictures, progress)
     if json:
         show.motion_as_json(found)
     elif not quiet:
@@ -61,7 +67,11 @@ def fit(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Estimate friction, restitution and impact speed from measured speeds against tilt."""
+    """Estimate friction, restitution and impact speed from measured speeds against tilt.
+
+    Columns of the CSV file: tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or
+    braced) and plate_speed_mm_s, which are the design's and the scene's otherwise.
+    """
     from walkergen import calibration, names
 
     resolved = opt.scene_of(scene, opt.Changes(law=law))
@@ -69,7 +79,8 @@ def fit(
         opt.design_of(design), resolved, opt.mode_of(mode, resolved),
         calibration.parse_fixed(fix or []), pictures,
     )  # fmt: skip
-    found = calibration.fit(file, job, names.results(file, out, "fit"))
+    with show.progress("fit", wanted=not quiet) as progress:
+        found = calibration.fit(file, job, names.results(file, out, "fit"), progress)
     if json:
         show.fit_as_json(found)
     elif not quiet:

@@ -153,7 +153,8 @@ def motion_as_json(found: "Analysed") -> None:
     from walkergen.report import motion_tables
 
     data = motion_tables.as_dict(found.motion)
-    as_json(data | {"notes": found.notes, "folder": str(found.folder)})
+    data |= {"bad_rows": found.bad_rows, "notes": found.notes, "folder": str(found.folder)}
+    as_json(data)
 
 
 def motion(found: "Analysed", title: str) -> None:
