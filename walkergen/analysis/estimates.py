@@ -30,7 +30,11 @@ UNITS = {
     "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
-"""What is estimated, and in which unit (as keys write it)."""
+"""What is estimated, and in which unit (as keys write it).
+
+`speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
+mean square of the part of the velocity that persists for longer than the lag of displacements.
+"""
 
 HEADED = ("body_speed", "heading_noise")
 ACROSS = ("orthogonal_mean", "orthogonal_sd")

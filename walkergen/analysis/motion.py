@@ -96,15 +96,17 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
     if len(plates) < 2:
         return whole
-    found = []
-    for plate in plates:
-        ran = tuple(track for track in tracks.tracks if track.plate_speed == plate)
-        found.append((plate, _analyse(tracks._replace(tracks=ran), lag_s).estimates["speed"]))
+    groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
+    each = [_analyse(tracks._replace(tracks=group), lag_s) for group in groups]
+    found = [(plate, one.estimates["speed"]) for plate, one in zip(plates, each, strict=True)]
     usable = [(plate, one.value, one.se) for plate, one in found if one.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: Estimate(None, None, reason) for name in UNITS}
-    return whole._replace(estimates=refused, msd_fit=None, by_plate_speed=tuple(found), line=line)
+    return whole._replace(
+        estimates=refused, method=each[0].method, msd_fit=None,
+        by_plate_speed=tuple(found), line=line,
+    )  # fmt: skip
 
 
 def _analyse(tracks: Tracks, lag_s: float) -> Motion:
@@ -267,7 +269,7 @@ def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_
     elif headed:
         speed = "along the body's heading"
     else:
-        speed = "along the direction of motion, from displacements that share no position"
+        speed = "along the direction of motion, root mean square of what persists for the lag"
     if not in_pieces:
         return f"speed {speed}; errors from {samples} independent samples of particles"
     return (

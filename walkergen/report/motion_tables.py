@@ -70,9 +70,9 @@ def line_told(motion: Motion) -> str:
 
 def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
     """A page with the estimates and what they rest on."""
-    parts = [f"# {title}", *notes, console_text(to_table(motion, "", box.MARKDOWN))]
-    if motion.by_plate_speed:
-        parts += [console_text(plate_table(motion, box.MARKDOWN)), line_told(motion)]
+    several = bool(motion.by_plate_speed)
+    table = plate_table(motion, box.MARKDOWN) if several else to_table(motion, "", box.MARKDOWN)
+    parts = (f"# {title}", *notes, console_text(table), line_told(motion))
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
