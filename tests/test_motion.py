@@ -63,6 +63,26 @@ def test_localisation_noise_does_not_speed_up_a_resting_walker():
     assert found["speed"].se < 0.1  # frame by frame it would seem to run at 28 mm/s
 
 
+def test_localisation_noise_does_not_shift_speed_and_persistence_without_headings():
+    # 0.5 mm of noise in a run of 1.2 mm between the positions that a displacement is made of.
+    noisy = Walker(noise=0.5, lost=0.0, turn=0.0)
+    found = motion.analyse(film(14, 16, 20.0, noisy, headed=False)).estimates
+    for name, expected in (
+        ("speed", 30.0), ("persistence_time", 1.0), ("ballistic_speed", 30.0),
+        ("localisation_noise", 0.5),
+    ):  # fmt: skip
+        assert found[name].value == pytest.approx(expected, abs=3.5 * found[name].se), name
+        assert found[name].se < 0.1 * expected
+
+
+def test_products_of_displacements_share_no_position():
+    resting = film(15, 8, 20.0, Walker(speed=0.0, noise=1.0, lost=0.0), headed=False)
+    curve = motion.analyse(resting).correlation
+    assert curve.at[0] == pytest.approx(0.05)
+    # Pure noise has no correlation: a shared position would give 2 mm^2.
+    assert curve.value[0] < 0.1
+
+
 def test_a_mirrored_film_turns_the_other_way():
     one = film(3, 12, 20.0)
     mirrored = one._replace(
@@ -145,6 +165,13 @@ def test_lane_speed_covers_the_truth_within_one_track_and_between_many(particles
         one = motion.analyse(lane(seed, particles, frames)).estimates["lane_speed"]
         scores.append((one.value - 60.0) / one.se)
     assert 0.5 < np.mean(np.abs(scores) < 1) < 0.86  # 68 % +- 6 % of 60 runs, 3 sigma
+
+
+def test_a_lane_film_of_few_correlation_times_is_refused():
+    # Memory of 1 s in 10 s of film: five independent speeds.
+    found = motion.analyse(lane(3, 1, 1000, memory=100.0)).estimates
+    assert found["speed"].value is None
+    assert "correlated over" in found["speed"].reason
 
 
 def test_a_lane_has_no_turning_and_says_so():

@@ -178,8 +178,7 @@ def _body_and_turn(track: Track) -> tuple[Array, Array]:
     if track.heading is None:
         return np.zeros(2), np.zeros(2)
     unit = np.exp(1j * track.heading)
-    # Onto the mean of both headings: the error is then of second order in the turn between them.
-    moved = (np.diff(planar(track)) * np.conj(0.5 * (unit[1:] + unit[:-1]))).real
+    moved = (np.diff(planar(track)) * np.conj(unit[:-1])).real
     turned = np.angle(unit[1:] * np.conj(unit[:-1]))
     both = ~np.isnan(turned)
     known = both & ~np.isnan(moved)
