@@ -49,8 +49,8 @@ def test_products_equal_the_naive_sum():
 
 
 def test_mean_squared_displacement_equals_trackpys():
-    trackpy = pytest.importorskip("trackpy")
     import pandas as pd
+    import trackpy
 
     filmed = film(4, 3, 3.0, Walker(lost=0.1))
     frames = [

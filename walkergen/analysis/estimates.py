@@ -122,7 +122,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         return
     amplitude, rate, turn = fitted
     found["persistence_rate"] = rate
-    found["persistence_time"] = 1.0 / rate
+    found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
         # Noise of the headings, and their turning within an interval, shorten the projection.
@@ -133,7 +133,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     else:
         found["turning_bias"] = turn
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
-    found["persistence_length"] = abs(found["speed"]) / rate
+    found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
 
 def _within(decay: float) -> float:
@@ -175,7 +175,7 @@ def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) 
     found |= {"msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset}
     found["ballistic_speed"] = math.sqrt(max(speed2, 0.0))
     found["diffusivity"] = walks.diffusivity(speed2, rate, turn)
-    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2
+    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2 if speed2 else math.nan
     found["localisation_noise"] = math.sqrt(max(offset, 0.0) / 4.0)
 
 

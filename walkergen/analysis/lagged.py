@@ -61,6 +61,8 @@ def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
     reachable = lags < len(series)
     total, pairs = np.zeros(len(lags), complex), np.zeros(len(lags))
     near = lags[reachable]
+    if not len(near):
+        return total, pairs
     size = fft.next_fast_len(2 * len(series))
     values = fft.fft(np.where(seen, series, 0.0), size)
     weight = fft.fft(seen.astype(float), size)

@@ -170,8 +170,8 @@ def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
 
 def _bins(values: Array, step: int) -> Array:
     """Edges by the rule of Freedman and Diaconis for the displacements that do not overlap."""
-    if len(values) < 2 or np.ptp(values) == 0:
-        return np.zeros(0)
+    if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
+        return np.zeros(0)  # rounding has no density
     low, high = np.quantile(values, [0.25, 0.75])
     width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
     count = math.ceil(np.ptp(values) / width) if width > 0 else 1

@@ -68,6 +68,7 @@ def fit(
         return np.asarray(difference, dtype=float)
 
     scale = np.where(np.asarray(start) == 0.0, 1.0 / lag[-1], np.abs(start))
-    with np.errstate(over="ignore"):  # far trial points may overflow; they are rejected
+    # Far trial points may overflow; they are rejected.
+    with np.errstate(over="ignore", invalid="ignore"):
         found = least_squares(residuals, start, x_scale=scale, max_nfev=200)
     return np.asarray(found.x) if found.success else None

@@ -41,7 +41,8 @@ def msd_figure(motion: Motion, title: str) -> Figure:
         axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=1, label="ballistic, ∝ t²")
     if diffusivity:
         axes.plot(lag, 4 * diffusivity * lag, ":", color="0.35", lw=1.4, label="diffusive, ∝ t")
-    if (crossover := motion.estimates["crossover_time"].value) is not None:
+    crossover = motion.estimates["crossover_time"].value
+    if crossover is not None and limits[0][0] < crossover < limits[0][1]:
         axes.axvline(crossover, color="0.75", lw=0.8, zorder=0)
         axes.annotate(
             " crossover", (crossover, 0.02), xycoords=("data", "axes fraction"), color="0.4",
