@@ -99,6 +99,14 @@ def test_without_errors_the_scatter_tells_them():
         assert taken.errors[name] == pytest.approx(scatter * error, rel=0.01)
 
 
+@pytest.mark.parametrize("se", [1e-9, 1e3])
+def test_absurdly_sharp_or_vague_speeds_end_in_a_note(se):
+    speeds = measured(np.random.default_rng(9))
+    found = fits.fit_contact(speeds._replace(se=np.full(len(TILTS), se)), {"restitution": 0.8})
+    assert found.notes
+    assert np.isfinite(found.predicted).all()
+
+
 def test_speeds_at_several_plate_speeds_scale_with_them():
     speeds = measured(np.random.default_rng(6), plate=np.linspace(20, 40, len(TILTS)))
     found = fits.fit_contact(speeds, {"restitution": 0.8}, profiles=False)

@@ -219,6 +219,8 @@ def _interval(
     from scipy.optimize import brentq
 
     def excess(value: float) -> float:
+        if value == values[name]:  # the search from a grid need not find `least` to every digit
+            return -scale
         return _best(speeds, {**fixed, name: value})[1] - least - scale
 
     ends: list[float | None] = []
