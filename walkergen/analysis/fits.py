@@ -133,6 +133,7 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
 
         chi2, p_value = least, float(chi2_law.sf(least, dof))
     notes = [*_unseen(known), *_aligned(known, values, intervals)]
+    notes += _hazy(known, values, intervals)
     notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
     predicted = values["impact_speed_factor"] * unit_speeds(
         speeds, values["restitution"], values["friction"]
@@ -301,6 +302,19 @@ def _aligned(
     if any(_vague(values[name], known.errors[name], intervals.get(name)) for name in together):
         return [f"{names} cannot be told apart {told}: fix one, --fix {together[0]}=..."]
     return [f"{names} are strongly correlated {told}: quote them together"]
+
+
+def _hazy(
+    known: _Knowledge,
+    values: Mapping[str, float],
+    intervals: Mapping[str, tuple[float | None, float | None]],
+) -> list[str]:
+    """Parameters that the speeds depend on, but too little for their errors."""
+    return [
+        f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
+        for name, error in known.errors.items()
+        if error is not None and _vague(values[name], error, intervals.get(name))
+    ]
 
 
 def _vague(
