@@ -4,7 +4,9 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.config import Model, read
+import tomli_w
+
+from walkergen.config import Model, Section, read
 from walkergen.errors import InputError
 
 KINDS = ("walkers", "scenes", "printers")
@@ -52,6 +54,12 @@ def load(name_or_path: str, kind: str, model: type[Model]) -> Model:
         f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
         "or give the path of a TOML file"
     )
+
+
+def dump(model: Section, comment: str) -> str:
+    """A TOML file that `load` reads back, led by a comment of one line."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in comment)
+    return f"# {line}\n\n" + tomli_w.dumps(model.model_dump(mode="json", exclude_none=True))
 
 
 def listing() -> list[Entry]:

@@ -11,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from walkergen.accuracy import Study
     from walkergen.batch import Checked, Room
+    from walkergen.calibration import Fitted
     from walkergen.design import Design
+    from walkergen.experiment import Analysed
     from walkergen.hard_cases.selftest import Result
     from walkergen.plates import Place
     from walkergen.prediction import Prediction
@@ -313,6 +315,55 @@ def _room(value: float, limit: float) -> float:
     if not math.isfinite(value):
         return 0.0
     return limit / value if value > 0.0 else math.inf
+
+
+def motion_as_json(found: "Analysed") -> None:
+    """Print everything measured, and what was noted while reading."""
+    from walkergen.report import motion_tables
+
+    data = motion_tables.as_dict(found.motion)
+    data |= {"bad_rows": found.bad_rows, "notes": found.notes, "folder": str(found.folder)}
+    as_json(data)
+
+
+def motion(found: "Analysed", title: str) -> None:
+    """Print the table of what was measured."""
+    from rich.console import Console
+
+    from walkergen.report import motion_tables
+
+    console = Console(highlight=False)
+    if found.motion.by_plate_speed:
+        console.print(motion_tables.plate_table(found.motion))
+        console.print(motion_tables.line_told(found.motion), markup=False)
+    else:
+        console.print(motion_tables.to_table(found.motion, title))
+    for note in found.notes:
+        console.print(note, markup=False)
+    print(f"tables and figures in {found.folder}/")
+
+
+def fit_as_json(found: "Fitted") -> None:
+    """Print the fitted parameters and what was noted."""
+    from walkergen.report import fit_tables
+
+    data = fit_tables.as_dict(found.fit)
+    as_json(data | {"notes": found.notes, "folder": str(found.folder)})
+
+
+def fit(found: "Fitted", title: str) -> None:
+    """Print the table of fitted parameters and what to make of them."""
+    from rich.console import Console
+
+    from walkergen.report import fit_tables
+
+    console = Console(highlight=False)
+    console.print(fit_tables.to_table(found.fit, title))
+    told = (fit_tables.quality(found.fit), fit_tables.correlations(found.fit), *found.notes)
+    for line in told:
+        if line:
+            console.print(line, markup=False)
+    print(f"tables, figure and scene.toml in {found.folder}/")
 
 
 @contextmanager

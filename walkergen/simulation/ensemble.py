@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen import statistics
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
@@ -23,11 +24,6 @@ Array = npt.NDArray[np.float64]
 
 FEWEST_RUNS = 8
 """From this many runs on, their spread gives the standard error; below, the blocks of each run."""
-
-FEWEST_SAMPLES = 30
-"""Independent samples (pairs of correlation times) in the blocks below which an error bar is
-refused: the correlation time itself then comes out too short, and the error bar with it (by 40 %
-at 10 samples, 30 % at 25 and 10 % at 50; `walkergen accuracy` measures it)."""
 
 
 KINDS = ("I", "II", "III", "IV", "from rest", "II mirrored", "III mirrored")
@@ -130,24 +126,11 @@ def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summ
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:
-    """Integrated autocorrelation time of the block speeds (s), by Sokal's self-consistent window.
-
-    At least half a block; None without enough blocks.
-    """
-    series = [result.block_speeds for result in results if len(result.block_speeds) >= 32]
-    if not series:
+    """Integrated autocorrelation time of the block speeds (s); None without enough blocks."""
+    if not results:
         return None
-    centred = [speeds - speeds.mean() for speeds in series]
-    variance = float(np.mean([np.mean(speeds**2) for speeds in centred]))
-    if variance == 0.0:
-        return 0.5 * results[0].block_s
-    time_blocks = 0.5
-    for lag in range(1, min(len(speeds) for speeds in centred) // 4):
-        product = float(np.mean([np.mean(speeds[:-lag] * speeds[lag:]) for speeds in centred]))
-        time_blocks += product / variance
-        if lag >= 5.0 * time_blocks:
-            break
-    return max(time_blocks, 0.5) * results[0].block_s
+    series = [result.block_speeds for result in results]
+    return statistics.correlation_time(series, results[0].block_s)
 
 
 def standard_error(results: Sequence[RunResult], correlation: float | None) -> float | None:
@@ -161,12 +144,8 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
         return float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
     if not len(speeds) or correlation is None:
         return None
-    measured = sum(result.measured_s for result in results)
-    independent = measured / (2.0 * correlation)
-    if independent < FEWEST_SAMPLES:
-        return None
-    blocks = np.concatenate([result.block_speeds for result in results])
-    return float(blocks.std(ddof=1) / math.sqrt(independent))
+    blocks = [result.block_speeds for result in results]
+    return statistics.error_of_mean(blocks, results[0].block_s, correlation)
 
 
 def measure(

@@ -1,0 +1,240 @@
+"""Speed, persistence and spread from tracks of which everything is known."""
+
+import json
+
+import numpy as np
+import pytest
+from synthetic_tracks import Walker, film
+
+from walkergen.analysis import motion, walks
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.errors import InputError
+
+WALKER = Walker()
+
+
+def truth(walker):
+    return {
+        "speed": walker.speed,
+        "turning_bias": walker.turn,
+        "persistence_rate": walker.rate,
+        "persistence_time": 1 / walker.rate,
+        "persistence_length": walker.speed / walker.rate,
+        "ballistic_speed": walker.speed,
+        "diffusivity": walker.diffusivity,
+        "crossover_time": 4 * walker.diffusivity / walker.speed**2,
+        "localisation_noise": walker.noise,
+    }
+
+
+@pytest.mark.parametrize(
+    ("particles", "seconds", "headed"), [(1, 60.0, True), (1, 60.0, False), (16, 12.0, False)]
+)
+def test_stated_errors_cover_the_truth_as_they_should(particles, seconds, headed):
+    known = truth(WALKER)
+    scores = {name: [] for name in known}
+    for seed in range(30):
+        found = motion.analyse(film(seed, particles, seconds, interval=0.02, headed=headed))
+        for name, expected in known.items():
+            one = found.estimates[name]
+            assert one.value is not None, (name, one.reason)
+            scores[name].append((one.value - expected) / one.se)
+    for name, values in scores.items():
+        within = np.abs(values) < 1
+        # 68 % (66 % for errors from ten samples) +- 8.6 % of 30 films, 3 sigma.
+        assert 0.40 < within.mean() < 0.94, (name, within.mean())
+        assert np.mean(np.abs(values) < 3) > 0.85, name
+
+
+def test_headings_noise_is_told_and_does_not_slow_the_walker():
+    noisy = WALKER._replace(heading_noise=0.5, lost=0.0)
+    found = motion.analyse(film(1, 16, 20.0, noisy)).estimates
+    assert found["heading_noise"].value == pytest.approx(0.5, abs=4 * found["heading_noise"].se)
+    # Uncorrected, the projection would be exp(-0.5^2/2) = 0.88 of the speed.
+    assert found["speed"].se < 0.01 * noisy.speed
+    assert found["speed"].value == pytest.approx(30.0, abs=4 * found["speed"].se)
+
+
+def test_localisation_noise_does_not_speed_up_a_resting_walker():
+    resting = Walker(speed=0.0, noise=0.2)
+    found = motion.analyse(film(2, 16, 20.0, resting)).estimates
+    assert abs(found["speed"].value) < 4 * found["speed"].se
+    assert found["speed"].se < 0.1  # frame by frame it would seem to run at 28 mm/s
+
+
+def test_localisation_noise_does_not_shift_speed_and_persistence_without_headings():
+    # 0.5 mm of noise in a run of 1.2 mm between the positions that a displacement is made of.
+    noisy = Walker(noise=0.5, lost=0.0, turn=0.0)
+    found = motion.analyse(film(14, 16, 20.0, noisy, headed=False)).estimates
+    for name, expected in (
+        ("speed", 30.0), ("persistence_time", 1.0), ("ballistic_speed", 30.0),
+        ("localisation_noise", 0.5),
+    ):  # fmt: skip
+        assert found[name].value == pytest.approx(expected, abs=3.5 * found[name].se), name
+        assert found[name].se < 0.1 * expected
+
+
+def test_products_of_displacements_share_no_position():
+    resting = film(15, 8, 20.0, Walker(speed=0.0, noise=1.0, lost=0.0), headed=False)
+    curve = motion.analyse(resting).correlation
+    assert curve.at[0] == pytest.approx(0.05)
+    # Pure noise has no correlation: a shared position would give 2 mm^2.
+    assert curve.value[0] < 0.1
+
+
+def test_a_mirrored_film_turns_the_other_way():
+    one = film(3, 12, 20.0)
+    mirrored = one._replace(
+        tracks=tuple(
+            t._replace(position=t.position * [1, -1], heading=-t.heading) for t in one.tracks
+        )
+    )
+    left, right = (motion.analyse(x).estimates for x in (one, mirrored))
+    assert left["turning_bias"].value == pytest.approx(-right["turning_bias"].value)
+    for name in ("speed", "persistence_time", "diffusivity"):
+        assert left[name].value == pytest.approx(right[name].value, rel=1e-6)
+
+
+def test_persistence_beyond_the_film_is_refused_with_a_bound():
+    straight = WALKER._replace(rate=0.002, turn=0.0)
+    found = motion.analyse(film(4, 12, 10.0, straight)).estimates
+    assert found["speed"].value == pytest.approx(30.0, abs=4 * found["speed"].se)
+    for name in ("persistence_time", "diffusivity", "crossover_time"):
+        assert found[name].value is None
+    assert "more than" in found["persistence_time"].reason
+    assert "ballistic" in found["diffusivity"].reason
+
+
+def test_few_data_are_refused_with_the_reason():
+    found = motion.analyse(film(5, 1, 0.2), lag_s=0.04).estimates
+    assert all(one.value is None or one.se is not None for one in found.values())
+    assert found["speed"].value is None
+    assert "32" in found["speed"].reason
+
+
+def test_stubs_of_tracks_do_not_pass_for_walkers():
+    whole = film(9, 2, 40.0)
+    stubs = tuple(
+        Track(100 + n, whole.tracks[0].position[5 * n : 5 * n + 4], whole.tracks[0].heading[:4])
+        for n in range(40)
+    )
+    found = motion.analyse(whole._replace(tracks=whole.tracks + stubs))
+    assert "pieces" in found.method
+    alone = motion.analyse(whole).estimates["persistence_time"]
+    one = found.estimates["persistence_time"]
+    assert one.value == pytest.approx(alone.value, abs=alone.se)
+    assert one.se == pytest.approx(alone.se, rel=0.5)
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda rng, heading: heading, None),
+        (lambda rng, heading: heading + np.pi * rng.integers(0, 2, len(heading)), "half turn"),
+        (lambda rng, heading: -heading, "mirrored"),
+        (lambda rng, heading: heading + np.pi, "backwards"),
+    ],
+    ids=["sound", "half-turns", "mirrored", "backwards"],
+)
+def test_headings_that_cannot_be_right_are_doubted(change, told):
+    rng, one = np.random.default_rng(1), film(10, 8, 10.0)
+    changed = tuple(t._replace(heading=change(rng, t.heading)) for t in one.tracks)
+    doubts = motion.analyse(one._replace(tracks=changed)).doubts
+    assert doubts == [] if told is None else any(told in doubt for doubt in doubts)
+
+
+def lane(seed, particles, frames, speed=60.0, plate=None, interval=0.01, memory=5.0):
+    """Walkers in a lane whose speed fluctuates by 30 mm/s with a memory of some frames."""
+    rng = np.random.default_rng(seed)
+    tracks = []
+    for number in range(particles):
+        kicks = rng.normal(size=frames)
+        fluctuation = np.zeros(frames)
+        for i in range(1, frames):
+            fluctuation[i] = fluctuation[i - 1] * np.exp(-1 / memory) + kicks[i]
+        path = np.cumsum(speed + 30.0 * fluctuation / fluctuation.std()) * interval
+        tracks.append(Track(number, path[:, None], None, plate))
+    return Tracks(tuple(tracks), interval, 0, "")
+
+
+@pytest.mark.parametrize(("particles", "frames"), [(1, 3000), (10, 400)])
+def test_lane_speed_covers_the_truth_within_one_track_and_between_many(particles, frames):
+    scores = []
+    for seed in range(60):
+        one = motion.analyse(lane(seed, particles, frames)).estimates["lane_speed"]
+        scores.append((one.value - 60.0) / one.se)
+    assert 0.5 < np.mean(np.abs(scores) < 1) < 0.86  # 68 % +- 6 % of 60 runs, 3 sigma
+
+
+def test_a_lane_film_of_few_correlation_times_is_refused():
+    # Memory of 1 s in 10 s of film: five independent speeds.
+    found = motion.analyse(lane(3, 1, 1000, memory=100.0)).estimates
+    assert found["speed"].value is None
+    assert "correlated over" in found["speed"].reason
+
+
+def test_a_lane_has_no_turning_and_says_so():
+    found = motion.analyse(lane(1, 10, 400))
+    assert found.estimates["turning_bias"].reason
+    assert found.estimates["parallel_mean"].value == pytest.approx(60 * 0.04, rel=0.1)
+    assert not len(found.orthogonal.at)
+
+
+def test_densities_are_normalised_and_have_the_moments_told():
+    found = motion.analyse(film(6, 12, 20.0))
+    for curve, name in ((found.parallel, "parallel"), (found.orthogonal, "orthogonal")):
+        width = np.diff(curve.at)[0]
+        assert (curve.value * width).sum() == pytest.approx(1.0)
+        mean = (curve.at * curve.value * width).sum()
+        assert mean == pytest.approx(found.estimates[f"{name}_mean"].value, abs=0.02 * width + 1e-3)
+    # Along the body: v tau (1 - exp(-rate tau))/(rate tau), shortened by the headings' noise.
+    expected = 30 * (1 - np.exp(-0.04)) * np.exp(-0.5 * 0.08**2)
+    one = found.estimates["parallel_mean"]
+    assert one.value == pytest.approx(expected, abs=4 * one.se)
+    assert abs(found.estimates["orthogonal_mean"].value) < 0.02
+
+
+def test_speed_over_plate_speed_is_a_line_through_the_origin():
+    runs = [lane(n, 8, 400, 2.0 * plate, plate) for n, plate in enumerate((15.0, 20.0, 30.0))]
+    together = runs[0]._replace(tracks=tuple(t for run in runs for t in run.tracks))
+    found = motion.analyse(together)
+    assert [plate for plate, _ in found.by_plate_speed] == [15.0, 20.0, 30.0]
+    assert found.line.slope == pytest.approx(2.0, abs=4 * found.line.slope_se)
+    assert found.line.p_value > 1e-3
+    assert found.estimates["speed"].value is None
+    assert "plate speeds" in found.estimates["speed"].reason
+
+
+def test_a_lag_outside_the_film_is_refused():
+    for lag_s in (0.001, 100.0, float("nan")):
+        with pytest.raises(InputError, match="--lag-ms"):
+            motion.analyse(film(7, 2, 2.0), lag_s)
+
+
+def test_the_walks_limits():
+    lag = np.array([1e-6, 1e-3, 1.0])
+    np.testing.assert_allclose(walks.squared(lag, 9.0, 1e-9, 0.0), 9.0 * lag**2, rtol=1e-6)
+    late = np.array([1e4])
+    expected = 4 * walks.diffusivity(9.0, 2.0, 0.5) * late
+    np.testing.assert_allclose(walks.squared(late, 9.0, 2.0, 0.0, 0.5), expected, rtol=1e-3)
+    # The closed form of the window against the sum it stands for.
+    inner = np.linspace(0, 0.3, 301)
+    weights = np.ones(301)
+    weights[[0, -1]] = 0.5
+    weights /= weights.sum()
+    grid = 1.0 + inner[None, :] - inner[:, None]
+    exact = weights @ np.exp((-2.0 + 0.5j) * grid) @ weights
+    found = walks.decay(np.array([1.0]), 1.0, 2.0, 0.5, window=0.3)[0]
+    assert found == pytest.approx(exact, rel=1e-5)  # trapezium rule on 300 intervals
+
+
+def test_the_summary_is_plain_json():
+    from walkergen.report import motion_tables
+
+    for tracks in (film(8, 3, 3.0), lane(1, 2, 100), film(8, 1, 0.1)):
+        data = motion_tables.as_dict(motion.analyse(tracks))
+        assert json.loads(json.dumps(data, allow_nan=False)) == data
+        assert data["particles"] == len(tracks.tracks)
+        for key in ("speed_mm_s", "speed_se_mm_s", "persistence_time_s", "persistence_time_se_s"):
+            assert key in data
+            assert data[key] is not None or data["refused"]

@@ -1,0 +1,264 @@
+"""From sums over tracks to numbers with errors: what is computed, and when it is refused."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import statistics
+from walkergen.analysis import walks
+from walkergen.analysis.moments import Grid, Moments
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+SIGNIFICANT = 3.0
+"""Standard errors by which a rate or an offset has to differ from 0 to be inverted or reported."""
+
+DECAYED = 0.2
+"""Share of the direction that has to be lost at the longest fitted lag: less is extrapolation."""
+
+FEWEST_SAMPLES = 8
+"""Independent samples below which every error, and so every number, is refused."""
+
+UNITS = {
+    "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
+    "turning_bias": "rad_s", "persistence_rate": "per_s", "persistence_time": "s",
+    "persistence_length": "mm", "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
+    "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
+}  # fmt: skip
+"""What is estimated, and in which unit (as keys write it).
+
+`speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
+mean square of the part of the velocity that persists for longer than the lag of displacements.
+"""
+
+HEADED = ("body_speed", "heading_noise")
+ACROSS = ("orthogonal_mean", "orthogonal_sd")
+ALONG = ("parallel_mean", "parallel_sd")
+TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
+
+
+IN_A_LANE = "along a lane, where direction does not turn"
+HEADINGS_KNOWN = "headings are known: see body_speed"
+"""Refusals that no better film would change; tables leave such lines out."""
+
+
+class Estimate(NamedTuple):
+    """A number with its standard error; both None when refused, and then `reason` says why."""
+
+    value: float | None
+    se: float | None
+    reason: str = ""
+
+
+class Frame(NamedTuple):
+    """What sums are turned into numbers with, the same for the whole and for every replicate."""
+
+    grid: Grid
+    interval: float
+    """Between samples of a track, s."""
+    lane: bool
+    headed: bool
+    """Whether headings are known."""
+    square_errors: Array
+    """Of the mean squared displacement by lag, mm^2; NaN where it is not to be fitted."""
+    turn_errors: Array
+    """Of the correlation: of its real parts by lag, then of its imaginary parts."""
+
+
+def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
+    """Sums over their numbers; NaN where there are none."""
+    return np.where(pairs > 0, sums / np.maximum(pairs, 1.0), np.nan)
+
+
+def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
+    """Every number of UNITS, NaN where it has no meaning or no fit, and the fits' own."""
+    found = dict.fromkeys((*UNITS, "msd_speed2", "msd_rate", "msd_offset"), math.nan)
+    found["lane_speed"] = _ratio(sums.run) / frame.interval
+    _spread(found, "parallel", sums.along)
+    _spread(found, "orthogonal", sums.across)
+    if frame.lane:
+        found["speed"] = found["lane_speed"]
+        _dispersion(found, sums, frame)
+    else:
+        _persistence(found, sums, frame)
+        _squared_displacement(found, sums, frame)
+    return found
+
+
+def _ratio(pair: Array) -> float:
+    return float(pair[0] / pair[1]) if pair[1] > 0 else math.nan
+
+
+def _spread(found: dict[str, float], name: str, powers: Array) -> None:
+    count, first, second = powers
+    if count > 1:
+        found[f"{name}_mean"] = first / count
+        found[f"{name}_sd"] = math.sqrt(max(second / count - (first / count) ** 2, 0.0))
+
+
+def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
+    """Rate at which the direction forgets itself, mean turning, and the speed they go with."""
+    window = 0.0 if frame.headed else frame.grid.step * frame.interval
+    lag = frame.grid.turn_lags * frame.interval
+    values = np.asarray(mean(sums.turn, sums.turn_pairs), dtype=complex)
+    real, imaginary = np.split(frame.turn_errors, 2)
+    errors = np.hypot(real, imaginary) / math.sqrt(2.0)
+    use = np.isfinite(values) & (errors > 0)
+    if use.sum() < 4:
+        return
+    lag, values, errors = lag[use], values[use], errors[use]
+    start = _start(lag, values, errors)
+
+    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        return walks.decay(at, amplitude, rate, turn, window)
+
+    fitted = walks.fit(model, lag, values, errors, start)
+    if fitted is None:
+        return
+    amplitude, rate, turn = fitted
+    found["persistence_rate"] = rate
+    found["persistence_time"] = 1.0 / rate if rate else math.inf
+    if frame.headed:
+        found["turning_bias"] = _ratio(sums.turned) / frame.interval
+        # Noise of the headings, and their turning within an interval, shorten the projection.
+        shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
+        raw = _ratio(sums.body) / frame.interval
+        found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
+        found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
+    else:
+        found["turning_bias"] = turn
+        found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
+    found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
+
+
+def _within(decay: float) -> float:
+    """Mean of exp(-decay t) over t in 0..1: what is left of a heading over an interval."""
+    return -math.expm1(-decay) / decay if decay else 1.0
+
+
+def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
+    """Amplitude, rate and turn near those of the best fit, the turn followed from lag to lag."""
+    size = np.abs(values)
+    turn = 0.0
+    for at, value, error in zip(lag, values, errors, strict=True):
+        if abs(value) > 3.0 * error:
+            turn += float(np.angle(value * np.exp(-1j * turn * at))) / at
+    fallen = np.flatnonzero(size < size[0] / math.e)
+    # Without such a fall, the rate by which the last lag lies below the first.
+    at, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
+    return float(size[0]), fall / lag[at], turn
+
+
+def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
+    """Ballistic and diffusive limits of one persistent walk (paper's figure 6a), and its offset."""
+    lag = frame.grid.square_lags * frame.interval
+    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
+    use = np.isfinite(values) & (frame.square_errors > 0)
+    rate, turn = found["persistence_rate"], found["turning_bias"]
+    if use.sum() < 4 or math.isnan(rate):
+        return
+
+    def model(at: Array, speed2: float, rate: float, offset: float) -> Array:
+        return walks.squared(at, speed2, rate, offset, turn)
+
+    middle = np.flatnonzero(use)[int(use.sum()) // 2]
+    start = (values[middle] / lag[middle] ** 2, rate, 0.0)
+    fitted = walks.fit(model, lag[use], values[use], frame.square_errors[use], start)
+    if fitted is None:
+        return
+    speed2, rate, offset = (float(value) for value in fitted)
+    found |= {"msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset}
+    found["ballistic_speed"] = math.sqrt(max(speed2, 0.0))
+    found["diffusivity"] = walks.diffusivity(speed2, rate, turn)
+    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2 if speed2 else math.nan
+    found["localisation_noise"] = math.sqrt(max(offset, 0.0) / 4.0)
+
+
+def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
+    """Spread about the mean run in a lane, 2 D lag, from the last decade of fitted lags."""
+    lag = frame.grid.square_lags * frame.interval
+    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
+    use = np.isfinite(values) & (frame.square_errors > 0)
+    use &= lag >= 0.1 * lag[use].max(initial=0.0)
+    speed = found["lane_speed"]
+    if use.sum() < 4:
+        return
+    spread = values[use] - (speed * lag[use]) ** 2
+    # The error of a variance grows with the variance itself: weights 1/lag.
+    slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
+    found["diffusivity"] = 0.5 * float(slope)
+    found["crossover_time"] = float(slope) / speed**2 if speed else math.nan
+
+
+def judge(
+    values: Mapping[str, float],
+    replicates: Sequence[Mapping[str, float]],
+    frame: Frame,
+    means: Mapping[str, tuple[float, str]],
+    longest_s: float,
+) -> dict[str, Estimate]:
+    """Values with jackknife errors, or refusals.
+
+    `means` has the errors, or the reasons of refusal, of what the samples are too short for;
+    `longest_s` is the longest lag.
+    """
+    errors = {name: error for name, (error, _) in means.items()}
+    for name in values.keys() - errors.keys():
+        spread = np.array([[one[name]] for one in replicates])
+        finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
+        errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
+    refused = {name: reason for name, (_, reason) in means.items() if reason}
+    refused |= _meaningless(frame) | _unresolved(values, errors, frame, longest_s)
+    if len(replicates) < FEWEST_SAMPLES:
+        few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
+        refused = dict.fromkeys(UNITS, few)
+    estimates = {}
+    for name in UNITS:
+        reason = refused.get(name, "")
+        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
+            reason = "too few data for its fit: film for longer"
+        value, error = (None, None) if reason else (values[name], errors[name])
+        estimates[name] = Estimate(value, error, reason)
+    return estimates
+
+
+def _meaningless(frame: Frame) -> dict[str, str]:
+    if frame.lane:
+        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
+        return dict.fromkeys((*names, "localisation_noise"), IN_A_LANE)
+    if frame.headed:
+        return {"motion_speed": HEADINGS_KNOWN}
+    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
+
+
+def _unresolved(
+    values: Mapping[str, float], errors: Mapping[str, float], frame: Frame, longest_s: float
+) -> dict[str, str]:
+    """Rates that the data cannot tell from zero: a quotient by one has no error bar."""
+    found = {}
+    if frame.lane:
+        if not values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]:
+            found["crossover_time"] = "the spread about the mean run is too small to tell"
+        return found
+    rate, error = values["persistence_rate"], errors["persistence_rate"]
+    if not (rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
+        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
+        at_least = max(rate, 0.0) + 2.0 * error
+        if math.isfinite(at_least) and at_least > 0:
+            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
+        found |= dict.fromkeys(("persistence_time", "persistence_length"), told)
+    rate, error = values["msd_rate"], errors["msd_rate"]
+    resolved = values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]
+    if not (resolved and rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
+        told = f"ballistic at all lags up to {longest_s:.3g} s: film for longer"
+        found |= dict.fromkeys(("diffusivity", "crossover_time"), told)
+    offset, error = values["msd_offset"], errors["msd_offset"]
+    if not offset > SIGNIFICANT * error:
+        most = math.sqrt((max(offset, 0.0) + 2.0 * error) / 4.0) if math.isfinite(error) else 0.0
+        found["localisation_noise"] = f"not resolved: below {most:.2g} mm (95 %)"
+    return found

@@ -1,0 +1,344 @@
+"""The contact's parameters from measured speeds, by weighted least squares.
+
+The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
+(physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly at
+every trial of the other two (variable projection, Golub and Pereyra 1973).
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.mass import MassProperties
+from walkergen.theory.speed import LawName, Mode, factor
+from walkergen.theory.tensors import InverseMass, feet
+
+Array = npt.NDArray[np.float64]
+
+RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
+"""What can be fitted, and within which range it is sought."""
+
+GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
+"""Where the search starts from: speeds have kinks and more than one minimum in friction."""
+
+ALIGNED = 0.05
+"""Smallest eigenvalue of the normalised information below which parameters go together; for two of
+them it is 1 - |correlation|."""
+
+NEARLY_STILL = 0.05
+"""Speed over plate speed below which walkers are not fitted: rigid legs have some 1e-3."""
+
+SINGULAR = 1e-6
+"""Share of the information below which there is none: differences of speeds have 1e-9."""
+
+VAGUE = 3.0
+"""Ratio of an interval's ends from which a parameter counts as not determined."""
+
+
+class Speeds(NamedTuple):
+    """Measured speeds and what the theory needs to predict them, n of each."""
+
+    speed: Array
+    """mm/s"""
+    se: Array | None
+    """Standard errors, mm/s; None when unknown: then the scatter about the fit tells them."""
+    plate_speed: Array
+    """Peak speed of the plate, mm/s."""
+    back: InverseMass
+    """Tensors at the back feet, entries of shape (n,)."""
+    front: InverseMass
+    law: LawName
+    mode: Mode
+
+
+class ContactFit(NamedTuple):
+    """Parameters of the contact that describe measured speeds best."""
+
+    values: dict[str, float]
+    """All of RANGES, fixed or fitted."""
+    errors: dict[str, float | None]
+    """Standard errors of the fitted, from the covariance; None where it does not exist."""
+    intervals: dict[str, tuple[float | None, float | None]]
+    """68 % intervals of the fitted by profile likelihood; None: no end within the range."""
+    covariance: Array
+    """Of the fitted, in their order; of what the speeds depend on at all (pseudo-inverse)."""
+    correlation: Array
+    chi2: float | None
+    """None without standard errors of the speeds."""
+    dof: int
+    p_value: float | None
+    predicted: Array
+    """Fitted speeds, mm/s, shape (n,)."""
+    notes: list[str]
+    """What the speeds do not tell, and where the theory fails to describe them."""
+
+    @property
+    def free(self) -> list[str]:
+        """Names of what was fitted."""
+        return list(self.errors)
+
+
+def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
+    """Tensors at the back and the front feet of n walkers, entries of shape (n,)."""
+    both = [feet(mass) for mass in masses]
+    return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
+
+
+def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
+    """Speeds (mm/s) at impact_speed_factor 1: shape of the parameters, then (n,)."""
+    e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
+    mean = 0.5 * (
+        factor(speeds.back, e, mu, speeds.mode, speeds.law)
+        + factor(speeds.front, e, mu, speeds.mode, speeds.law)
+    )
+    return speeds.plate_speed * mean
+
+
+def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = True) -> ContactFit:
+    """The parameters not `fixed`, by weighted least squares; profiles take about a second.
+
+    Raises InputError when there are fewer speeds than parameters plus one, or when the theory
+    gives nearly speed 0 to all walkers.
+    """
+    free = [name for name in RANGES if name not in fixed]
+    dof = len(speeds.speed) - len(free)
+    if not free:
+        raise InputError("--fix: nothing is left to fit; leave one of them free")
+    if dof < 1:
+        raise InputError(
+            f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
+            f"at least {len(free) + 1}, or fix some: --fix restitution=0.8"
+        )
+    if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
+        raise InputError(
+            "the theory gives nearly speed 0 to all these walkers, as to all rigid legs: they tell "
+            "nothing of the contact; add walkers with flexible, tilted legs"
+        )
+    values, least = _best(speeds, fixed)
+    scale = 1.0 if speeds.se is not None else least / dof
+    slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]
+    known = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
+    errors = known.errors
+    intervals = {
+        name: _interval(speeds, fixed, values, name, errors[name], least, scale)
+        for name in (free if profiles else ())
+    }
+    chi2 = p_value = None
+    if speeds.se is not None:
+        from scipy.stats import chi2 as chi2_law
+
+        chi2, p_value = least, float(chi2_law.sf(least, dof))
+    notes = [*_unseen(known), *_aligned(known, values, intervals)]
+    notes += _hazy(known, values, intervals)
+    notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
+    predicted = values["impact_speed_factor"] * unit_speeds(
+        speeds, values["restitution"], values["friction"]
+    )
+    return ContactFit(
+        values, errors, intervals, known.covariance, known.correlation, chi2, dof, p_value,
+        predicted, notes,
+    )  # fmt: skip
+
+
+def _errors(speeds: Speeds) -> Array:
+    return np.ones_like(speeds.speed) if speeds.se is None else speeds.se
+
+
+def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
+    """Best parameters with some held, and their chi2: a grid, refined from its lowest point."""
+    from scipy.optimize import least_squares
+
+    names = [name for name in GRID if name not in fixed]
+    axes = [GRID[name] if name in names else np.array([fixed[name]]) for name in GRID]
+    e, mu = np.meshgrid(*axes, indexing="ij")
+    errors, held = _errors(speeds), fixed.get("impact_speed_factor")
+
+    def residuals(unit: Array) -> Array:
+        scaled = (_scale(unit, speeds, held)[..., None] * unit - speeds.speed) / errors
+        return np.asarray(scaled, dtype=float)
+
+    misfit = np.sum(residuals(unit_speeds(speeds, e, mu)) ** 2, axis=-1)
+    lowest = np.unravel_index(np.argmin(misfit), misfit.shape)
+    point = {"restitution": float(e[lowest]), "friction": float(mu[lowest])}
+    least = float(misfit[lowest])
+    if names:
+        low, high = np.array([RANGES[name] for name in names]).T
+
+        def at(trial: Array) -> Array:
+            now = point | dict(zip(names, trial, strict=True))
+            return residuals(unit_speeds(speeds, now["restitution"], now["friction"]))
+
+        start = np.clip([point[name] for name in names], low, high)
+        found = least_squares(at, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
+        if 2.0 * found.cost < least:
+            least = 2.0 * float(found.cost)
+            point |= {name: float(value) for name, value in zip(names, found.x, strict=True)}
+    unit = unit_speeds(speeds, point["restitution"], point["friction"])
+    return point | {"impact_speed_factor": float(_scale(unit, speeds, held))}, least
+
+
+def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
+    """The best impact_speed_factor for speeds at factor 1, shape (..., n) to (...)."""
+    if held is not None:
+        return np.full(unit.shape[:-1], held)
+    weights = _errors(speeds) ** -2.0
+    norm = np.sum(weights * unit**2, axis=-1)
+    best = np.sum(weights * unit * speeds.speed, axis=-1) / np.where(norm > 0, norm, 1.0)
+    result: Array = np.clip(best, *RANGES["impact_speed_factor"])
+    return result
+
+
+def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
+    """Derivatives of the speeds by the free parameters, shape (n, free), central differences."""
+    columns = []
+    for name in free:
+        step = 1e-5 * max(values[name], 0.01)
+        low, high = RANGES[name]
+        ends = [min(max(values[name] + side * step, low), high) for side in (-1, 1)]
+        below, above = (
+            now["impact_speed_factor"] * unit_speeds(speeds, now["restitution"], now["friction"])
+            for now in (dict(values) | {name: end} for end in ends)
+        )
+        columns.append((above - below) / (ends[1] - ends[0]))
+    return np.stack(columns, axis=1)
+
+
+def _interval(
+    speeds: Speeds,
+    fixed: Mapping[str, float],
+    values: Mapping[str, float],
+    name: str,
+    error: float | None,
+    least: float,
+    scale: float,
+) -> tuple[float | None, float | None]:
+    """Where the best chi2 at a given value of one parameter passes the least by `scale`."""
+    from scipy.optimize import brentq
+
+    def excess(value: float) -> float:
+        if value == values[name]:  # the search from a grid need not find `least` to every digit
+            return -scale
+        return _best(speeds, {**fixed, name: value})[1] - least - scale
+
+    ends: list[float | None] = []
+    for side, limit in zip((-1, 1), RANGES[name], strict=True):
+        if excess(limit) <= 0:
+            ends.append(None)
+            continue
+        inner, step = values[name], error or 0.1 * abs(values[name]) or 0.01
+        outer = inner
+        while outer != limit and (outer == inner or excess(outer) <= 0):
+            inner, outer = outer, (max if side < 0 else min)(outer + side * step, limit)
+            step *= 2.0
+        ends.append(float(brentq(excess, inner, outer, xtol=1e-4 * step, rtol=1e-4)))
+    return ends[0], ends[1]
+
+
+class _Knowledge(NamedTuple):
+    """What the speeds tell of the parameters near the best ones."""
+
+    errors: dict[str, float | None]
+    covariance: Array
+    correlation: Array
+    unseen: list[str]
+    """Parameters that no speed depends on."""
+    together: list[str]
+    """Parameters of the combination that is known least."""
+    level: float
+    """Eigenvalue of the normalised information that belongs to it."""
+
+
+def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
+    """Covariance by the eigenvectors of the information; `slopes` (n, free) in standard errors."""
+    information = slopes.T @ slopes
+    norm = np.sqrt(np.diag(information))
+    weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
+    unseen = weight <= SINGULAR * weight.max()
+    norm = np.where(unseen, 1.0, norm)
+    normalised = np.where(unseen[:, None] | unseen, 0.0, information / np.outer(norm, norm))
+    levels, vectors = np.linalg.eigh(normalised)
+    told = levels > SINGULAR
+    inverse = (vectors[:, told] / levels[told]) @ vectors[:, told].T
+    covariance = inverse / np.outer(norm, norm)
+    widths = np.sqrt(np.diag(covariance))
+    lost = unseen | (np.abs(vectors[:, ~told]) > 0.1).any(axis=1)
+    width = np.where(widths > 0, widths, 1.0)
+    least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
+    return _Knowledge(
+        {
+            name: None if gone else float(one)
+            for name, gone, one in zip(free, lost, widths, strict=True)
+        },
+        covariance,
+        covariance / np.outer(width, width),
+        [name for name, gone in zip(free, unseen, strict=True) if gone],
+        [name for name, part in zip(free, vectors[:, least], strict=True) if abs(part) > 0.2],
+        float(levels[least]),
+    )
+
+
+def _unseen(known: _Knowledge) -> list[str]:
+    return [
+        f"{name}: none of these speeds depends on it; measure other tilts, or fix it"
+        for name in known.unseen
+    ]
+
+
+def _aligned(
+    known: _Knowledge,
+    values: Mapping[str, float],
+    intervals: Mapping[str, tuple[float | None, float | None]],
+) -> list[str]:
+    """Parameters of which only a combination is known."""
+    if known.level > ALIGNED or len(known.together) < 2:
+        return []
+    together = known.together
+    names = ", ".join(together[:-1]) + f" and {together[-1]}"
+    told = f"(smallest eigenvalue of the information {max(known.level, 0.0):.2g})"
+    if any(_vague(values[name], known.errors[name], intervals.get(name)) for name in together):
+        return [f"{names} cannot be told apart {told}: fix one, --fix {together[0]}=..."]
+    return [f"{names} are strongly correlated {told}: quote them together"]
+
+
+def _hazy(
+    known: _Knowledge,
+    values: Mapping[str, float],
+    intervals: Mapping[str, tuple[float | None, float | None]],
+) -> list[str]:
+    """Parameters that the speeds depend on, but too little for their errors."""
+    return [
+        f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
+        for name, error in known.errors.items()
+        if error is not None and _vague(values[name], error, intervals.get(name))
+    ]
+
+
+def _vague(
+    value: float, error: float | None, interval: tuple[float | None, float | None] | None
+) -> bool:
+    if error is None:
+        return True
+    low, high = interval or (value - error, value + error)
+    return low is None or high is None or high > VAGUE * low
+
+
+def _at_limits(values: Mapping[str, float], free: Sequence[str]) -> list[str]:
+    return [
+        f"{name} lies at the limit {limit:g} of its range: its standard error means nothing there"
+        for name in free
+        for limit in RANGES[name]
+        if math.isclose(values[name], limit, rel_tol=1e-6, abs_tol=1e-6)
+    ]
+
+
+def _poor(p_value: float | None, chi2: float | None, dof: int) -> list[str]:
+    if p_value is None or chi2 is None or p_value > 1e-3:
+        return []
+    return [
+        f"chi2 {chi2:.3g} for {dof} degrees of freedom (probability {p_value:.1g}): the theory "
+        "does not describe these speeds within their errors, which the errors here suppose"
+    ]

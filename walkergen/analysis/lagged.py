@@ -1,0 +1,78 @@
+"""Sums over all pairs of samples a lag apart, with gaps, by fast Fourier transform.
+
+A sum and the number of its pairs are kept apart, so that tracks, and pieces of tracks, add up.
+Samples that are NaN take part in no pair.
+"""
+
+import numpy as np
+import numpy.typing as npt
+from scipy import fft
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+Lags = npt.NDArray[np.int64]
+
+
+def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
+    """Sum of |r(t + lag) - r(t)|^2 and number of pairs, each of shape (lags,).
+
+    `position` (times, dimensions). The mean drift is taken out before the transforms and put back
+    after, so that digits are lost to the spread about it, not to the length of the run: relative
+    errors stay near 1e-16 (spread / displacement)^2 (Calandrini et al. 2011, without the drift).
+    """
+    seen: npt.NDArray[np.bool_] = ~np.isnan(position.sum(axis=1))
+    reachable = lags < len(position)
+    total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
+    if seen.sum() < 2:
+        return total, pairs
+    near = lags[reachable]
+    times = np.arange(len(position), dtype=float)
+    first, last = np.flatnonzero(seen)[[0, -1]]
+    drift = (position[last] - position[first]) / (last - first)
+    rest = position - drift * times[:, None]
+    rest = np.where(seen[:, None], rest - rest[seen].mean(axis=0), 0.0)
+    size = fft.next_fast_len(2 * len(position), real=True)
+    weight = fft.rfft(seen.astype(float), size)
+
+    def correlate(left: Complex, right: Complex) -> Array:
+        product: Array = fft.irfft(np.conj(left) * right, size)[near]
+        return product
+
+    count = np.rint(correlate(weight, weight))
+    found = np.zeros(len(near))
+    for axis in range(position.shape[1]):
+        values, squared = (fft.rfft(rest[:, axis] ** power, size) for power in (1, 2))
+        about = (
+            correlate(weight, squared) + correlate(squared, weight) - 2 * correlate(values, values)
+        )
+        shift = correlate(weight, values) - correlate(values, weight)
+        run = drift[axis] * near
+        found += about + run * (2 * shift + run * count)
+    total[reachable], pairs[reachable] = np.maximum(found, 0.0), count
+    return total, pairs
+
+
+def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
+    """Sum of conj(z(t)) z(t + lag) and number of pairs, each of shape (lags,).
+
+    `series` (times,), of order 1: errors of the sums are near 1e-16 times the number of samples.
+    """
+    seen = ~np.isnan(series)
+    reachable = lags < len(series)
+    total, pairs = np.zeros(len(lags), complex), np.zeros(len(lags))
+    near = lags[reachable]
+    if not len(near):
+        return total, pairs
+    size = fft.next_fast_len(2 * len(series))
+    values = fft.fft(np.where(seen, series, 0.0), size)
+    weight = fft.fft(seen.astype(float), size)
+    total[reachable] = fft.ifft(np.conj(values) * values)[near]
+    pairs[reachable] = np.rint(fft.ifft(np.conj(weight) * weight).real[near])
+    return total, pairs
+
+
+def spread_out(longest: int, count: int, shortest: int = 1) -> Lags:
+    """At most `count` whole lags from `shortest` to `longest`, evenly on a logarithmic scale."""
+    if longest < shortest:
+        return np.zeros(0, np.int64)
+    return np.unique(np.rint(np.geomspace(shortest, longest, count)).astype(np.int64))

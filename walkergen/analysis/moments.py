@@ -1,0 +1,196 @@
+"""Sums over tracks that every statistic of motion is made of, and the samples that they come from.
+
+Everything here is additive: the moments of two tracks, or of two pieces of one, are their sum. So
+one jackknife over independent samples gives the error of whatever is computed from the sums.
+"""
+
+import itertools
+from collections.abc import Iterable, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import lagged
+from walkergen.analysis.tracks import Track
+
+Array = npt.NDArray[np.float64]
+Complex = npt.NDArray[np.complex128]
+
+ENOUGH_PARTICLES = 8
+"""From this many particles on each is one independent sample; below, tracks are cut in pieces."""
+
+PIECES = 10
+"""At least so many pieces are cut, in all, of fewer particles."""
+
+MOST_GROUPS = 64
+"""Samples beyond this many are put together: more groups do not sharpen an error's error much."""
+
+
+class Grid(NamedTuple):
+    """At which lags, in samples of the tracks, and in which bins to sum."""
+
+    step: int
+    """Lag of the displacements whose density is asked for."""
+    square_lags: lagged.Lags
+    turn_lags: lagged.Lags
+    bins: tuple[Array, Array]
+    """Edges (mm) for displacements along and across; empty when not asked for."""
+
+
+class Moments(NamedTuple):
+    """Sums over one or many tracks; `grid` names the lags and bins."""
+
+    run: Array
+    """Displacement along x (mm) from first to last sample, and steps between them."""
+    body: Array
+    """Displacement along the heading (mm) over neighbouring samples, and number of these."""
+    turned: Array
+    """Change of heading (rad) over neighbouring samples, and number of these."""
+    along: Array
+    """Number, sum (mm), sum of squares of displacements over `step` along the heading."""
+    across: Array
+    square: Array
+    """Sum of squared displacements by lag, mm^2."""
+    square_pairs: Array
+    turn: Complex
+    """Sum of the products of headings (of displacements over `step`, mm^2, without them) by lag."""
+    turn_pairs: Array
+    density_along: Array
+    """Displacements in each bin."""
+    density_across: Array
+
+
+def total(parts: Iterable[Moments]) -> Moments:
+    """The sum."""
+    fields: list[Any] = [sum(field[1:], field[0]) for field in zip(*parts, strict=True)]
+    return Moments(*fields)
+
+
+def without(whole: Moments, part: Moments) -> Moments:
+    """The difference."""
+    fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
+    return Moments(*fields)
+
+
+def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
+    """Groups of independent samples, and the length that half of all time is spent in or above.
+
+    Particles when there are enough; otherwise at least PIECES pieces of their tracks, of about
+    equal length. Pieces are independent as far as increments forget: `motion` checks it.
+    """
+    long = [track for track in tracks if len(track.position) > 1]
+    pieces = _cut(long) if in_pieces(tracks) else long
+    if not pieces:
+        return [], 0
+    lengths = np.sort([len(piece.position) for piece in pieces])
+    length = int(lengths[np.searchsorted(np.cumsum(lengths), 0.5 * lengths.sum())])
+    count = min(len(pieces), MOST_GROUPS)
+    return [pieces[number::count] for number in range(count)], length
+
+
+def in_pieces(tracks: Sequence[Track]) -> bool:
+    """Whether there are too few particles to be the samples, so that their tracks are cut.
+
+    Particles count by the time that they were seen: many stubs do not make up for few tracks.
+    """
+    lengths = np.array([len(track.position) - 1.0 for track in tracks])
+    return bool(lengths.sum() ** 2 < ENOUGH_PARTICLES * (lengths**2).sum())
+
+
+def _cut(tracks: Sequence[Track]) -> list[Track]:
+    lengths = [len(track.position) - 1 for track in tracks]
+    size = sum(lengths) // PIECES
+    while size > 1 and sum(length // size for length in lengths) < PIECES:
+        size -= max(1, size // 50)
+    pieces = []
+    for track, length in zip(tracks, lengths, strict=True):
+        edges = np.linspace(0, length, max(length // max(size, 1), 1) + 1).astype(int)
+        for first, last in itertools.pairwise(edges):
+            window = slice(first, last + 1)  # neighbours share a position but no displacement
+            heading = None if track.heading is None else track.heading[window]
+            pieces.append(track._replace(position=track.position[window], heading=heading))
+    return pieces
+
+
+def measure(track: Track, grid: Grid) -> Moments:
+    """The moments of one track."""
+    forward, sideways = displacements(track, grid.step)
+    bins_along, bins_across = grid.bins
+    square, square_pairs = lagged.squares(track.position, grid.square_lags)
+    turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
+    return Moments(
+        _run(track),
+        *_body_and_turn(track),
+        _powers(forward),
+        _powers(sideways),
+        square,
+        square_pairs,
+        turn,
+        turn_pairs,
+        _histogram(forward, bins_along),
+        _histogram(sideways, bins_across),
+    )
+
+
+def planar(track: Track) -> Complex:
+    """Position x + i y, mm, shape (times,); NaN where it was not seen; y = 0 in a lane."""
+    result: Complex = track.position @ np.array([1.0, 1.0j])[: track.position.shape[1]]
+    return result
+
+
+def direction(track: Track, step: int) -> Complex:
+    """Unit vectors of the heading; without it, displacements over `step` (mm): shape (times,)."""
+    if track.heading is not None:
+        unit: Complex = np.exp(1j * track.heading)
+        return unit
+    position = planar(track)
+    return position[step:] - position[:-step] if step < len(position) else position[:0]
+
+
+def displacements(track: Track, step: int) -> tuple[Array, Array]:
+    """Displacements over `step` along and across the heading at their start (mm); no NaN.
+
+    Along and across x in a lane; none on a plane without headings, where the direction of motion
+    would have to be taken from the displacement itself.
+    """
+    none = np.zeros(0)
+    position = planar(track)
+    moved = position[step:] - position[:-step]
+    if track.position.shape[1] == 1:
+        return moved.real[~np.isnan(moved)], none
+    if track.heading is None:
+        return none, none
+    moved = moved * np.exp(-1j * track.heading[: len(moved)])
+    moved = moved[~np.isnan(moved)]
+    return moved.real, moved.imag
+
+
+def _run(track: Track) -> Array:
+    seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
+    if len(seen) < 2:
+        return np.zeros(2)
+    first, last = seen[0], seen[-1]
+    return np.array([track.position[last, 0] - track.position[first, 0], float(last - first)])
+
+
+def _body_and_turn(track: Track) -> tuple[Array, Array]:
+    if track.heading is None:
+        return np.zeros(2), np.zeros(2)
+    unit = np.exp(1j * track.heading)
+    moved = (np.diff(planar(track)) * np.conj(unit[:-1])).real
+    turned = np.angle(unit[1:] * np.conj(unit[:-1]))
+    both = ~np.isnan(turned)
+    known = both & ~np.isnan(moved)
+    return (
+        np.array([moved[known].sum(), float(known.sum())]),
+        np.array([turned[both].sum(), float(both.sum())]),
+    )
+
+
+def _powers(values: Array) -> Array:
+    return np.array([float(len(values)), values.sum(), (values**2).sum()])
+
+
+def _histogram(values: Array, edges: Array) -> Array:
+    return np.histogram(values, edges)[0].astype(float) if len(edges) else np.zeros(0)

@@ -1,0 +1,278 @@
+"""Motion of walkers from their tracks: speed, squared displacement, persistence, turning.
+
+Every number carries the standard error of a jackknife over independent samples, or is refused with
+the reason. Noise of the positions (localisation) does not shift them: speeds along heading or lane
+are means of signed displacements, in which it averages out; speed and persistence without headings
+come from products of displacements that share no position; squared displacements carry it as an
+offset that is fitted and reported.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import statistics
+from walkergen.analysis import estimates, lagged, moments
+from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
+from walkergen.analysis.moments import Grid
+from walkergen.analysis.tracks import Tracks
+from walkergen.errors import InputError
+from walkergen.statistics import Line, line_through_origin
+
+Array = npt.NDArray[np.float64]
+
+FITTED = 4
+"""Curves are fitted up to this fraction of a sample's length: longer lags are too few to count."""
+INDEPENDENT = 8.0
+"""Correlation times that pieces have to last to be independent: errors are then 7 % low at most."""
+
+
+class Curve(NamedTuple):
+    """Values with their errors along a lag (s) or in bins (mm), each of shape (n,)."""
+
+    at: Array
+    value: Array
+    se: Array
+    """NaN where samples are too short to tell."""
+
+
+class Motion(NamedTuple):
+    """What a file of tracks says of the motion."""
+
+    estimates: dict[str, Estimate]
+    """By the names of UNITS."""
+    particles: int
+    samples: int
+    """Independent ones, which the errors come from."""
+    tracked_s: float
+    lag_s: float
+    """Of the displacements along and across: the asked one, to whole samples."""
+    method: str
+    """What `speed` is and what the errors come from, in words."""
+    doubts: list[str]
+    """What makes the headings look wrong."""
+    msd: Curve
+    """Mean squared displacement, mm^2, by lag."""
+    msd_fit: tuple[float, ...] | None
+    """speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    correlation: Curve
+    """Modulus of the correlation of headings by lag (without them: of displacements, mm^2)."""
+    parallel: Curve
+    """Density (1/mm) of the displacement along the heading at `lag_s`, by its bins' middles."""
+    orthogonal: Curve
+    by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
+    """Speed at each plate speed (mm/s), where the file has several."""
+    line: Line | None = None
+    """Of speed against plate speed, through the origin."""
+
+
+JUMPING = 0.01
+"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
+
+LAG_S = 0.04
+"""Lag of the displacements unless another is asked for (paper's figure 6c)."""
+
+
+def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
+    """Statistics of all tracks; displacements along and across the body are taken over `lag_s`.
+
+    Without one it is LAG_S, or one sample where that is longer.
+
+    With tracks at several plate speeds only the speed at each, and the line through the origin
+    (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
+    lag is below one sample or nothing is seen twice.
+    """
+    shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
+    lag_s = max(LAG_S, shortest) if lag_s is None else lag_s
+    if not 0.999 * shortest <= lag_s < shortest * (longest - 1):
+        raise InputError(
+            f"--lag-ms {1e3 * lag_s:g}: must lie between one sample, {1e3 * shortest:g} ms, and "
+            f"the longest track, {1e3 * shortest * (longest - 1):g} ms"
+        )
+    whole = _analyse(tracks, lag_s)
+    plates = sorted({t.plate_speed for t in tracks.tracks if t.plate_speed is not None})
+    if len(plates) < 2:
+        return whole
+    groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
+    each = [_analyse(tracks._replace(tracks=group), lag_s) for group in groups]
+    found = [(plate, one.estimates["speed"]) for plate, one in zip(plates, each, strict=True)]
+    usable = [(plate, one.value, one.se) for plate, one in found if one.value is not None]
+    line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
+    reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
+    refused = {name: Estimate(None, None, reason) for name in UNITS}
+    return whole._replace(
+        estimates=refused, method=each[0].method, msd_fit=None,
+        by_plate_speed=tuple(found), line=line,
+    )  # fmt: skip
+
+
+def _analyse(tracks: Tracks, lag_s: float) -> Motion:
+    groups, length = moments.samples(tracks.tracks)
+    if not groups:
+        raise InputError("no particle is seen twice; nothing moves")
+    headed = any(track.heading is not None for track in tracks.tracks)
+    grid = _grid(tracks, lag_s, length, headed)
+    parts = [moments.total(moments.measure(track, grid) for track in group) for group in groups]
+    rest = moments.total(parts)
+    left_out = [moments.without(rest, part) for part in parts]
+    in_pieces = moments.in_pieces(tracks.tracks)
+    # Whole tracks have pairs that their pieces lack.
+    whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
+    both = [whole, *left_out]
+    msd = _curve(grid.square_lags, [mean(m.square, m.square_pairs).real for m in both], length)
+    turn = [mean(m.turn, m.turn_pairs) for m in both]
+    fitted = grid.square_lags <= length // FITTED
+    frame = Frame(
+        grid, tracks.interval, tracks.lane, headed,
+        np.where(fitted, msd.se, np.nan),
+        _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
+    )  # fmt: skip
+    values = estimates.evaluate(whole, frame)
+    judged = estimates.judge(
+        values,
+        [estimates.evaluate(one, frame) for one in left_out],
+        frame,
+        _errors_of_means(tracks, grid.step, length) if in_pieces else {},
+        length // FITTED * tracks.interval,
+    )
+    fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
+    correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
+    return Motion(
+        estimates=judged,
+        particles=len(tracks.tracks),
+        samples=len(parts),
+        tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
+        lag_s=grid.step * tracks.interval,
+        method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
+        doubts=_doubts(tracks) if headed else [],
+        msd=msd._replace(at=msd.at * tracks.interval),
+        msd_fit=None if np.isnan(fit).any() else fit,
+        correlation=correlation._replace(at=correlation.at * tracks.interval),
+        parallel=_density(grid.bins[0], [one.density_along for one in both]),
+        orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
+    )
+
+
+def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
+    step = max(round(lag_s / tracks.interval), 1)
+    longest = max(len(track.position) for track in tracks.tracks)
+    moved = [moments.displacements(track, step) for track in tracks.tracks]
+    along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
+    # Displacements without headings have to share no position, whose noise would correlate them.
+    first = 1 if headed else step + 1
+    turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(length // FITTED, 32, first)
+    squares = lagged.spread_out(max(longest // 4, 1), 64)
+    return Grid(step, squares, turns, (_bins(along, step), _bins(across, step)))
+
+
+def _bins(values: Array, step: int) -> Array:
+    """Edges by the rule of Freedman and Diaconis for the displacements that do not overlap."""
+    if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
+        return np.zeros(0)  # rounding has no density
+    low, high = np.quantile(values, [0.25, 0.75])
+    width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
+    count = math.ceil(np.ptp(values) / width) if width > 0 else 1
+    return np.linspace(values.min(), values.max(), min(max(count, 5), 200) + 1)
+
+
+def _jackknife(replicates: Sequence[Array]) -> Array:
+    return statistics.jackknife_error(np.stack(replicates))
+
+
+def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: int) -> Curve:
+    """The first of the values, with the spread of the others as its error."""
+    known = at <= length // 2
+    return Curve(at.astype(float), values[0], np.where(known, _jackknife(values[1:]), np.nan))
+
+
+def _density(edges: Array, counts: Sequence[Array]) -> Curve:
+    if not len(edges):
+        return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
+    densities = [one / (max(one.sum(), 1.0) * np.diff(edges)) for one in counts]
+    error = _jackknife(densities[1:])
+    if not all(one.any() for one in counts):
+        error = np.full_like(error, np.nan)
+    return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
+
+
+def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[float, str]]:
+    """Errors of mean speeds that stay correlated for longer than pieces can be told apart by.
+
+    Their own correlation time then says how many of them are independent, or that there are too
+    few. What is made of products over a lag does not depend on the direction at its start and can
+    do with pieces of any length.
+    """
+    block = step * tracks.interval
+    runs, bodies = [], []
+    for track in tracks.tracks:
+        moved = np.diff(moments.planar(track)[::step])
+        runs.append(moved.real)
+        if track.heading is not None:
+            bodies.append((moved * np.exp(-1j * track.heading[::step][:-1])).real)
+    found: dict[str, tuple[float, str]] = {}
+    headed_names = ("body_speed", "speed")
+    lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
+    for names, series in ((lane_names, runs), (headed_names, bodies)):
+        speeds = [one[~np.isnan(one)] / block for one in series]
+        time = statistics.correlation_time(speeds, block)
+        if speeds and (time is None or length * tracks.interval < INDEPENDENT * time):
+            found |= dict.fromkeys(names, _error_of_mean(speeds, block, time))
+    return found
+
+
+def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) -> tuple[float, str]:
+    if time is None:
+        fewest = statistics.FEWEST_VALUES
+        return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
+    error = statistics.error_of_mean(speeds, block, time)
+    if error is None:
+        total = sum(len(one) for one in speeds) * block
+        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
+        return math.nan, told
+    return error, ""
+
+
+def _doubts(tracks: Tracks) -> list[str]:
+    """Headings that jump, or that fit the displacements only when turned or mirrored."""
+    jumps = pairs = 0
+    along = mirrored = 0.0 + 0.0j
+    for track in tracks.tracks:
+        unit = moments.direction(track, 1)
+        moved = np.diff(moments.planar(track))
+        turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
+        jumps += int(np.count_nonzero(turned > 0.5 * math.pi))
+        pairs += int(np.count_nonzero(~np.isnan(turned)))
+        along += np.nansum(moved * np.conj(unit[:-1]))
+        mirrored += np.nansum(moved * unit[:-1])
+    found = []
+    if jumps > JUMPING * pairs:
+        found.append(
+            f"headings turn by more than 90 deg in {jumps} of {pairs} steps: are they known only "
+            "up to a half turn? Speeds along and across the body then mean nothing"
+        )
+    if abs(mirrored) > 2.0 * abs(along):
+        found.append(
+            "displacements fit the headings only when these are mirrored: theta has to count from "
+            "x toward y of the file's own axes"
+        )
+    elif along.real < -abs(along.imag):
+        found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
+    return found
+
+
+def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:
+    if tracks.lane:
+        speed = "along the lane"
+    elif headed:
+        speed = "along the body's heading"
+    else:
+        speed = "along the direction of motion, root mean square of what persists for the lag"
+    if not in_pieces:
+        return f"speed {speed}; errors from {samples} independent samples of particles"
+    return (
+        f"speed {speed}; errors from {samples} pieces of {length_s:.3g} s, which leave out how "
+        "walkers differ from one another"
+    )

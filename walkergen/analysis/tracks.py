@@ -1,0 +1,227 @@
+"""Tracks of walkers from CSV files: trackpy's columns, or the trajectory that walkergen writes.
+
+trackpy: frame, particle, x, y in pixels, optionally theta (rad) or theta_deg, the heading counted
+from x toward y of the file's own axes. walkergen: t_s, x_mm, with y_mm vertical: a lane's walker.
+Both may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
+"""
+
+import math
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import columns
+from walkergen.analysis.columns import Columns
+from walkergen.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+MOST_FRAMES = 50_000_000
+"""Of all tracks together, gaps included."""
+
+REGULAR = 0.01
+"""Times may lie off the regular grid by this share of the interval."""
+
+
+class Track(NamedTuple):
+    """One walker at regular times; NaN where it was not seen."""
+
+    particle: int
+    position: Array
+    """Shape (times, dimensions), mm: x in a lane; x, y on a plane, y to the left of x."""
+    heading: Array | None
+    """Shape (times,), rad, from x toward y; None when the file has none."""
+    plate_speed: float | None = None
+    """Peak speed of the plate, mm/s; None when the file does not say."""
+
+
+class Tracks(NamedTuple):
+    """All tracks of a file."""
+
+    tracks: tuple[Track, ...]
+    interval: float
+    """Time between neighbouring samples of a track, s."""
+    bad_rows: int
+    told: str
+    """Which rows were left out, in words; '' when none was."""
+
+    @property
+    def lane(self) -> bool:
+        """Whether positions lie along a lane, not on a plane."""
+        return bool(self.tracks[0].position.shape[1] == 1)
+
+
+class Units(NamedTuple):
+    """What the command line says of a file."""
+
+    fps: float | None = None
+    """Frames per second of a film."""
+    mm_per_px: float | None = None
+    y_down: bool = False
+    """Whether y grows downward in the file, as rows of an image do."""
+    lane: bool = False
+    """Whether the walkers ran along a lane in x, so that y says nothing."""
+
+
+def read(path: Path, units: Units) -> Tracks:
+    """Tracks of a CSV file.
+
+    Raises InputError when columns or units are missing or contradict each other, when no row is
+    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `told`.
+    """
+    names = columns.header(path)
+    if "t_s" in names and "x_mm" in names:
+        return _trajectory(path, units)
+    if "frame" in names and "x" in names:
+        return _film(path, names, units)
+    seen = ", ".join(name for name in names if name)[:200]
+    raise InputError(
+        f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm); "
+        f"columns seen: {seen}"
+    )
+
+
+def _trajectory(path: Path, units: Units) -> Tracks:
+    """A simulated trajectory; its y_mm is height over the plate and its pitch is no heading."""
+    for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
+        if given is not None:
+            raise InputError(f"{flag} {given:g}: {path} has its own t_s and x_mm; leave it out")
+    if units.y_down:
+        raise InputError(f"--y-down: {path} is a lane's, without y across it; leave it out")
+    table = columns.read(path, ("t_s", "x_mm"), ("particle", "plate_speed_mm_s"))
+    times, particle = table.values["t_s"], _particles(table)
+    interval = _interval(path, times, particle)
+    ticks = (times - times.min()) / interval
+    steps = np.rint(ticks)
+    off = np.abs(ticks - steps) > REGULAR
+    if off.any():
+        raise InputError(
+            f"{path}: t_s on line {table.lines[off][0]} lies off the regular times of the other "
+            f"rows, {interval:g} s apart; sample at a fixed rate"
+        )
+    return _assemble(path, table, steps, table.values["x_mm"][:, None], None, interval)
+
+
+def _interval(path: Path, times: Array, particle: Array) -> float:
+    """Time between samples: the commonest step within a particle."""
+    order = np.lexsort((times, particle))
+    same = np.diff(particle[order]) == 0
+    steps = np.diff(times[order])[same]
+    steps = steps[steps > 0]
+    if not len(steps):
+        raise InputError(f"{path}: no particle has two different times; nothing moves")
+    low = float(np.median(steps))
+    close = steps[np.abs(steps - low) < REGULAR * low]
+    # Written times are rounded: the mean over all close steps is the best interval there is.
+    return float(close.mean())
+
+
+def _film(path: Path, names: list[str], units: Units) -> Tracks:
+    fps, scale = _film_units(path, units)
+    if "theta" in names and "theta_deg" in names:
+        raise InputError(f"{path}: both theta (rad) and theta_deg; keep one")
+    angle = next((name for name in ("theta", "theta_deg") if name in names), None)
+    optional = ("particle", "plate_speed_mm_s", *([angle] if angle else []))
+    table = columns.read(path, ("frame", "x") if units.lane else ("frame", "x", "y"), optional)
+    frames = table.values["frame"]
+    table = table.without(frames != np.rint(frames), "frame is not a whole number")
+    if not len(table.lines):
+        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
+    flip = -1.0 if units.y_down else 1.0
+    axes = [table.values["x"]] if units.lane else [table.values["x"], flip * table.values["y"]]
+    heading = None
+    if angle is not None and not units.lane:
+        unit = math.radians(1.0) if angle == "theta_deg" else 1.0
+        heading = flip * unit * table.values[angle]
+        if np.isnan(heading).all():
+            heading = None
+    position = scale * np.stack(axes, axis=1)
+    frames = table.values["frame"]
+    return _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
+
+
+def _film_units(path: Path, units: Units) -> tuple[float, float]:
+    for flag, value, what in (
+        ("--fps", units.fps, "frames per second of the film"),
+        ("--mm-per-px", units.mm_per_px, "millimetres per pixel (1 if x and y are in mm)"),
+    ):
+        if value is None:
+            raise InputError(f"{path}: counts frames and pixels; give {flag}, the {what}")
+        if not (0 < value < 1e9):
+            raise InputError(f"{flag} {value:g}: must be a number > 0 and < 1e9")
+    assert units.fps is not None
+    assert units.mm_per_px is not None
+    return units.fps, units.mm_per_px
+
+
+def _particles(table: Columns) -> Array:
+    """Number of each row's particle; 0 for all when the file does not number them."""
+    return table.values.get("particle", np.zeros(len(table.lines)))
+
+
+def _assemble(
+    path: Path, table: Columns, steps: Array, position: Array, heading: Array | None, tick: float
+) -> Tracks:
+    """Rows, in any order, as tracks on the coarsest grid that holds all of their steps."""
+    particle = _particles(table)
+    plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
+    order = np.lexsort((steps, particle))
+    twice = np.zeros(len(steps), dtype=bool)
+    twice[order[1:]] = (np.diff(particle[order]) == 0) & (np.diff(steps[order]) == 0)
+    unnumbered = particle != np.rint(particle)  # NaN as well
+    if twice.any() and "particle" not in table.values:
+        raise InputError(
+            f"{path}: line {table.lines[twice][0]} repeats a frame and there is no column "
+            "particle; link the positions first (trackpy.link)"
+        )
+    bad = table.without(twice, "its particle has been seen at this time before").bad
+    bad |= table.without(unnumbered, "particle is not a whole number").bad
+    order = order[~(twice | unnumbered)[order]]
+    if not len(order):
+        raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
+    names, starts = np.unique(particle[order], return_index=True)
+    groups = np.split(order, starts[1:])
+    stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
+    stride = max(stride, 1)
+    total = sum(int(steps[g[-1]] - steps[g[0]]) // stride + 1 for g in groups)
+    if total > MOST_FRAMES:
+        raise InputError(
+            f"{path}: the particles' first and last times are {total} steps apart in all, with "
+            f"{len(order)} rows; at most {MOST_FRAMES}: is a time or frame mistyped?"
+        )
+    tracks = tuple(
+        _track(
+            path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate
+        )
+        for name, group in zip(names, groups, strict=True)
+    )
+    return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))
+
+
+def _track(
+    path: Path,
+    name: int,
+    rows: npt.NDArray[np.int64],
+    places: Array,
+    position: Array,
+    heading: Array | None,
+    plate: Array,
+) -> Track:
+    at = places[rows].astype(np.int64)
+    grid = np.full((int(at[-1]) + 1, position.shape[1]), np.nan)
+    grid[at] = position[rows]
+    angles = None
+    if heading is not None:
+        angles = np.full(len(grid), np.nan)
+        angles[at] = heading[rows]
+    speeds = np.unique(plate[rows][~np.isnan(plate[rows])])
+    if len(speeds) > 1:
+        raise InputError(
+            f"{path}: particle {name} has several plate_speed_mm_s ({speeds[0]:g}, {speeds[1]:g}); "
+            "number the particle anew for each"
+        )
+    if len(speeds) and speeds[0] < 0:
+        raise InputError(f"{path}: plate_speed_mm_s = {speeds[0]:g}: must be >= 0")
+    return Track(name, grid, angles, float(speeds[0]) if len(speeds) else None)
