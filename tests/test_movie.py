@@ -1,18 +1,22 @@
 """Movies: what is drawn is what was simulated and what is printed."""
 
 import io
+import json
 import shutil
 import subprocess
 from functools import cache
+from pathlib import Path
 
 import manifold3d
 import numpy as np
 import pytest
 from PIL import Image
+from typer.testing import CliRunner
 
 from walkergen import movie, solids, templates
+from walkergen.cli import app
 from walkergen.design import Design
-from walkergen.errors import InputError
+from walkergen.errors import InputError, WalkergenError
 from walkergen.report import animation, bounce, footage, impacts
 from walkergen.scene import Scene
 from walkergen.simulation import engines, record
@@ -134,7 +138,7 @@ def coloured(frame, colour):
 
 def test_the_flash_is_in_the_picture_from_the_impact_on():
     job, shot = filmed()
-    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "walker", "settings")
+    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
     first = shot.impacts[0]
     colour = impacts.style_of(first.kind).colour
     frame = int(np.ceil(first.time * job.fps * job.slow))
@@ -144,7 +148,7 @@ def test_the_flash_is_in_the_picture_from_the_impact_on():
 
 def test_drawing_a_frame_does_not_depend_on_those_before():
     job, shot = filmed()
-    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "walker", "settings")
+    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
     frame = draw(30).copy()
     draw(3)
     assert np.array_equal(draw(30), frame)
@@ -266,6 +270,10 @@ def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
         ({"seconds": 1.0, "periods": 3.0}, "leave one of them out"),
         ({"seconds": 10.0, "slow": 100.0}, "25001 frames"),
         ({"periods": 0.1, "slow": 1.0}, "1 frames"),
+        ({"seconds": float("nan")}, "--seconds nan: must be > 0"),
+        ({"periods": -1.0}, "--periods -1: must be > 0"),
+        ({"slow": float("inf")}, "--slow inf: must be > 0"),
+        ({"seconds": 1e9, "slow": 1e9}, r"2\.5e\+19 frames"),
     ],
 )
 def test_what_cannot_be_filmed_is_refused(choice, words):
@@ -276,3 +284,69 @@ def test_what_cannot_be_filmed_is_refused(choice, words):
 def test_too_many_lanes_are_refused():
     with pytest.raises(InputError, match="9 walkers in one movie; at most 8"):
         movie.plan([PAPER] * 9, SCENE)
+
+
+def leaving(length_mm, discard_seconds):
+    arena = SCENE.arena.model_copy(update={"length_mm": length_mm})
+    run = SCENE.run.model_copy(update={"discard_seconds": discard_seconds})
+    return SCENE.model_copy(update={"arena": arena, "run": run})
+
+
+def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
+    job = movie.plan([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
+    made = movie.make(job, tmp_path / "a.gif", silent)
+    (shot,) = made.footage
+    assert shot.ended == "left the lane"
+    assert 2 <= made.frames < job.frames
+
+
+def test_a_run_that_ends_at_once_is_refused():
+    job = movie.plan([PAPER], leaving(1e-3, 0.1), fps=10)
+    with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the lane"):
+        movie.film(job, PAPER, movie.FINE)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(app, ["movie", *words])
+
+
+FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")
+
+
+def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    result = run("koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *FEW)
+    assert result.exit_code == 0, result.output
+    name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz.gif"
+    assert "koumakis2016, 10°, flexible: " in result.stdout
+    assert f"{name}: 5 frames, 20 a second, 100 times slower" in result.stdout
+    assert "no MP4: ffmpeg is not installed" in result.stdout
+    assert [path.name for path in (tmp_path / name).parent.iterdir()] == [Path(name).name]
+
+
+def test_json_names_the_files_and_the_runs(run):
+    found = json.loads(
+        run("--tilt", "5,10", "--seconds", "0.1", "--slow", "0.5", "--fps", "50", "--json").stdout
+    )
+    assert found["gif"] == "out/koumakis2016/race_of_2_lane-90hz.gif"
+    assert (found["frames"], found["slow"]) == (3, 0.5)
+    assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
+    assert (found["mp4"] is None) == bool(found["without_mp4"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--out", "walker.mp4"), "must end in .gif"),
+        (("--tilt", "95"), "95 must lie in"),
+        (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
+        (("--out", "/dev/null/a.gif", *FEW), "cannot be written"),
+    ],
+)
+def test_bad_requests_are_one_line(run, words, told):
+    result = run(*words)
+    assert isinstance(result.exception, WalkergenError)
+    assert told in str(result.exception)
+    assert "\n" not in str(result.exception)

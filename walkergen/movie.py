@@ -10,7 +10,7 @@ from walkergen import names, output, solids
 from walkergen.design import Design
 from walkergen.errors import InputError
 from walkergen.mass import MassProperties, as_rigid
-from walkergen.report.footage import Footage, Impact, Shape
+from walkergen.report.footage import Footage, Impact, Shape, pace
 from walkergen.scene import Scene
 from walkergen.simulation import engines
 from walkergen.simulation import plate as plates
@@ -29,7 +29,7 @@ PERIODS, PLAYING_S = 6.0, 10.0
 RACE_S = 3.0
 """Of a race, unless told otherwise: seconds shown, in real time."""
 
-FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1500, 8
+FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
 
 FINE = 8
 """Poses a frame in slow motion: the curves show what happens between frames."""
@@ -86,6 +86,9 @@ def plan(
     if fps not in FPS:
         known = ", ".join(str(one) for one in FPS)
         raise InputError(f"--fps {fps}: must be one of {known} (a GIF counts in 1/100 s)")
+    for flag, value in (("--seconds", seconds), ("--periods", periods), ("--slow", slow)):
+        if value is not None and not 0.0 < value <= 1e9:
+            raise InputError(f"{flag} {value:g}: must be > 0 and <= 1e9")
     if len(members) > MOST_LANES:
         raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
     if seconds is not None and periods is not None:
@@ -100,9 +103,8 @@ def plan(
     job = Job(members, scene, seconds, slow, fps)
     if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
         raise InputError(
-            f"{job.frames} frames ({seconds:g} s of the run, {slow:g} times slower, {fps} a "
-            f"second): must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; "
-            "change --seconds, --slow or --fps"
+            f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
+            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change --seconds, --slow or --fps"
         )
     return job
 
@@ -123,7 +125,7 @@ def make(job: Job, path: Path, progress: Progress) -> Made:
     frames = 1 + max(len(one.times) - 1 for one in footage) // every
     settings = _settings(job.scene, footage)
     if single:
-        draw = bounce.draw_bounce(footage[0], every, job.slow, footage[0].name, settings)
+        draw = bounce.draw_bounce(footage[0], every, job.slow, settings)
     else:
         draw = race.draw_race(footage, job.slow, settings)
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, impacts.COLOURS, progress)

@@ -19,6 +19,7 @@ from walkergen.report.footage import (
     Footage,
     Impact,
     feet,
+    pace,
     polygons,
     strongest,
 )
@@ -56,11 +57,11 @@ class View(NamedTuple):
     """Length of the largest impulse's arrow, mm."""
 
 
-def draw_bounce(footage: Footage, every: int, slow: float, title: str, settings: str) -> Draw:
+def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Draw:
     """A function that draws frame k: pose k * every of the footage, `slow` times slower."""
     canvas = Canvas(WIDTH, HEIGHT)
-    canvas.text(12, 598, title, fontsize=LARGE, weight="bold")
-    canvas.text(12, 579, settings, fontsize=SMALL)
+    canvas.text(12, 598, f"{footage.name} legs", fontsize=LARGE, weight="bold")
+    canvas.line(12, 579, settings)
     readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
     at_feet, relaxed = feet(footage), feet(footage, relaxed=True)
     main, scale = _main(canvas, footage)
@@ -70,7 +71,7 @@ def draw_bounce(footage: Footage, every: int, slow: float, title: str, settings:
     canvas.text(STRIP[0] - 34, STRIP[1] + STRIP[3] + 8, "heights, µm", fontsize=SMALL)
     legend(canvas, 20, 255)
     canvas.move(readout)
-    canvas.text(788, 547, f"{slow:.3g} times slower", ha="right", weight="bold")
+    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
     largest, afterglow = largest_impulse(footage), AFTERGLOW_S / slow
 
     def draw(frame: int) -> Pixels:
@@ -165,7 +166,7 @@ def _view(canvas: Canvas, axes: Axes, spacing: float, longest: float, feet_shown
     axes.set_xticks([])
     plate = Rectangle((left, bottom), right - left, -bottom, facecolor=PLATE, edgecolor=INK)
     ruler = LineCollection([], colors=INK, linewidths=0.8)
-    shapes = PolyCollection([], edgecolors=INK, linewidths=0.6)
+    shapes = PolyCollection([], linewidths=0.6)
     for artist in (plate, ruler, shapes):
         axes.add_artist(artist)
     (contacts,) = axes.plot([], [], "o", color=INK, markersize=3.5)
@@ -185,7 +186,7 @@ def _set(
 ) -> None:
     """Show limbs and body, and the plate at a height, seen from `camera` (mm along the plate)."""
     view.shapes.set_verts([*limbs, body])
-    view.shapes.set_facecolor([LIMB] * len(limbs) + [BODY])
+    view.shapes.set(facecolor=[LIMB] * len(limbs) + [BODY], edgecolor=[LIMB] * len(limbs) + [INK])
     view.plate.set_height(height - view.plate.get_y())
     left, right = view.axes.get_xlim()
     first = math.ceil((left + camera) / view.spacing)

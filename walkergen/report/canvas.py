@@ -40,6 +40,11 @@ class Canvas:
         style = {"color": INK, "fontsize": NORMAL, "transform": IdentityTransform(), **style}
         return self.figure.text(x, y, words, **style)
 
+    def line(self, x: float, y: float, words: str) -> None:
+        """One small line that stays inside the picture, smaller still when it is long."""
+        room = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL
+        self.text(x, y, words, fontsize=SMALL * min(1.0, room / len(words)))
+
     def move(self, *artists: Artist) -> None:
         """From now on these are drawn anew in every frame, in the order given."""
         for artist in artists:

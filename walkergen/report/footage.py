@@ -64,6 +64,13 @@ class Footage(NamedTuple):
     """Why the run ended early, in words; '' when it did not."""
 
 
+def pace(slow: float) -> str:
+    """How fast a movie plays, in words; `slow` seconds of it show one of the run."""
+    if slow == 1.0:
+        return "real time"
+    return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
+
+
 def polygons(footage: Footage, at: int) -> tuple[list[Polygon], Polygon]:
     """Limbs (the back one's parts, then the front one's) and body at pose `at`, mm."""
     shape, place, pitch = footage.shape, footage.places[at], footage.pitch[at]

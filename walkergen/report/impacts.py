@@ -52,7 +52,8 @@ def legend(canvas: Canvas, x: float, y: float) -> None:
         axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
         words = f"{style.name} {style.words}"
         canvas.text(x + 8, y, words, fontsize=SMALL, va="center")
-        x += 28 + 5.6 * len(words)
+        x += 26 + 5.4 * len(words)
+    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
 
 
 def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Footage) -> Line2D:

@@ -10,7 +10,7 @@ from matplotlib.ticker import MaxNLocator
 
 from walkergen.report.animation import Draw, Pixels
 from walkergen.report.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
-from walkergen.report.footage import Footage, polygons
+from walkergen.report.footage import Footage, pace, polygons
 
 WIDTH, HEAD, LANE, FOOT = 900, 64, 66, 40
 """Sizes in pixels: of the picture, of its head, of a lane, of the ruler below."""
@@ -30,10 +30,9 @@ def draw_race(runs: Sequence[Footage], slow: float, settings: str) -> Draw:
     """A function that draws frame k: pose k of every run; runs that ended stay where they are."""
     height = HEAD + LANE * len(runs) + FOOT
     canvas = Canvas(WIDTH, height + height % 2)
-    speed = "real time" if slow == 1.0 else f"{slow:.3g} times slower"
     canvas.text(MARGIN, height - 22, runs[0].name.split(",")[0], fontsize=LARGE, weight="bold")
-    canvas.text(MARGIN, height - 40, settings, fontsize=SMALL)
-    canvas.text(WIDTH - MARGIN, height - 22, f"to scale, {speed}", ha="right", weight="bold")
+    canvas.line(MARGIN, height - 40, settings)
+    canvas.text(WIDTH - MARGIN, height - 22, f"to scale, {pace(slow)}", ha="right", weight="bold")
     clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
     left, scale = _window(runs)
     lanes = [
@@ -69,13 +68,13 @@ def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: f
     axes.set_axis_off()
     (low, high), floor = axes.get_xlim(), axes.get_ylim()[0]
     axes.add_patch(Rectangle((low, 0.4 * floor), high - low, -0.4 * floor, color=PLATE))
-    axes.axvline(0.0, ymax=0.6, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
+    axes.axvline(0.0, ymin=10 / LANE, ymax=0.6, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
     _, tilt, kind = footage.name.rsplit(", ", 2)
     canvas.text(MARGIN, bottom + LANE - 13, f"{tilt} {kind}", weight="bold")
     readout = canvas.text(
         WIDTH - MARGIN, bottom + LANE - 13, "", family="DejaVu Sans Mono", ha="right"
     )
-    shapes = PolyCollection([], edgecolors=INK, linewidths=0.4)
+    shapes = PolyCollection([], linewidths=0.4)
     axes.add_collection(shapes, autolim=False)
     canvas.move(shapes, readout)
     return Lane(footage, shapes, readout)
@@ -84,7 +83,7 @@ def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: f
 def _set(lane: Lane, at: int) -> None:
     limbs, body = polygons(lane.footage, at)
     lane.shapes.set_verts([*limbs, body])
-    lane.shapes.set_facecolor([LIMB] * len(limbs) + [BODY])
+    lane.shapes.set(facecolor=[LIMB] * len(limbs) + [BODY], edgecolor=[LIMB] * len(limbs) + [INK])
     time, distance = lane.footage.times[at], lane.footage.places[at, 0]
     words = f"{distance:7.1f} mm"
     if time > 0:
