@@ -150,7 +150,7 @@ def _inset(canvas: Canvas, footage: Footage, side: int, scale: float, zoom: int)
     # The lowest point of the plate a third up: arrows below it, the leg above.
     to_scale(axes, (0.0, heights.min() + (0.5 - 0.33) * room), zoom * scale)
     spacing = _nice(20.0 / (zoom * scale))
-    words = f"{name}, {zoom} times larger, marks {spacing:g} mm"
+    words = f"{name} × {zoom}, marks {spacing:g} mm"
     canvas.text(left, bottom + height + 8, words, fontsize=SMALL)
     return _view(canvas, axes, spacing, 0.28 * room, feet_shown=1)
 
