@@ -1,6 +1,5 @@
 """Movies: what is drawn is what was simulated and what is printed."""
 
-import io
 import json
 import shutil
 import subprocess
@@ -17,7 +16,7 @@ from walkergen import movie, solids, templates
 from walkergen.cli import app
 from walkergen.design import Design
 from walkergen.errors import InputError, WalkergenError
-from walkergen.report import animation, bounce, footage, impacts
+from walkergen.report import bounce, footage, impacts
 from walkergen.scene import Scene
 from walkergen.simulation import engines, record
 from walkergen.simulation.run import Outcome, RunResult
@@ -92,7 +91,8 @@ def test_bent_legs_stay_hinged_at_the_body():
     assert np.abs(shot.angles).max() > 1e-4
     bent = shot._replace(angles=shot.angles + 0.3)
     for side in (footage.BACK, footage.FRONT):
-        hinge = shot.places[0] + footage._turned(shot.shape.anchors[side], shot.pitch[0])
+        anchor = complex(*shot.shape.anchors[side]) * np.exp(1j * shot.pitch[0])
+        hinge = shot.places[0] + (anchor.real, anchor.imag)
         one, other = (footage.polygons(run, 0)[0][side] for run in (shot, bent))
         distances = [np.hypot(*(leg - hinge).T) for leg in (one, other)]
         assert distances[0] == pytest.approx(distances[1], abs=1e-12)
@@ -144,6 +144,15 @@ def test_the_flash_is_in_the_picture_from_the_impact_on():
     frame = int(np.ceil(first.time * job.fps * job.slow))
     assert coloured(draw(frame - 1), colour) == 0
     assert coloured(draw(frame), colour) > 100
+
+
+def test_a_run_of_many_body_lengths_is_followed():
+    job, shot = filmed()
+    far = shot._replace(places=shot.places + np.outer(np.linspace(0, 1e4, len(shot.times)), (1, 0)))
+    draw = bounce.draw_bounce(far, movie.FINE, job.slow, "settings")
+    first, last = (coloured(draw(frame), "#A9C7E4") for frame in (0, job.frames - 1))
+    assert first > 10_000
+    assert last == pytest.approx(first, rel=0.05)  # the body is as large and as much in the picture
 
 
 def test_drawing_a_frame_does_not_depend_on_those_before():
@@ -208,40 +217,6 @@ def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
         first = np.asarray(image.convert("RGB")).astype(int)
     # Chroma at half resolution and a palette of 128: alike, not equal.
     assert np.abs(frames[0].astype(int) - first).mean() < 4.0
-
-
-def plain(at):
-    return np.full((4, 6, 3), 20 * at, np.uint8)
-
-
-def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
-    monkeypatch.setattr(shutil, "which", lambda name: None)
-    made = animation.encode(plain, 3, 10, 0.5, [], silent)
-    assert made.gif.startswith(b"GIF89a")
-    assert (made.mp4, made.without_mp4) == (None, "ffmpeg is not installed")
-
-
-def test_an_ffmpeg_that_fails_is_quoted(monkeypatch, tmp_path):
-    program = tmp_path / "ffmpeg"
-    program.write_text("#!/bin/sh\necho \"Unknown encoder 'libx264'\" >&2\nexit 1\n")
-    program.chmod(0o755)
-    monkeypatch.setattr(shutil, "which", lambda name: str(program))
-    made = animation.encode(plain, 12, 10, 0.5, [], silent)
-    assert made.gif.startswith(b"GIF89a")
-    assert (made.mp4, made.without_mp4) == (None, "ffmpeg failed: Unknown encoder 'libx264'")
-
-
-def test_rare_colours_stay_exact():
-    def draw(at):
-        frame = np.zeros((64, 64, 3), np.uint8)
-        frame[..., 0] = 4 * np.arange(64)
-        frame[..., 1] = 4 * np.arange(64)[:, None]
-        frame[0, 0] = (0x12, 0x34, 0x56)
-        return frame
-
-    made = animation.encode(draw, 2, 10, 0.1, ["#123456"], silent)
-    with Image.open(io.BytesIO(made.gif)) as image:
-        assert image.convert("RGB").getpixel((0, 0)) == (0x12, 0x34, 0x56)
 
 
 def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):

@@ -15,7 +15,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import engines
 from walkergen.simulation import plate as plates
 from walkergen.simulation.engines import Plan
-from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
+from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
 from walkergen.theory.impact import Kind
 
 Progress = Callable[[str, int, int], None]
@@ -145,7 +145,6 @@ def film(job: Job, design: Design, every: int) -> Footage:
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.weigh(design, solids.build(design))
     prepared = engines.prepare(scene, design, mass)
-    compile_kernels(prepared.engine)
     result = _recorded(prepared.engine, scene, interval)
     footage = footage_of(design, mass, prepared, result)
     if len(footage.times) <= every:

@@ -29,8 +29,11 @@ WIDTH, HEIGHT = 800, 620
 Place = tuple[float, float, float, float]
 MAIN: Place = (10, 276, 780, 256)
 INSETS: tuple[Place, Place] = ((12, 12, 234, 196), (256, 12, 234, 196))
-STRIP: Place = (536, 42, 254, 166)
+STRIP: Place = (536, 42, 250, 166)
 """Left, bottom, width and height of the views, pixels."""
+
+LONGEST_STILL = 1.5
+"""Body lengths of a run up to which the main view stands still."""
 
 ZOOMS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
@@ -64,7 +67,8 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
     canvas.line(12, 579, settings)
     readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
     at_feet, relaxed = feet(footage), feet(footage, relaxed=True)
-    main, scale = _main(canvas, footage)
+    cameras = _cameras(footage)
+    main, scale = _main(canvas, footage, cameras)
     zoom = _zoom(footage, scale)
     insets = [_inset(canvas, footage, side, scale, zoom) for side in (BACK, FRONT)]
     now = strip(canvas, STRIP, footage)
@@ -78,13 +82,12 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
         at = min(frame * every, len(footage.times) - 1)
         limbs, body = polygons(footage, at)
         shown = [strongest(footage, footage.times[at], afterglow, side) for side in (BACK, FRONT)]
-        _set(main, limbs, body, footage.plate[at], 0.0, at_feet[at])
+        _set(main, limbs, body, footage.plate[at], cameras[at], at_feet[at])
         for side in (BACK, FRONT):
-            _flash(main, side, shown[side], at_feet[at, side], largest)
-            camera = np.array([relaxed[at, side, 0], 0.0])
-            near, foot = [limb - camera for limb in limbs], at_feet[at, side] - camera
-            _set(insets[side], near, body - camera, footage.plate[at], camera[0], foot[None])
-            _flash(insets[side], 0, shown[side], foot, largest)
+            _flash(main, side, shown[side], at_feet[at, side], cameras[at], largest)
+            view, camera, foot = insets[side], relaxed[at, side, 0], at_feet[at, side]
+            _set(view, limbs, body, footage.plate[at], camera, foot[None])
+            _flash(view, 0, shown[side], foot, camera, largest)
         now.set_xdata([1e3 * footage.times[at]] * 2)
         over = at + every >= len(footage.times)
         readout.set_text(_readout(footage, at) + (f"   {footage.ended}" if over else ""))
@@ -100,17 +103,27 @@ def _readout(footage: Footage, at: int) -> str:
     return f"{1e3 * time:6.1f} ms   phase {phase:3.0f}°   run {distance:6.2f} mm   so far {speed}"
 
 
-def _extent(footage: Footage) -> tuple[float, float, float]:
-    """Left, right and top of all that the walker's shape covers in the run, mm."""
+def _cameras(footage: Footage) -> Array:
+    """Where the main view looks, mm along the plate: at 0, or along with the body in long runs."""
+    distances = footage.places[:, 0]
+    long = np.ptp(distances) > LONGEST_STILL * np.ptp(footage.shape.body[:, 0])
+    return distances if long else np.zeros_like(distances)
+
+
+def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
+    """Left, right and top of all that the walker covers in the main view, mm."""
     every = max(1, len(footage.times) // 500)
-    poses = [polygons(footage, at) for at in range(0, len(footage.times), every)]
-    points = np.concatenate([shape for limbs, body in poses for shape in (*limbs, body)])
+    covered = []
+    for at in range(0, len(footage.times), every):
+        limbs, body = polygons(footage, at)
+        covered += [shape - (cameras[at], 0.0) for shape in (*limbs, body)]
+    points = np.concatenate(covered)
     return float(points[:, 0].min()), float(points[:, 0].max()), float(points[:, 1].max())
 
 
-def _main(canvas: Canvas, footage: Footage) -> tuple[View, float]:
-    """The whole run, with room for arrows in the plate; and its scale, pixels per mm."""
-    left, right, top = _extent(footage)
+def _main(canvas: Canvas, footage: Footage, cameras: Array) -> tuple[View, float]:
+    """All that happens, with room for arrows in the plate; and its scale, pixels per mm."""
+    left, right, top = _extent(footage, cameras)
     scale = min(MAIN[2] / (1.06 * (right - left)), MAIN[3] / (1.45 * top))
     axes, height = canvas.axes(*MAIN), MAIN[3] / scale
     to_scale(axes, (0.5 * (left + right), 1.04 * top - 0.5 * height), scale)
@@ -185,7 +198,8 @@ def _set(
     view: View, limbs: list[Array], body: Array, height: float, camera: float, points: Array
 ) -> None:
     """Show limbs and body, and the plate at a height, seen from `camera` (mm along the plate)."""
-    view.shapes.set_verts([*limbs, body])
+    offset = np.array([camera, 0.0])
+    view.shapes.set_verts([shape - offset for shape in (*limbs, body)])
     view.shapes.set(facecolor=[LIMB] * len(limbs) + [BODY], edgecolor=[LIMB] * len(limbs) + [INK])
     view.plate.set_height(height - view.plate.get_y())
     left, right = view.axes.get_xlim()
@@ -197,11 +211,16 @@ def _set(
     view.ruler.set_segments(
         [[(x, height), (x, height - size * depth)] for x, size in zip(at, longer, strict=True)]
     )
-    view.contacts.set_data(points[:, 0], points[:, 1])
+    view.contacts.set_data(points[:, 0] - camera, points[:, 1])
 
 
 def _flash(
-    view: View, place: int, shown: tuple[Impact, float] | None, foot: Array, largest: float
+    view: View,
+    place: int,
+    shown: tuple[Impact, float] | None,
+    foot: Array,
+    camera: float,
+    largest: float,
 ) -> None:
     """The impulse on a foot as an arrow that ends at it, with the name of its kind, and a burst."""
     arrow, label, burst = view.arrows[place], view.labels[place], view.bursts[place]
@@ -211,6 +230,7 @@ def _flash(
         return
     hit, left = shown
     style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
+    foot = foot - (camera, 0.0)
     tail = foot - view.longest * hit.impulse / largest
     arrow.set_positions(tuple(tail), tuple(foot))
     arrow.set(color=style.colour, alpha=left, linewidth=0.5 + 3.0 * size)
