@@ -32,7 +32,7 @@ def test_the_setup_is_two_commands_and_the_gate_runs_them():
 @pytest.mark.slow
 def test_the_tour_runs_as_shown(tmp_path):
     tour = [line for line in commands() if line.startswith("walkergen")]
-    assert len(tour) == 16
+    assert len(tour) == 17
     for line in tour:
         words = [sys.executable, "-m", *shlex.split(line)]
         result = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
@@ -55,4 +55,5 @@ def test_the_python_runs_as_shown(tmp_path):
 
 def test_pictures_shown_exist():
     for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
-        assert (ROOT / picture).read_bytes().startswith(b"\x89PNG")
+        start = {".png": b"\x89PNG", ".gif": b"GIF89a"}[Path(picture).suffix]
+        assert (ROOT / picture).read_bytes().startswith(start)

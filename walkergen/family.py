@@ -220,11 +220,12 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     from walkergen.report import plots, preview
 
     tilts = [member.design.legs.tilt_deg for member in made]
+    kinds = [member.design.legs.kind for member in made]
     curves = {
         kind: prediction.curve(
             job.design.variant(kind=kind), job.scene, job.mode, min(tilts), max(tilts)
         )
-        for kind in dict.fromkeys(member.design.legs.kind for member in made)
+        for kind in dict.fromkeys(kinds)
     }
     drive, contact = job.scene.drive, job.scene.contact
     title = (
@@ -235,8 +236,8 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title, simulated)
     folder.write("speed.png", plots.png(figure))
     parts = [
-        preview.Part(member.design.legs.kind, f"{member.design.legs.tilt_deg:g}°", member.mesh)
-        for member in made
+        preview.Part(kind, f"{tilt:g}° {kind}", member.mesh)
+        for tilt, kind, member in zip(tilts, kinds, made, strict=True)
     ]
     folder.write("preview.png", plots.png(preview.preview_figure(parts, job.design.name)))
 

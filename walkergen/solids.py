@@ -50,13 +50,18 @@ class Engraving(NamedTuple):
     """mm"""
 
 
+class Outline(NamedTuple):
+    """The polygons of a walker's profile, counter-clockwise, shape (n, 2), mm."""
+
+    body: Polygon
+    """In the design's frame."""
+    limb: tuple[Polygon, ...]
+    """One leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
+
+
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     """Build a walker's solids. Raises SolidError when the modeller's result is not sound."""
-    body = _body_profile(design)
-    leg = _leg_profile(design, foot_segments)
-    limb = [leg, _brace_profile(design)] if design.braced else [leg]
-    # In the union legs reach into the body, so that the parts overlap rather than touch.
-    raised = [_raised(part, 0.25 * design.body.thickness_mm) for part in limb]
+    body, raised = outline(design, foot_segments)
     legs = [part + np.array(anchor) for anchor in design.anchors for part in raised]
     windows = 2 * has_window(design)
     depth = design.body.depth_mm
@@ -64,8 +69,16 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     return Solids(
         _extrude([body, *legs], depth, windows, digits),
         _extrude([body], depth, 0, digits),
-        _extrude(limb, depth, None, Engraving([], 0.0)),
+        _extrude(_limb(design, foot_segments), depth, None, Engraving([], 0.0)),
     )
+
+
+def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
+    """The profile whose union, both limbs at their anchors, is extruded."""
+    # In the union legs reach into the body, so that the parts overlap rather than touch.
+    embedding = 0.25 * design.body.thickness_mm
+    limb = tuple(_raised(part, embedding) for part in _limb(design, foot_segments))
+    return Outline(_body_profile(design), limb)
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
@@ -144,6 +157,11 @@ def _digit_profiles(design: Design) -> list[Polygon]:
         np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
         for s in strokes
     ]
+
+
+def _limb(design: Design, foot_segments: int) -> list[Polygon]:
+    leg = _leg_profile(design, foot_segments)
+    return [leg, _brace_profile(design)] if design.braced else [leg]
 
 
 def _leg_profile(design: Design, foot_segments: int) -> Polygon:

@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from walkergen import __version__
-from walkergen.cli import checking, commands, measuring, simulating, studying
+from walkergen.cli import checking, commands, filming, measuring, simulating, studying
 from walkergen.errors import WalkergenError
 
 app = typer.Typer(
@@ -17,8 +17,10 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-for command in (*commands.ALL, *simulating.ALL, *studying.ALL, *checking.ALL, *measuring.ALL):
-    app.command()(command)
+MODULES = (commands, simulating, studying, checking, measuring, filming)
+for module in MODULES:
+    for command in module.ALL:
+        app.command()(command)
 app.add_typer(commands.templates_app, name="templates")
 
 

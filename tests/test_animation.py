@@ -1,0 +1,47 @@
+"""Encoding frames: GIF by Pillow, MP4 by ffmpeg, and what is said when it cannot."""
+
+import io
+import shutil
+
+import numpy as np
+from PIL import Image
+
+from walkergen.report import animation
+
+
+def silent(what, done, total):
+    pass
+
+
+def plain(at):
+    return np.full((4, 6, 3), 20 * at, np.uint8)
+
+
+def test_without_ffmpeg_the_gif_comes_alone_and_says_so(monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    made = animation.encode(plain, 3, 10, 0.5, [], silent)
+    assert made.gif.startswith(b"GIF89a")
+    assert (made.mp4, made.without_mp4) == (None, "ffmpeg is not installed")
+
+
+def test_an_ffmpeg_that_fails_is_quoted(monkeypatch, tmp_path):
+    program = tmp_path / "ffmpeg"
+    program.write_text("#!/bin/sh\necho \"Unknown encoder 'libx264'\" >&2\nexit 1\n")
+    program.chmod(0o755)
+    monkeypatch.setattr(shutil, "which", lambda name: str(program))
+    made = animation.encode(plain, 12, 10, 0.5, [], silent)
+    assert made.gif.startswith(b"GIF89a")
+    assert (made.mp4, made.without_mp4) == (None, "ffmpeg failed: Unknown encoder 'libx264'")
+
+
+def test_rare_colours_stay_exact():
+    def draw(at):
+        frame = np.zeros((64, 64, 3), np.uint8)
+        frame[..., 0] = 4 * np.arange(64)
+        frame[..., 1] = 4 * np.arange(64)[:, None]
+        frame[0, 0] = (0x12, 0x34, 0x56)
+        return frame
+
+    made = animation.encode(draw, 2, 10, 0.1, ["#123456"], silent)
+    with Image.open(io.BytesIO(made.gif)) as image:
+        assert image.convert("RGB").getpixel((0, 0)) == (0x12, 0x34, 0x56)

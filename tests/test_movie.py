@@ -1,0 +1,327 @@
+"""Movies: what is drawn is what was simulated and what is printed."""
+
+import json
+import shutil
+import subprocess
+from functools import cache
+from pathlib import Path
+
+import manifold3d
+import numpy as np
+import pytest
+from PIL import Image
+from typer.testing import CliRunner
+
+from walkergen import movie, solids, templates
+from walkergen.cli import app
+from walkergen.design import Design
+from walkergen.errors import InputError, WalkergenError
+from walkergen.report import bounce, footage, impacts
+from walkergen.scene import Scene
+from walkergen.simulation import engines, record
+from walkergen.simulation.run import Outcome, RunResult
+
+PAPER = templates.load("koumakis2016", "walkers", Design)
+SCENE = templates.load("lane-90hz", "scenes", Scene)
+FFMPEG = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+
+
+def silent(what, done, total):
+    pass
+
+
+def with_foot(foot, kind="flexible", tilt_deg=10.0):
+    legs = PAPER.legs.model_copy(update={"foot": foot, "kind": kind, "tilt_deg": tilt_deg})
+    return PAPER.model_copy(update={"legs": legs})
+
+
+@cache
+def filmed():
+    """Two periods of the compliant walker, 40 frames a period."""
+    job = movie.plan([PAPER], SCENE, periods=2, slow=180, fps=20)
+    return job, movie.film(job, PAPER, movie.FINE)
+
+
+def still(design, model, pitch):
+    """Footage of one pose: at rest, the lower foot 0.1 mm over the plate."""
+    legs = SCENE.legs.model_copy(update={"model": model})
+    mass = solids.weigh(design, solids.build(design))
+    plan = engines.prepare(SCENE.model_copy(update={"legs": legs}), design, mass)
+    state = plan.engine.start(0.1, pitch, 1.0)
+    tally = record.new(len(state), 0.0, 1.0, 1)
+    tally.samples.rows[0, 1:], tally.samples.cursor[0] = state, 1
+    run = RunResult(0, Outcome.OK, 0.0, 0.0, 0.0, np.zeros(0), 0.0, tally, 0.0)
+    return movie.footage_of(design, mass, plan, run)
+
+
+@pytest.mark.parametrize(
+    ("kind", "model"),
+    [("flexible", "compliant"), ("flexible", "relaxed"), ("flexible", "rigid"), ("braced", "auto")],
+)
+@pytest.mark.parametrize("foot", ["flat", "square", "round"])
+@pytest.mark.parametrize("pitch", [0.02, -0.02])
+def test_poses_put_the_foot_where_each_model_has_it(kind, model, foot, pitch):
+    shot = still(with_foot(foot, kind), model, pitch)
+    gaps = footage.feet(shot)[0, :, 1] - shot.plate[0]
+    assert gaps.min() == pytest.approx(0.1, abs=1e-12)
+    assert np.argmin(gaps) == (footage.BACK if pitch > 0 else footage.FRONT)
+
+
+@pytest.mark.parametrize("kind", ["flexible", "braced"])
+@pytest.mark.parametrize("foot", ["flat", "square", "round"])
+def test_the_outline_drawn_is_that_of_the_printed_mesh(kind, foot):
+    design = with_foot(foot, kind, 20.0)
+    shot = still(design, "auto", 0.0)
+    limbs, body = footage.polygons(shot, 0)
+    middle = body.mean(axis=0)  # the design's origin
+    drawn = manifold3d.CrossSection(
+        [shape - middle for shape in (*limbs, body)], manifold3d.FillRule.Positive
+    )
+    mesh = solids.build(design).walker
+    corners = mesh.vertices[mesh.triangles]
+    side = corners[(corners[:, :, 2] > 0.5 * design.body.depth_mm).all(axis=1)][:, :, :2]
+    printed = manifold3d.CrossSection(list(side), manifold3d.FillRule.Positive)
+    # Booleans of cross-sections snap to a grid of 1e-8 mm; the outline is some 100 mm long.
+    assert (drawn - printed).area() + (printed - drawn).area() < 1e-5
+    assert drawn.area() == pytest.approx(printed.area(), rel=1e-6)
+
+
+def test_bent_legs_stay_hinged_at_the_body():
+    _, shot = filmed()
+    assert np.abs(shot.angles).max() > 1e-4
+    bent = shot._replace(angles=shot.angles + 0.3)
+    for side in (footage.BACK, footage.FRONT):
+        anchor = complex(*shot.shape.anchors[side]) * np.exp(1j * shot.pitch[0])
+        hinge = shot.places[0] + (anchor.real, anchor.imag)
+        one, other = (footage.polygons(run, 0)[0][side] for run in (shot, bent))
+        distances = [np.hypot(*(leg - hinge).T) for leg in (one, other)]
+        assert distances[0] == pytest.approx(distances[1], abs=1e-12)
+        assert np.abs(one - other).max() > 1.0
+
+
+def test_feet_touch_the_plate_at_their_impacts_and_never_enter_it():
+    job, shot = filmed()
+    gaps = footage.feet(shot)[:, :, 1] - shot.plate[:, None]
+    assert gaps.min() > -1e-9  # an open foot has landed below a gap of 1e-9 mm
+    interval = 1.0 / (job.fps * job.slow * movie.FINE)
+    assert len(shot.impacts) > 5
+    for hit in shot.impacts:
+        nearest = round(hit.time / interval)
+        # Feet and plate close at less than 200 mm/s, for half an interval at most.
+        assert gaps[nearest, hit.foot] < 200.0 * 0.5 * interval
+
+
+def test_a_frame_flashes_the_impacts_of_its_afterglow_and_no_others():
+    _, shot = filmed()
+    glow = 1e-3
+    for at in range(0, len(shot.times), movie.FINE):
+        time = shot.times[at]
+        for side in (footage.BACK, footage.FRONT):
+            recent = [
+                hit for hit in shot.impacts if hit.foot == side and 0 <= time - hit.time < glow
+            ]
+            shown = footage.strongest(shot, time, glow, side)
+            assert (shown is not None) == bool(recent)
+            if shown is not None:
+                assert shown[0] in recent
+                assert 0.0 < shown[1] <= 1.0
+
+
+def coloured(frame, colour):
+    """Pixels of the main view that are close to a colour."""
+    left, bottom, width, height = (int(value) for value in bounce.MAIN)
+    top = bounce.HEIGHT - bottom - height
+    view = frame[top : top + height, left : left + width].astype(int)
+    wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return int((np.abs(view - wanted).max(axis=-1) < 8).sum())
+
+
+def test_the_flash_is_in_the_picture_from_the_impact_on():
+    job, shot = filmed()
+    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
+    first = shot.impacts[0]
+    colour = impacts.style_of(first.kind).colour
+    frame = int(np.ceil(first.time * job.fps * job.slow))
+    assert coloured(draw(frame - 1), colour) == 0
+    assert coloured(draw(frame), colour) > 100
+
+
+def test_a_run_of_many_body_lengths_is_followed():
+    job, shot = filmed()
+    far = shot._replace(places=shot.places + np.outer(np.linspace(0, 1e4, len(shot.times)), (1, 0)))
+    draw = bounce.draw_bounce(far, movie.FINE, job.slow, "settings")
+    first, last = (coloured(draw(frame), "#A9C7E4") for frame in (0, job.frames - 1))
+    assert first > 10_000
+    assert last == pytest.approx(first, rel=0.05)  # the body is as large and as much in the picture
+
+
+def test_drawing_a_frame_does_not_depend_on_those_before():
+    job, shot = filmed()
+    draw = bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
+    frame = draw(30).copy()
+    draw(3)
+    assert np.array_equal(draw(30), frame)
+
+
+@pytest.fixture
+def short():
+    return movie.plan([PAPER], SCENE, periods=0.5, slow=180, fps=10)
+
+
+def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
+    one = movie.make(short, tmp_path / "a.gif", silent)
+    two = movie.make(short, tmp_path / "b.gif", silent)
+    assert one.gif.read_bytes() == two.gif.read_bytes()
+    assert one.frames == short.frames == 11
+    with Image.open(one.gif) as image:
+        assert image.size == (bounce.WIDTH, bounce.HEIGHT)
+        assert image.n_frames == 11
+        shown = []
+        for at in range(image.n_frames):
+            image.seek(at)
+            shown.append(image.info["duration"])
+    assert shown == [100] * 10 + [100 + 1000 * movie.HOLD_S]
+    if one.mp4 is not None:
+        assert two.mp4 is not None
+        assert one.mp4.read_bytes() == two.mp4.read_bytes()
+
+
+def test_a_race_shows_every_walker_in_its_lane(tmp_path):
+    members = PAPER.members([5.0, 20.0], ["flexible"])
+    job = movie.plan(members, SCENE, seconds=0.3, fps=10)
+    made = movie.make(job, tmp_path / "race.gif", silent)
+    assert (made.frames, job.slow) == (4, 1.0)
+    runs = [shot.places[-1, 0] for shot in made.footage]
+    assert runs[0] > runs[1] + 5.0  # 5 degrees run at 180 mm/s, 20 degrees at 20
+    with Image.open(made.gif) as image:
+        image.seek(3)
+        frame = np.asarray(image.convert("RGB")).astype(int)
+    body = np.abs(frame - (0xA9, 0xC7, 0xE4)).max(axis=-1) < 8
+    lanes = np.split(body[64 : 64 + 2 * 66], 2)
+    right = [int(np.nonzero(lane)[1].max()) for lane in lanes]
+    scale = (right[0] - right[1]) / (runs[0] - runs[1])
+    wide = [np.ptp(np.nonzero(lane)[1]) for lane in lanes]
+    assert wide[0] == pytest.approx(28.0 * scale, abs=3)  # to scale: bodies are 28 mm long
+    assert wide[0] == pytest.approx(wide[1], abs=2)
+
+
+@FFMPEG
+def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
+    made = movie.make(short, tmp_path / "a.gif", silent)
+    words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo",
+             "-pix_fmt", "rgb24", "-"]  # fmt: skip
+    raw = subprocess.run(words, capture_output=True, check=True).stdout
+    frames = np.frombuffer(raw, np.uint8).reshape(-1, bounce.HEIGHT, bounce.WIDTH, 3)
+    assert len(frames) == 11 + round(movie.HOLD_S * short.fps)
+    with Image.open(made.gif) as image:
+        first = np.asarray(image.convert("RGB")).astype(int)
+    # Chroma at half resolution and a palette of 128: alike, not equal.
+    assert np.abs(frames[0].astype(int) - first).mean() < 4.0
+
+
+def test_interrupted_nothing_is_left(monkeypatch, short, tmp_path):
+    started = []
+    popen = subprocess.Popen
+    monkeypatch.setattr(
+        subprocess,
+        "Popen",
+        lambda *args, **more: started.append(popen(*args, **more)) or started[0],
+    )
+
+    def stop(what, done, total):
+        if what == "frames" and done == 5:
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        movie.make(short, tmp_path / "out" / "a.gif", stop)
+    assert not (tmp_path / "out").exists()
+    assert all(process.poll() is not None for process in started)
+
+
+@pytest.mark.parametrize(
+    ("choice", "words"),
+    [
+        ({"fps": 30}, "--fps 30: must be one of 1, 2, 4, 5, 10, 20, 25, 50"),
+        ({"seconds": 1.0, "periods": 3.0}, "leave one of them out"),
+        ({"seconds": 10.0, "slow": 100.0}, "25001 frames"),
+        ({"periods": 0.1, "slow": 1.0}, "1 frames"),
+        ({"seconds": float("nan")}, "--seconds nan: must be > 0"),
+        ({"periods": -1.0}, "--periods -1: must be > 0"),
+        ({"slow": float("inf")}, "--slow inf: must be > 0"),
+        ({"seconds": 1e9, "slow": 1e9}, r"2\.5e\+19 frames"),
+    ],
+)
+def test_what_cannot_be_filmed_is_refused(choice, words):
+    with pytest.raises(InputError, match=words):
+        movie.plan([PAPER], SCENE, **choice)
+
+
+def test_too_many_lanes_are_refused():
+    with pytest.raises(InputError, match="9 walkers in one movie; at most 8"):
+        movie.plan([PAPER] * 9, SCENE)
+
+
+def leaving(length_mm, discard_seconds):
+    arena = SCENE.arena.model_copy(update={"length_mm": length_mm})
+    run = SCENE.run.model_copy(update={"discard_seconds": discard_seconds})
+    return SCENE.model_copy(update={"arena": arena, "run": run})
+
+
+def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
+    job = movie.plan([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
+    made = movie.make(job, tmp_path / "a.gif", silent)
+    (shot,) = made.footage
+    assert shot.ended == "left the lane"
+    assert 2 <= made.frames < job.frames
+
+
+def test_a_run_that_ends_at_once_is_refused():
+    job = movie.plan([PAPER], leaving(1e-3, 0.1), fps=10)
+    with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the lane"):
+        movie.film(job, PAPER, movie.FINE)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(app, ["movie", *words])
+
+
+FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")
+
+
+def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    result = run("koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *FEW)
+    assert result.exit_code == 0, result.output
+    name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz.gif"
+    assert "koumakis2016, 10°, flexible: " in result.stdout
+    assert f"{name}: 5 frames, 20 a second, 100 times slower" in result.stdout
+    assert "no MP4: ffmpeg is not installed" in result.stdout
+    assert [path.name for path in (tmp_path / name).parent.iterdir()] == [Path(name).name]
+
+
+def test_json_names_the_files_and_the_runs(run):
+    found = json.loads(
+        run("--tilt", "5,10", "--seconds", "0.1", "--slow", "0.5", "--fps", "50", "--json").stdout
+    )
+    assert found["gif"] == "out/koumakis2016/race_of_2_lane-90hz.gif"
+    assert (found["frames"], found["slow"]) == (3, 0.5)
+    assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
+    assert (found["mp4"] is None) == bool(found["without_mp4"])
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--out", "walker.mp4"), "must end in .gif"),
+        (("--tilt", "95"), "95 must lie in"),
+        (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
+        (("--out", "/dev/null/a.gif", *FEW), "cannot be written"),
+    ],
+)
+def test_bad_requests_are_one_line(run, words, told):
+    result = run(*words)
+    assert isinstance(result.exception, WalkergenError)
+    assert told in str(result.exception)
+    assert "\n" not in str(result.exception)
