@@ -7,7 +7,15 @@ from typing import Annotated
 import typer
 
 from walkergen import __version__
-from walkergen.cli import checking, commands, filming, measuring, simulating, studying
+from walkergen.cli import (
+    checking,
+    commands,
+    filming,
+    measuring,
+    reporting,
+    simulating,
+    studying,
+)
 from walkergen.errors import WalkergenError
 
 app = typer.Typer(
@@ -17,7 +25,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-MODULES = (commands, simulating, studying, checking, measuring, filming)
+MODULES = (commands, simulating, studying, checking, measuring, filming, reporting)
 for module in MODULES:
     for command in module.ALL:
         app.command()(command)

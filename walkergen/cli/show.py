@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from walkergen.prediction import Prediction
     from walkergen.printing.checks import Finding
     from walkergen.printing.printers import Printer
+    from walkergen.report.contents import Contents
     from walkergen.report.tables import Simulated, Weighing
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
@@ -235,6 +236,19 @@ def study(found: "Study", folder: Path) -> None:
         console.print(ladders.answers_table(found.answers))
     print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
           + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip
+
+
+def page(path: Path, found: "Contents", json: bool) -> None:
+    """Print where the page is, and which of the family's files are not as they were written."""
+    changed, missing = found.named("changed"), found.named("missing")
+    if json:
+        as_json({"file": str(path), "changed": changed, "missing": missing})
+        return
+    for name in changed:
+        print(f"{name}: changed since the family was made")
+    for name in missing:
+        print(f"{name}: missing")
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser, offline")
 
 
 def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design") -> None:

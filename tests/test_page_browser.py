@@ -1,0 +1,182 @@
+"""The report page in a real browser, by what a person does with it; offline, from a file."""
+
+import io
+import json
+import os
+import shutil
+
+import matplotlib.image
+import numpy as np
+import pytest
+from report_folder import folder_of, written
+from selenium import webdriver
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+WANTED = "no chromium and chromedriver: apt-get install chromium chromium-driver"
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+TILTS = (0.0, 10.0, 35.0)
+
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.skipif(
+        not (BROWSER and DRIVER) and "CI" not in os.environ,
+        reason=WANTED,
+    ),
+]
+
+
+def browser_at(page, profile, *more):
+    """A headless browser that has loaded a page from its file and logs console and network."""
+    if not (BROWSER and DRIVER):
+        pytest.fail(WANTED)
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in (
+        "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
+        "--no-first-run", "--disable-background-networking", "--disable-component-update",
+        "--disable-sync", "--window-size=1280,1500", f"--user-data-dir={profile}",
+        *(more or ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")),
+    ):  # fmt: skip
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
+    browser = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    browser.get(page.as_uri())
+    return browser
+
+
+@pytest.fixture(scope="module")
+def page(tmp_path_factory):
+    folder = folder_of(tmp_path_factory.mktemp("family"), TILTS)
+    return written(folder)
+
+
+@pytest.fixture(scope="module")
+def browser(page, tmp_path_factory):
+    browser = browser_at(page, tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.quit()
+
+
+def shown(browser):
+    return browser.find_element(By.ID, "shown").text
+
+
+def pixels(browser):
+    """The canvas as an (height, width, 3) image, background white."""
+    png = browser.find_element(By.ID, "canvas").screenshot_as_png
+    return matplotlib.image.imread(io.BytesIO(png))[:, :, :3]
+
+
+def coloured(image):
+    """Share of pixels with a strong hue: the part, and neither plate, edges nor background."""
+    return np.mean(np.ptp(image, axis=2) > 0.2)
+
+
+def column(browser, number):
+    cells = browser.find_elements(By.CSS_SELECTOR, f"#family tbody tr > :nth-child({number})")
+    return [cell.get_attribute("data-value") for cell in cells]
+
+
+def test_the_part_is_seen_in_the_colour_of_its_kind(browser):
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
+    image = pixels(browser)
+    assert 0.03 < coloured(image) < 0.6
+    red, _, blue = image[np.ptp(image, axis=2) > 0.2].mean(axis=0)
+    assert blue > red
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+    image = pixels(browser)
+    red, _, blue = image[np.ptp(image, axis=2) > 0.2].mean(axis=0)
+    assert red > blue
+
+
+def test_the_slider_runs_over_the_tilts_of_the_kind_by_keyboard(browser):
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
+    slider = browser.find_element(By.ID, "tilt")
+    slider.send_keys(Keys.HOME)
+    assert shown(browser) == (
+        "walker_t0.0_flexible_s0.40; flexible legs, 0°: predicted 0.0 ± 0.0 mm/s (sd)"
+    )
+    upright = pixels(browser)
+    slider.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
+    assert shown(browser).startswith("walker_t35.0_flexible_s0.40; flexible legs, 35°")
+    assert slider.get_attribute("aria-valuetext") == "35 degrees"
+    assert np.abs(pixels(browser) - upright).max() > 0.3
+    slider.send_keys(Keys.ARROW_RIGHT)
+    assert "legs, 35°" in shown(browser)  # the last one
+
+
+def test_another_kind_keeps_the_tilt(browser):
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
+    browser.find_element(By.ID, "tilt").send_keys(Keys.HOME, Keys.ARROW_RIGHT)
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+    assert shown(browser).startswith("walker_t10.0_braced_s1.00; braced legs, 10°")
+
+
+def test_dragging_and_arrow_keys_turn_the_part(browser):
+    canvas = browser.find_element(By.ID, "canvas")
+    browser.find_element(By.CSS_SELECTOR, "[data-view=front]").click()
+    front = pixels(browser)
+    ActionChains(browser).drag_and_drop_by_offset(canvas, 120, 30).perform()
+    dragged = pixels(browser)
+    assert np.mean(np.abs(dragged - front)) > 0.01
+    canvas.send_keys(Keys.ARROW_LEFT)
+    assert np.mean(np.abs(pixels(browser) - dragged)) > 0.001
+    browser.find_element(By.CSS_SELECTOR, "[data-view=front]").click()
+    assert np.mean(np.abs(pixels(browser) - front)) < 0.001
+
+
+def test_headings_sort_by_number_and_back(browser):
+    headings = browser.find_elements(By.CSS_SELECTOR, "#family thead button")
+    names = [heading.text for heading in headings]
+    speed = names.index("speed (mm/s)") + 1
+    headings[speed - 1].click()
+    values = [float(text) for text in column(browser, speed)]
+    assert values == sorted(values)
+    assert min(values) < 0 < max(values)
+    headings[speed - 1].click()
+    assert [float(text) for text in column(browser, speed)] == sorted(values, reverse=True)
+    mass = names.index("m (g)") + 1  # braced legs have none: empty, last both ways
+    for _ in range(2):
+        headings[mass - 1].click()
+        assert column(browser, mass)[-3:] == ["", "", ""]
+
+
+def test_a_part_is_chosen_in_the_table_and_in_the_chart(browser):
+    rows = browser.find_elements(By.CSS_SELECTOR, "#family tbody tr")
+    row = next(row for row in rows if "t35.0_braced" in row.text)
+    row.find_element(By.CSS_SELECTOR, ".pick").click()
+    assert shown(browser).startswith("walker_t35.0_braced")
+    assert "chosen" in row.get_attribute("class")
+    point = browser.find_element(By.CSS_SELECTOR, ".point[data-member='1'] .touch")
+    ActionChains(browser).move_to_element(point).click().perform()
+    assert shown(browser).startswith("walker_t10.0_flexible")
+    told = browser.find_element(By.ID, "readout").text
+    assert told.startswith("flexible legs, 10°: predicted 132.6 ± ")
+
+
+def test_nothing_was_fetched_and_nothing_complained(browser, page):
+    """Last in the file: covers every interaction above."""
+    assert [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"] == []
+    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    asked = [
+        message["params"]["request"]["url"]
+        for message in messages
+        if message["method"] == "Network.requestWillBeSent"
+    ]
+    assert page.as_uri() in asked
+    own = (page.as_uri(), "data:", "chrome://")  # chrome: the empty tab that the browser opens with
+    assert [url for url in asked if not url.startswith(own)] == []
+
+
+def test_without_webgl_the_rest_is_shown_and_the_reason_told(page, tmp_path):
+    browser = browser_at(page, tmp_path, "--disable-gpu", "--disable-3d-apis")
+    try:
+        assert not browser.find_element(By.ID, "canvas").is_displayed()
+        assert "no WebGL" in browser.find_element(By.ID, "no-viewer-reason").text
+        assert browser.find_element(By.CSS_SELECTOR, "#no-viewer img").is_displayed()
+        browser.find_element(By.CSS_SELECTOR, "#family th:nth-child(2) button").click()
+        assert column(browser, 2) == ["0.0", "0.0", "10.0", "10.0", "35.0", "35.0"]
+    finally:
+        browser.quit()

@@ -1,0 +1,34 @@
+// Bundles viewer.js with the parts of three.js that it uses, for the page to hold inline.
+
+import { createHash } from 'node:crypto';
+import { readFileSync, writeFileSync } from 'node:fs';
+import { build } from 'esbuild';
+
+const TARGET = '../walkergen/report/assets/viewer.min.js';
+
+const source = readFileSync('viewer.js');
+const three = JSON.parse(readFileSync('node_modules/three/package.json', 'utf8'));
+const licence = readFileSync('node_modules/three/LICENSE', 'utf8').trim();
+const banner = `/*
+viewer.js, sha256 ${createHash('sha256').update(source).digest('hex')}
+with parts of three.js ${three.version}:
+
+${licence}
+*/`;
+
+const built = await build({
+  entryPoints: ['viewer.js'],
+  bundle: true,
+  minify: true,
+  format: 'iife',
+  globalName: 'walkergenViewer',
+  target: 'es2022',
+  charset: 'ascii',
+  legalComments: 'none', // the banner holds the licence, whole
+  banner: { js: banner },
+  write: false,
+});
+const text = built.outputFiles[0].text;
+if (/<\/script|<!--/i.test(text)) throw new Error('the bundle would end its own script element');
+writeFileSync(TARGET, text);
+console.log(`${TARGET}: ${Buffer.byteLength(text)} bytes`);

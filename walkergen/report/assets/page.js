@@ -1,0 +1,129 @@
+// The page's behaviour: one chosen part, shown alike by viewer, chart and table; a sortable table.
+// `walkergenViewer` is the bundle built from viewer/.
+'use strict';
+
+(() => {
+  const byId = (id) => document.getElementById(id);
+  const parts = JSON.parse(byId('parts').textContent);
+  const shown = parts.flatMap((part, member) => (part.corners ? [member] : []));
+  const slider = byId('tilt');
+  let viewer = null;
+  let chosen = null;
+
+  function corners(base64) {
+    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+    const view = new DataView(bytes.buffer);
+    return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
+  }
+
+  // Members of a kind that have a mesh, by tilt: what the slider runs over.
+  function members(legs) {
+    return shown
+      .filter((member) => parts[member].legs === legs)
+      .sort((a, b) => parts[a].tilt_deg - parts[b].tilt_deg);
+  }
+
+  // What the chart says of a member's speeds.
+  function labels(member) {
+    const points = document.querySelectorAll(`.point[data-member="${member}"] title`);
+    return [...points].map((title) => title.textContent);
+  }
+
+  function choose(member) {
+    chosen = member;
+    const part = parts[member];
+    const row = members(part.legs);
+    slider.max = row.length - 1;
+    slider.value = row.indexOf(member);
+    slider.setAttribute('aria-valuetext', `${part.tilt_deg} degrees`);
+    byId('tilt-shown').textContent = `${part.tilt_deg}°`;
+    byId('shown').textContent = [part.name, ...labels(member)].join('; ');
+    byId('kinds').querySelector(`[value="${CSS.escape(part.legs)}"]`).checked = true;
+    for (const marked of document.querySelectorAll('[data-member]'))
+      marked.classList.toggle('chosen', Number(marked.dataset.member) === member);
+    const colour = getComputedStyle(document.documentElement).getPropertyValue(`--${part.legs}-part`);
+    viewer?.show(shown.indexOf(member), colour.trim());
+  }
+
+  // The member of a kind whose tilt is nearest to the chosen one's.
+  function nearest(legs) {
+    const distance = (member) => Math.abs(parts[member].tilt_deg - parts[chosen].tilt_deg);
+    return members(legs).reduce((a, b) => (distance(b) < distance(a) ? b : a));
+  }
+
+  function addKinds() {
+    for (const legs of new Set(shown.map((member) => parts[member].legs))) {
+      const radio = Object.assign(document.createElement('input'), {
+        type: 'radio', name: 'legs', value: legs,
+      });
+      radio.addEventListener('change', () => choose(nearest(legs)));
+      const label = document.createElement('label');
+      label.append(radio, ` ${legs}`);
+      byId('kinds').append(label);
+    }
+  }
+
+  function startViewer() {
+    if (!shown.length) {
+      byId('no-viewer-reason').textContent = 'No STL file is left in the folder to be shown.';
+      return;
+    }
+    byId('viewer').hidden = false;
+    viewer = walkergenViewer.create(byId('canvas'), shown.map((m) => corners(parts[m].corners)));
+    if (!viewer) {
+      byId('viewer').hidden = true;
+      byId('no-viewer-reason').textContent =
+        'This browser offers no WebGL, which the 3D viewer needs; everything else is here.';
+      return;
+    }
+    byId('no-viewer').hidden = true;
+    byId('spacing').textContent = viewer.spacing;
+    for (const button of byId('views').children)
+      button.addEventListener('click', () => viewer.look(button.dataset.view));
+  }
+
+  // Numbers by size, words by the alphabet, empty cells last whichever way.
+  function compare(a, b, sign) {
+    if (a === '' || b === '') return (a === '') - (b === '');
+    const difference = Number(a) - Number(b);
+    return sign * (Number.isNaN(difference) ? a.localeCompare(b, 'en', { numeric: true }) : difference);
+  }
+
+  function sortBy(heading) {
+    const ascending = heading.getAttribute('aria-sort') !== 'ascending';
+    for (const other of heading.parentNode.children) other.setAttribute('aria-sort', 'none');
+    heading.setAttribute('aria-sort', ascending ? 'ascending' : 'descending');
+    const body = byId('family').tBodies[0];
+    const value = (row) => row.cells[heading.cellIndex].dataset.value;
+    const rows = [...body.rows].sort((a, b) => compare(value(a), value(b), ascending ? 1 : -1));
+    body.append(...rows);
+  }
+
+  function listen() {
+    slider.addEventListener('input', () => {
+      choose(members(parts[chosen].legs)[slider.value]);
+    });
+    for (const heading of byId('family').tHead.rows[0].cells)
+      heading.firstElementChild.addEventListener('click', () => sortBy(heading));
+    for (const row of byId('family').tBodies[0].rows) {
+      const member = Number(row.dataset.member);
+      const button = row.querySelector('.pick');
+      button.disabled = !viewer || !shown.includes(member);
+      button.addEventListener('click', () => choose(member));
+    }
+    for (const point of document.querySelectorAll('.point')) {
+      const member = Number(point.dataset.member);
+      const label = point.querySelector('title').textContent;
+      point.addEventListener('pointerenter', () => (byId('readout').textContent = label));
+      point.addEventListener('click', () => {
+        byId('readout').textContent = label;
+        if (shown.includes(member)) choose(member);
+      });
+    }
+  }
+
+  addKinds();
+  startViewer();
+  listen();
+  if (shown.length) choose(shown[Math.floor(members(parts[shown[0]].legs).length / 4)]);
+})();
