@@ -7,7 +7,7 @@ from typing import Annotated
 import typer
 
 from walkergen import __version__
-from walkergen.cli import commands, simulating, studying
+from walkergen.cli import commands, reproducing, simulating, studying
 from walkergen.errors import WalkergenError
 
 app = typer.Typer(
@@ -17,7 +17,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-for command in (*commands.ALL, *simulating.ALL, *studying.ALL):
+for command in (*commands.ALL, *simulating.ALL, *studying.ALL, *reproducing.ALL):
     app.command()(command)
 app.add_typer(commands.templates_app, name="templates")
 
