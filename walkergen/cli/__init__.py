@@ -13,6 +13,7 @@ from walkergen.cli import (
     filming,
     measuring,
     reporting,
+    reproducing,
     simulating,
     studying,
 )
@@ -25,7 +26,7 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-MODULES = (commands, simulating, studying, checking, measuring, filming, reporting)
+MODULES = (commands, simulating, studying, checking, measuring, filming, reporting, reproducing)
 for module in MODULES:
     for command in module.ALL:
         app.command()(command)

@@ -27,6 +27,8 @@ if TYPE_CHECKING:
     from walkergen.simulation.ensemble import Summary
     from walkergen.simulation.run import Engine
     from walkergen.study.choose import Met
+    from walkergen.study.compare import Findings
+    from walkergen.study.compare import Row as Compared
     from walkergen.templates import Entry
 
 
@@ -249,6 +251,23 @@ def page(path: Path, found: "Contents", json: bool) -> None:
     for name in missing:
         print(f"{name}: missing")
     print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser, offline")
+
+
+def comparison_as_json(rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print every comparison with its verdict, and where the figures are."""
+    listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
+    as_json({"rows": listed, "folder": str(folder)})
+
+
+def comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print the paper's facts beside our numbers, and where the figures are."""
+    from rich.console import Console
+
+    from walkergen.report import comparison as tables
+
+    Console(highlight=False).print(tables.to_console(rows, found.assumptions))
+    print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
+    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5 as PNG, PDF and CSV")
 
 
 def effects(plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design") -> None:

@@ -25,7 +25,7 @@ def png(figure: Figure, dpi: int = 150) -> bytes:
 
 
 def pdf(figure: Figure) -> bytes:
-    """The figure as PDF: equal figures give equal bytes."""
+    """The figure as PDF, without the date: equal figures give equal bytes."""
     buffer = io.BytesIO()
     figure.savefig(buffer, format="pdf", metadata={"CreationDate": None})
     return buffer.getvalue()

@@ -59,8 +59,9 @@ def run(
     scene: Scene,
     progress: Callable[[str, int, int], None],
     threads: int | None = None,
+    event_room: int | None = None,
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs, sorted by number.
+    """Simulate scene.run.runs runs, sorted by number, each with room for so many impacts.
 
     Ctrl-C stops the runs under way and returns those that are finished (an empty list raises).
     """
@@ -69,7 +70,7 @@ def run(
     finished: list[RunResult] = []
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         pending: set[Future[RunResult]] = {
-            pool.submit(simulate, engine, scene, index, lambda: bool(stop))
+            pool.submit(simulate, engine, scene, index, lambda: bool(stop), None, event_room)
             for index in range(count)
         }
         try:
@@ -153,10 +154,11 @@ def measure(
     scene: Scene,
     progress: Callable[[str, int, int], None],
     threads: int | None = None,
+    event_room: int | None = None,
 ) -> tuple[Summary, list[RunResult]]:
     """Run an ensemble and summarise it; compilation is not part of its time."""
     progress("compiling (slow the first time only)", 0, scene.run.runs)
     compile_kernels(engine)
     started = time.perf_counter()
-    results = run(engine, scene, progress, threads)
+    results = run(engine, scene, progress, threads, event_room)
     return summarise(results, scene, time.perf_counter() - started), results
