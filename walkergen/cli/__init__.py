@@ -12,6 +12,7 @@ from walkergen.cli import (
     commands,
     filming,
     measuring,
+    ordering,
     reporting,
     reproducing,
     simulating,
@@ -26,7 +27,17 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-MODULES = (commands, simulating, studying, checking, measuring, filming, reporting, reproducing)
+MODULES = (
+    commands,
+    ordering,
+    simulating,
+    studying,
+    checking,
+    measuring,
+    filming,
+    reporting,
+    reproducing,
+)
 for module in MODULES:
     for command in module.ALL:
         app.command()(command)

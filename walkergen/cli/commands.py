@@ -134,85 +134,6 @@ def export(
     show.files(files, json, quiet)
 
 
-def check(
-    design: opt.DesignName = opt.PAPER,
-    tilt: opt.Tilt = None,
-    legs: opt.LegKinds = None,
-    printer: opt.PrinterName = opt.PRINTER,
-    copies: opt.Copies = "1",
-    strict: opt.Strict = False,
-    json: opt.AsJson = False,
-) -> None:
-    """Check whether walkers will print as designed, without writing any file."""
-    from walkergen import batch, templates
-    from walkergen.printing import checks
-    from walkergen.printing.printers import Printer
-
-    chosen = opt.design_of(design)
-    machine = templates.load(printer, "printers", Printer)
-    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
-    found = batch.check(members, counts, machine)
-    if json:
-        show.as_json({
-            "walls": [wall._asdict() for wall in found.walls],
-            "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
-            "parts": found.parts,
-            "plates": found.plates,
-        })  # fmt: skip
-    else:
-        show.checked(found, machine)
-    checks.refuse(found.findings, strict)
-
-
-def plate(
-    design: opt.DesignName = opt.PAPER,
-    tilt: opt.Tilt = None,
-    legs: opt.LegKinds = None,
-    copies: opt.Copies = "1",
-    printers: Annotated[
-        str,
-        typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
-    ] = opt.PRINTER,
-    max_parts: opt.MaxParts = 5000,
-    prusaslicer: opt.ForPrusaSlicer = False,
-    max_plates: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
-    ] = None,
-    how_many: Annotated[
-        bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
-    ] = False,
-    strict: opt.Strict = False,
-    out: opt.Out = None,
-    pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
-    json: opt.AsJson = False,
-    quiet: opt.Quiet = False,
-) -> None:
-    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps."""
-    from walkergen import batch
-
-    chosen = opt.design_of(design)
-    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
-    machines = opt.printers_of(printers)
-    if how_many:
-        room = batch.how_many(members, machines, max_parts)
-        if json:
-            show.rows_as_json(room)
-        else:
-            show.room(room)
-        return
-    folder = out or Path("out") / chosen.name
-    order = batch.Order(
-        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
-    )
-    with show.progress(chosen.name, wanted=not quiet) as progress:
-        tell = partial(show.warnings, quiet=quiet)
-        rows, files = batch.make_plates(order, folder, progress, tell)
-    if json:
-        show.rows_as_json(rows, files=files)
-    elif not quiet:
-        show.placements(rows, files, chosen)
-
-
 templates_app = typer.Typer(
     help="List, show or copy the shipped TOML files.", invoke_without_command=True
 )
@@ -255,4 +176,4 @@ def copy_template(
     print(target)
 
 
-ALL = (family, predict, export, check, plate)
+ALL = (family, predict, export)

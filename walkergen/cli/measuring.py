@@ -1,12 +1,16 @@
 """The commands that meet the experiment: `analyse` and `fit`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.calibration import Fitted
+    from walkergen.experiment import Analysed
 
 Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
 
@@ -45,9 +49,9 @@ def analyse(
     with show.progress("analyse", wanted=not quiet) as progress:
         found = experiment.analyse(file, units, lag_s, folder, pictures, progress)
     if json:
-        show.motion_as_json(found)
+        _motion_as_json(found)
     elif not quiet:
-        show.motion(found, file.name)
+        _show_motion(found, file.name)
 
 
 def fit(
@@ -82,9 +86,58 @@ def fit(
     with show.progress("fit", wanted=not quiet) as progress:
         found = calibration.fit(file, job, names.results(file, out, "fit"), progress)
     if json:
-        show.fit_as_json(found)
+        _fit_as_json(found)
     elif not quiet:
-        show.fit(found, file.name)
+        _show_fit(found, file.name)
+
+
+def _motion_as_json(found: "Analysed") -> None:
+    """Print everything measured, and what was noted while reading."""
+    from walkergen.report import motion_tables
+
+    data = motion_tables.as_dict(found.motion)
+    data |= {"bad_rows": found.bad_rows, "notes": found.notes, "folder": str(found.folder)}
+    show.as_json(data)
+
+
+def _show_motion(found: "Analysed", title: str) -> None:
+    """Print the table of what was measured."""
+    from rich.console import Console
+
+    from walkergen.report import motion_tables
+
+    console = Console(highlight=False)
+    if found.motion.by_plate_speed:
+        console.print(motion_tables.plate_table(found.motion))
+        console.print(motion_tables.line_told(found.motion), markup=False)
+    else:
+        console.print(motion_tables.to_table(found.motion, title))
+    for note in found.notes:
+        console.print(note, markup=False)
+    print(f"tables and figures in {found.folder}/")
+
+
+def _fit_as_json(found: "Fitted") -> None:
+    """Print the fitted parameters and what was noted."""
+    from walkergen.report import fit_tables
+
+    data = fit_tables.as_dict(found.fit)
+    show.as_json(data | {"notes": found.notes, "folder": str(found.folder)})
+
+
+def _show_fit(found: "Fitted", title: str) -> None:
+    """Print the table of fitted parameters and what to make of them."""
+    from rich.console import Console
+
+    from walkergen.report import fit_tables
+
+    console = Console(highlight=False)
+    console.print(fit_tables.to_table(found.fit, title))
+    told = (fit_tables.quality(found.fit), fit_tables.correlations(found.fit), *found.notes)
+    for line in told:
+        if line:
+            console.print(line, markup=False)
+    print(f"tables, figure and scene.toml in {found.folder}/")
 
 
 ALL = (analyse, fit)

@@ -1,13 +1,16 @@
 """The command that shows a family's folder: `report`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.report.contents import Contents
 
 
 def report(
@@ -28,7 +31,20 @@ def report(
     if target.resolve() in [path.resolve() for path in sources]:
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     output.write(target, page.render(found, __version__))
-    show.page(target, found, json)
+    _show_page(target, found, json)
+
+
+def _show_page(path: Path, found: "Contents", json: bool) -> None:
+    """Print where the page is, and which of the family's files are not as they were written."""
+    changed, missing = found.named("changed"), found.named("missing")
+    if json:
+        show.as_json({"file": str(path), "changed": changed, "missing": missing})
+        return
+    for name in changed:
+        print(f"{name}: changed since the family was made")
+    for name in missing:
+        print(f"{name}: missing")
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser, offline")
 
 
 ALL = (report,)

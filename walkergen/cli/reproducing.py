@@ -1,13 +1,18 @@
 """The command that holds the paper against our numbers: `reproduce`."""
 
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.study.compare import Findings
+    from walkergen.study.compare import Row as Compared
 
 
 def reproduce(
@@ -49,9 +54,9 @@ def reproduce(
     with show.progress("reproduce", wanted=not quiet) as progress:
         found, rows = side_by_side.make(job, folder, progress)
     if json:
-        show.comparison_as_json(rows, folder)
+        _comparison_as_json(rows, folder)
     elif not quiet:
-        show.comparison(found, rows, folder)
+        _show_comparison(found, rows, folder)
 
 
 def parse_gammas(text: str) -> list[float]:
@@ -63,6 +68,23 @@ def parse_gammas(text: str) -> list[float]:
     if not all(0.0 < value <= 50.0 for value in values):
         raise InputError(f"--gamma {text[:60]!r}: each must lie in 0..50, above 0")
     return values
+
+
+def _comparison_as_json(rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print every comparison with its verdict, and where the figures are."""
+    listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
+    show.as_json({"rows": listed, "folder": str(folder)})
+
+
+def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print the paper's facts beside our numbers, and where the figures are."""
+    from rich.console import Console
+
+    from walkergen.report import comparison as tables
+
+    Console(highlight=False).print(tables.to_console(rows, found.assumptions))
+    print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
+    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5 as PNG, PDF and CSV")
 
 
 ALL = (reproduce,)

@@ -1,8 +1,10 @@
 """The commands that simulate: `simulate` and `explain`."""
 
+import math
 import sys
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -14,6 +16,10 @@ if TYPE_CHECKING:
     from walkergen.design import Design
     from walkergen.mass import MassProperties
     from walkergen.scene import Scene
+    from walkergen.simulation.costs import Explained
+    from walkergen.simulation.engines import Plan
+    from walkergen.simulation.ensemble import Summary
+    from walkergen.simulation.run import Engine
     from walkergen.study.choose import Met
     from walkergen.study.ladder import Progress
 
@@ -95,9 +101,9 @@ def simulate(
         told = f"interrupted after {summary.runs} of {resolved_scene.run.runs} runs"
         print(told, file=sys.stderr)
     if json:
-        show.as_json(show.summary_as_dict(plan.engine, resolved_scene, summary, met))
+        show.as_json(_summary_as_dict(plan.engine, resolved_scene, summary, met))
     elif not quiet:
-        show.summary(plan.engine, resolved_scene, summary, chosen, met)
+        _show_summary(plan.engine, resolved_scene, summary, chosen, met)
 
 
 def explain(
@@ -128,7 +134,7 @@ def explain(
     if json:
         show.rows_as_json(rows)
     else:
-        show.effects(plan, rows, resolved_scene, chosen)
+        _show_effects(plan, rows, resolved_scene, chosen)
 
 
 def _weighed(design: "Design") -> "MassProperties":
@@ -150,6 +156,101 @@ def _check_error(**chosen: object) -> None:
     for name, value in chosen.items():
         if value is not None:
             raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
+
+
+def _summary_as_dict(
+    engine: "Engine", scene: "Scene", found: "Summary", met: "Met | None"
+) -> dict[str, Any]:
+    """An ensemble's summary with what was simulated, and for which error, for JSON."""
+    settings = {"model": engine.model, "method": engine.method, "law": scene.contact.law}
+    chosen = {}
+    if met is not None:
+        obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
+        chosen = met.choice._asdict() | {
+            "setting": met.choice.setting.flags,
+            "error_mm_s": obtained,
+            "allowed_mm_s": met.allowed_mm_s,
+        }
+    return settings | found._asdict() | ({"chosen": chosen} if chosen else {})
+
+
+def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
+    """What --error chose, why, and what came out."""
+    choice = met.choice
+    source = "on record" if met.on_record else "measured just now"
+    bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s
+    verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
+    return [
+        ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
+        ("because", f"cheapest of the ladders {source}; its bias is at most "
+                    f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
+        ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
+                        f"(bias, and 2 x {bars:.2g} of the runs)"),
+    ]  # fmt: skip
+
+
+def _show_summary(
+    engine: "Engine", scene: "Scene", found: "Summary", design: "Design", met: "Met | None"
+) -> None:
+    """Print the mean speed and everything measured beside it."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
+    drive = scene.drive
+    bars = found.speed_se_mm_s
+    speed = "none: no run ended well"
+    if found.speed_mm_s is not None:
+        error = "standard error unknown: too few data" if bars is None else f"± {bars:.2g}"
+        speed = f"{found.speed_mm_s:.2f} {error} mm/s"
+    correlation = found.correlation_time_s
+    types = ", ".join(
+        f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
+    )
+    powers = ", ".join(f"{name} {1e-6 * value:.3g}" for name, value in found.energies_per_s.items())
+    rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
+    for name, value in (
+        ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
+        ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
+        ("model", f"{engine.model}, method {engine.method}, law {scene.contact.law}"),
+        ("mean speed", speed),
+        *(_met_rows(met, found) if met is not None else ()),
+        ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
+        ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
+        ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
+        ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
+        ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
+        ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),
+        ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
+        ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
+    ):
+        table.add_row(name, value)
+    Console(highlight=False).print(table)
+
+
+def _show_effects(
+    plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design"
+) -> None:
+    """Print which effects are on, why, how large they are and what they cost."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("effect", "", "size", "cost", "why"):
+        table.add_column(heading, justify="right" if heading in ("size", "cost") else "left")
+    for row in rows:
+        cost = "-" if row.cost is None else f"x {row.cost:.2f}"
+        why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
+        table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
+    console = Console(highlight=False)
+    console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
+    console.print(f"model {plan.engine.model}, method {plan.engine.method}")
+    console.print(table)
+    console.print(
+        "cost: CPU time over that of the scene without the effect, whose motion differs too"
+    )
 
 
 ALL = (simulate, explain)

@@ -1,13 +1,16 @@
 """The command that studies accuracy: `accuracy`."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.accuracy import Study
 
 MOST_BUDGET = 86_400.0
 
@@ -52,7 +55,7 @@ def accuracy(
             }
         )
     elif not quiet:
-        show.study(found, folder)
+        _show_study(found, folder)
 
 
 def parse_time(text: str) -> float:
@@ -68,6 +71,26 @@ def parse_time(text: str) -> float:
     if not 1.0 <= seconds <= MOST_BUDGET:
         raise InputError(f"--budget {text[:30]!r}: must lie in 1s..{MOST_BUDGET / 3600:g}h")
     return seconds
+
+
+def _show_study(found: "Study", folder: Path) -> None:
+    """Print the ladders, what to run for which error, and where the tables and figures are."""
+    from rich.console import Console
+
+    from walkergen.report import ladders
+
+    console = Console(highlight=False)
+    for ladder in found.ladders:
+        console.print(ladders.to_table(ladder))
+        console.print(f"error: {ladder.error}\nreference: {ladder.reference}", markup=False)
+        for note in ladder.notes:
+            console.print(f"- {note}", markup=False)
+        console.print()
+    if found.answers:
+        console.print("What to run for which error of the mean speed:")
+        console.print(ladders.answers_table(found.answers))
+    print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
+          + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip
 
 
 ALL = (accuracy,)
