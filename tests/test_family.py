@@ -46,7 +46,8 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
         [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md", ".ini")]
-        + ["family.csv", "family.md", "weights.csv", "speed.png", "preview.png", "manifest.json"]
+        + ["family.csv", "family.md", "weights.csv", "manifest.json"]
+        + ["speed.png", "speed.pdf", "preview.png"]
     )  # fmt: skip
     for png in ("speed.png", "preview.png"):
         assert (tmp_path / png).read_bytes().startswith(b"\x89PNG")

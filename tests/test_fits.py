@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from walkergen import solids, templates
-from walkergen.analysis import fits
+from walkergen.analysis import fits, speeds
 from walkergen.design import Design
 from walkergen.errors import InputError
 
@@ -144,3 +144,13 @@ def test_speeds_at_one_tilt_tell_only_a_factor():
     assert told.errors["impact_speed_factor"] == pytest.approx(
         0.5 * 0.5 / np.sqrt((exact**2).sum()), rel=1e-6
     )
+
+
+def test_measured_speeds_of_another_plate_are_left_out_and_told(tmp_path):
+    path = tmp_path / "speeds.csv"
+    path.write_text("tilt_deg,speed_mm_s,plate_speed_mm_s\n5,70,31\n10,60,\n15,90,52\n")
+    found = speeds.at_plate_speed(speeds.read(path, "flexible", 31.2), 31.2)
+    np.testing.assert_array_equal(found.tilt, [5.0, 10.0])
+    np.testing.assert_array_equal(found.speed, [70.0, 60.0])
+    assert found.legs == ["flexible", "flexible"]
+    assert found.bad == "1 speeds at other plate speeds than 31.2 mm/s left out"

@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen import solids, templates
-from walkergen.analysis import columns, fits
-from walkergen.analysis.columns import Columns
+from walkergen.analysis import fits
+from walkergen.analysis import speeds as measured
 from walkergen.analysis.fits import RANGES, ContactFit, Speeds
 from walkergen.config import validate
 from walkergen.design import KINDS, Design, Kind
@@ -22,7 +22,6 @@ from walkergen.theory.speed import Mode
 Array = npt.NDArray[np.float64]
 
 CURVE_POINTS = 121
-MOST_SPEEDS = 2000
 
 
 class Job(NamedTuple):
@@ -77,14 +76,14 @@ def fit(path: Path, job: Job, folder: Path, progress: Callable[[str, int, int], 
     where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, fit.png, fit.pdf, manifest.json.
     Raises InputError, before anything is written, for unusable input.
     """
-    table = _read(path)
-    speeds, tilt, legs = _speeds(table, job)
+    found = measured.read(path, job.design.legs.kind, job.scene.drive.peak_speed)
+    tilt, legs = found.tilt, found.legs
+    speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
     progress("fitting", 0, 2)
     result = fits.fit_contact(speeds, job.fixed)
     progress("drawing", 1, 2)
     scene = _scene(job.scene, result, path.name)
-    bad = columns.summary(table.bad)
-    notes = [*result.notes, *([bad] if bad else [])]
+    notes = [*result.notes, *([found.bad] if found.bad else [])]
     fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
     target = Folder(folder)
     told = caption(job)
@@ -109,36 +108,6 @@ def caption(job: Job) -> str:
     return f"walker {job.design.name}, mode {job.mode}, law {job.scene.contact.law}" + (
         f", given {held}" if held else ""
     )
-
-
-def _read(path: Path) -> Columns:
-    words = {"legs": KINDS}
-    optional = ("speed_se_mm_s", "plate_speed_mm_s")
-    table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, words)
-    if len(table.lines) > MOST_SPEEDS:
-        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
-    for name in optional:
-        if name in table.values:
-            table = table.without(table.values[name] <= 0, f"{name} must be > 0")
-    if "speed_se_mm_s" in table.values:
-        blank = np.isnan(table.values["speed_se_mm_s"])
-        if not blank.all():
-            table = table.without(blank, "speed_se_mm_s is blank, unlike in other rows")
-    return table
-
-
-def _speeds(table: Columns, job: Job) -> tuple[Speeds, Array, list[Kind]]:
-    count = len(table.lines)
-    tilt = table.values["tilt_deg"]
-    kinds = table.values.get("legs", np.full(count, np.nan))
-    legs = [job.design.legs.kind if np.isnan(kind) else KINDS[int(kind)] for kind in kinds]
-    plate = table.values.get("plate_speed_mm_s", np.full(count, np.nan))
-    plate = np.where(np.isnan(plate), job.scene.drive.peak_speed, plate)
-    se = table.values.get("speed_se_mm_s")
-    if se is not None and np.isnan(se).any():
-        se = None
-    speeds = _with_tensors(job, tilt, legs, table.values["speed_mm_s"], se, plate)
-    return speeds, tilt, legs
 
 
 def _with_tensors(

@@ -9,6 +9,7 @@ from types import MappingProxyType
 from typing import Any, NamedTuple
 
 from walkergen import __version__, names, plates, prediction, solids, weights
+from walkergen.analysis.speeds import Measured
 from walkergen.design import Design
 from walkergen.mass import MassProperties, Mesh
 from walkergen.output import Folder
@@ -49,6 +50,8 @@ class Job(NamedTuple):
     """By the members' names."""
     strict: bool = False
     """Refuse what prints otherwise than predicted, not only what fails."""
+    measured: Measured | None = None
+    """Speeds of printed walkers, for the figure."""
 
 
 class Member(NamedTuple):
@@ -71,10 +74,11 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
-    speed.png, preview.png, manifest.json. Files of an earlier run that this one does not make, and
-    that nobody changed since, are removed at the end. Raises PlateError when a part is too large
-    for the printer, PrintabilityError when one would not print and InputError when weighed masses
-    are impossible, all before anything is written, and OutputError when a file cannot be written.
+    speed.png, speed.pdf, preview.png, manifest.json. Files of an earlier run that this one does not
+    make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
+    too large for the printer, PrintabilityError when one would not print and InputError when
+    weighed masses are impossible, all before anything is written, and OutputError when a file
+    cannot be written.
     """
     started = time.perf_counter()
     steps = len(job.members) + 2
@@ -233,8 +237,11 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
         f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
     )
     rows, simulated = rows_of(made)
-    figure = plots.speed_figure(rows, curves, job.scene.impact_speed, title, simulated)
+    figure = plots.speed_figure(
+        rows, curves, job.scene.impact_speed, title, simulated, job.measured
+    )
     folder.write("speed.png", plots.png(figure))
+    folder.write("speed.pdf", plots.pdf(figure))
     parts = [
         preview.Part(kind, f"{tilt:g}° {kind}", member.mesh)
         for tilt, kind, member in zip(tilts, kinds, made, strict=True)

@@ -1,14 +1,20 @@
 """The commands. Heavy imports stay inside them, so that help and errors come at once."""
 
+import sys
 from functools import partial
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.analysis.speeds import Measured
+    from walkergen.design import Design
+    from walkergen.scene import Scene
 
 
 def family(
@@ -31,6 +37,10 @@ def family(
     ] = False,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option("--measured", metavar="FILE", help="CSV of measured speeds, for speed.png."),
+    ] = None,
     pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
@@ -61,6 +71,7 @@ def family(
         prusaslicer=prusaslicer,
         weighed={} if weights is None else balance.read(weights, members),
         strict=strict,
+        measured=_measured(measured, chosen, resolved),
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
@@ -73,6 +84,19 @@ def family(
         show.predictions(rows, told, chosen.name, simulated, weighed)
         print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md, weights.csv"
               + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
+
+
+def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured | None":
+    """Measured speeds on the scene's plate; what is left out is told on the error stream."""
+    if path is None:
+        return None
+    from walkergen.analysis import speeds
+
+    plate_speed = scene.drive.peak_speed
+    found = speeds.at_plate_speed(speeds.read(path, design.legs.kind, plate_speed), plate_speed)
+    if found.bad:
+        print(f"{path}: {found.bad}", file=sys.stderr)
+    return found
 
 
 def predict(

@@ -4,8 +4,10 @@ import io
 from collections.abc import Mapping, Sequence
 
 import matplotlib
+import numpy as np
 from matplotlib.figure import Figure
 
+from walkergen.analysis.speeds import Measured
 from walkergen.design import Kind
 from walkergen.prediction import Curve, Prediction
 from walkergen.report.tables import Simulated
@@ -37,10 +39,12 @@ def speed_figure(
     impact_speed: float,
     title: str,
     simulated: Sequence[Simulated] = (),
+    measured: Measured | None = None,
 ) -> Figure:
     """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band.
 
-    Simulated speeds, if there are any, are open symbols with their standard errors as bars.
+    Simulated speeds, if there are any, are open symbols with their standard errors as bars;
+    measured ones are crosses.
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")
@@ -55,10 +59,12 @@ def speed_figure(
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
             axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
         _draw_simulated(axes, rows, simulated)
+        if measured is not None:
+            _draw_measured(axes, measured)
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         axes.set_xlabel("tilt of the legs (deg)")
-        axes.set_ylabel("speed (mm/s)" if simulated else "predicted speed (mm/s)")
+        axes.set_ylabel("speed (mm/s)" if simulated or measured else "predicted speed (mm/s)")
         axes.set_title(title, fontsize=10)
         axes.legend(frameon=False)
         low, high = axes.get_ylim()
@@ -84,6 +90,17 @@ def _draw_simulated(
             axes.errorbar(
                 tilts, speeds, errors, fmt=marker, color=colour, markerfacecolor="white",
                 markersize=6, capsize=3, label=f"{legs}, simulated",
+            )  # fmt: skip
+
+
+def _draw_measured(axes: matplotlib.axes.Axes, measured: Measured) -> None:
+    for legs, mark in (("flexible", "x"), ("braced", "+")):
+        chosen = np.array([one == legs for one in measured.legs])
+        if chosen.any():
+            bars = None if measured.se is None else measured.se[chosen]
+            axes.errorbar(
+                measured.tilt[chosen], measured.speed[chosen], bars, fmt=mark, color="black",
+                markersize=7, markeredgewidth=1.5, capsize=3, label=f"{legs}, measured",
             )  # fmt: skip
 
 

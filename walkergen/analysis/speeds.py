@@ -1,0 +1,79 @@
+"""Measured speeds of walkers against tilt, from a CSV file."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import columns
+from walkergen.design import KINDS, Kind
+from walkergen.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+MOST_SPEEDS = 2000
+
+SAME_PLATE = 0.05
+"""Relative difference of plate speeds that count as one: amplitudes are read to a few percent."""
+
+
+class Measured(NamedTuple):
+    """Speeds of walkers; arrays of shape (n,)."""
+
+    tilt: Array
+    """deg"""
+    legs: list[Kind]
+    speed: Array
+    """mm/s"""
+    se: Array | None
+    """Standard errors, mm/s; None when the file has none."""
+    plate_speed: Array
+    """Peak speed of the plate, mm/s."""
+    bad: str
+    """Which rows were left out, and why; "" when all are used."""
+
+
+def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
+    """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
+
+    `kind` and `plate_speed` (mm/s) stand in where the file says nothing. Raises InputError.
+    """
+    optional = ("speed_se_mm_s", "plate_speed_mm_s")
+    table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
+    if len(table.lines) > MOST_SPEEDS:
+        raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
+    for name in optional:
+        if name in table.values:
+            table = table.without(table.values[name] <= 0, f"{name} must be > 0")
+    if "speed_se_mm_s" in table.values:
+        blank = np.isnan(table.values["speed_se_mm_s"])
+        if not blank.all():
+            table = table.without(blank, "speed_se_mm_s is blank, unlike in other rows")
+    unknown = np.full(len(table.lines), np.nan)
+    plate = table.values.get("plate_speed_mm_s", unknown)
+    se = table.values.get("speed_se_mm_s")
+    return Measured(
+        table.values["tilt_deg"],
+        [kind if np.isnan(one) else KINDS[int(one)] for one in table.values.get("legs", unknown)],
+        table.values["speed_mm_s"],
+        None if se is None or np.isnan(se).any() else se,
+        np.where(np.isnan(plate), plate_speed, plate),
+        columns.summary(table.bad),
+    )
+
+
+def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
+    """The speeds measured on a plate of that peak speed (mm/s), within SAME_PLATE."""
+    same = np.abs(measured.plate_speed / plate_speed - 1.0) <= SAME_PLATE
+    away = int(np.count_nonzero(~same))
+    left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"
+    told = [measured.bad, left_out if away else ""]
+    return Measured(
+        measured.tilt[same],
+        [kind for kind, one in zip(measured.legs, same, strict=True) if one],
+        measured.speed[same],
+        None if measured.se is None else measured.se[same],
+        measured.plate_speed[same],
+        "; ".join(one for one in told if one),
+    )
