@@ -26,7 +26,7 @@ def folder_of(path, tilts=(0.0, 10.0, 35.0), law="poisson", pictures=True):
         mode="coulomb",
         pictures=pictures,
     )
-    family.make(job, path, lambda what, done, total: None)
+    family.make(job, path, lambda what, done, total: None, lambda findings: None)
     return path
 
 

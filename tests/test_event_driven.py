@@ -5,6 +5,7 @@ import math
 import mpmath
 import numpy as np
 import pytest
+from level_walker import level_state
 
 from walkergen.mass import MassProperties
 from walkergen.simulation import plate as drive
@@ -96,7 +97,7 @@ def reference_ball(gamma, e, gap, phase, duration):
 
 def test_ball_on_a_moving_plate_follows_thirty_digits():
     w, plate = walker(), shaken(3.0)
-    state = walkers.level_state(w, plate, phase=0.7, gap=0.3)
+    state = level_state(w, plate, phase=0.7, gap=0.3)
     go(w, plate, Contact(0.8, 0.0, 0), state, 0.08)
     y, v, bounces = reference_ball(3, mpmath.mpf(0.8), mpmath.mpf(0.3), mpmath.mpf(0.7), 0.08)
     assert bounces >= 4
@@ -107,7 +108,7 @@ def test_ball_on_a_moving_plate_follows_thirty_digits():
 
 def test_two_calls_agree_with_one():
     w, plate = walker(10.0, flexible=True), shaken(1.8)
-    one = walkers.level_state(w, plate, 1.0, gap=0.05)
+    one = level_state(w, plate, 1.0, gap=0.05)
     one[OMEGA] = 0.7
     two = one.copy()
     go(w, plate, Contact(0.9, 0.1, 0), one, 0.02)
@@ -118,7 +119,7 @@ def test_two_calls_agree_with_one():
 
 def test_samples_and_events_do_not_disturb_and_obey_the_laws():
     w, plate, contact = walker(10.0, flexible=True), shaken(1.8), Contact(0.9, 0.1, 0)
-    plain = walkers.level_state(w, plate, 1.0, gap=0.05)
+    plain = level_state(w, plate, 1.0, gap=0.05)
     plain[OMEGA] = 0.7
     state = plain.copy()
     go(w, plate, contact, plain, 0.5)
@@ -140,7 +141,7 @@ def test_samples_and_events_do_not_disturb_and_obey_the_laws():
 def test_braced_walker_makes_no_way():
     """physics.md section 5: below 2 mm/s always."""
     w, plate = walker(10.0), shaken(1.8)
-    state = walkers.level_state(w, plate, 1.0, gap=0.05)
+    state = level_state(w, plate, 1.0, gap=0.05)
     state[OMEGA] = 0.7
     status, tally = go(w, plate, Contact(0.8, 0.25, 0), state, 500.0)
     assert status == OK

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from level_walker import level_state
 from scipy.integrate import solve_ivp
 from test_event_driven import GRAVITY, go, shaken, walker
 
@@ -63,7 +64,7 @@ def independent_motion(w, plate, friction, slip):
 def test_rocking_block_follows_an_independent_integration(gamma, friction, slip):
     w = walker()
     plate = shaken(gamma)
-    state = walkers.level_state(w, plate, phase=0.4)
+    state = level_state(w, plate, phase=0.4)
     state[PITCH] = 0.3
     r = walkers.lever(w.d_back, math.sin(0.3), math.cos(0.3))
     state[OMEGA] = -3.0
@@ -90,13 +91,13 @@ def test_block_slides_down_a_slope_as_coulomb_says():
     """On both feet of a tilted plate; with a second harmonic, to cover both effects at once."""
     w, slope, mu = walker(), 0.4, 0.2
     plate = Plate(shaken(0.4).amplitude, 2 * math.pi * 90, Harmonic(0.1, 0.3))
-    state = walkers.level_state(w, plate)
+    state = level_state(w, plate)
     tally = record.new(9)
     assert go(w, plate, Contact(0.0, mu, 0), state, 0.5, slope, tally)[0] == OK
     gained = drive.velocity(plate, state[PHASE]) - drive.velocity(plate, 0.0)
     g_x, g_y = GRAVITY * math.sin(slope), GRAVITY * math.cos(slope)
     assert tally.sums[record.CONTACT_TIME] == pytest.approx(0.5, abs=1e-6)
     assert state[V_X] == pytest.approx((g_x - mu * g_y) * 0.5 - mu * gained, rel=1e-6)
-    held = walkers.level_state(w, plate)
+    held = level_state(w, plate)
     assert go(w, plate, Contact(0.0, 1.5, 0), held, 0.5, slope)[0] == OK
     assert abs(held[X]) < 1e-9  # it falls by a rounding before it stands

@@ -101,8 +101,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
         progress(member.name, len(made), steps)
     for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
         folder.write(f"plates/{name}", data)
-    if not weights.filled(path / weights.FILE):
-        folder.write(weights.FILE, weights.template(member.name for member in made).encode())
+    weights.write_template(path, (member.name for member in made))  # theirs: not in the manifest
     progress("plates", len(made) + 1, steps)
     _write_tables(job, made, folder)
     if job.simulate:  # takes long: everything else is already safe in the folder

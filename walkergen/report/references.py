@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 Subject = Literal[
     "walkers", "poisson", "newton", "stronge", "event", "step", "matplotlib", "manifold3d",
-    "numpy", "numba", "lib3mf", "rectpack", "three.js",
+    "numpy", "numba", "lib3mf", "three.js",
 ]  # fmt: skip
 
 
@@ -78,9 +78,6 @@ REFERENCES: dict[Subject, Reference] = {
     "lib3mf": Reference(
         "3MF files", "lib3mf, 3MF Consortium", "https://github.com/3MFConsortium/lib3mf"
     ),
-    "rectpack": Reference(
-        "parts arranged on plates", "rectpack", "https://github.com/secnot/rectpack"
-    ),
     "three.js": Reference("this page's viewer", "three.js", "https://threejs.org"),
 }
 """Everything that can be cited, in the order of citing."""
@@ -100,5 +97,5 @@ def cited(
     if any(name.endswith(".png") for name in files):
         used.add("matplotlib")
     if any(name.endswith(".3mf") for name in files):
-        used |= {"lib3mf", "rectpack"}
+        used.add("lib3mf")
     return [reference for subject, reference in REFERENCES.items() if subject in used]

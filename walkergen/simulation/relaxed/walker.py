@@ -18,7 +18,7 @@ import numpy.typing as npt
 from walkergen.design import Design
 from walkergen.kernels import kernel
 from walkergen.mass import MassProperties
-from walkergen.simulation.plate import Plate, derivative_bound, height, velocity
+from walkergen.simulation.plate import Plate, derivative_bound, height
 from walkergen.theory.tensors import InverseMass, feet
 
 State = npt.NDArray[np.float64]
@@ -145,17 +145,6 @@ def level_pitch(walker: Walker) -> float:
     """Pitch at which both feet stand on the plate, rad."""
     (back_x, back_y), (front_x, front_y) = walker.d_back, walker.d_front
     return math.atan((back_y - front_y) / (front_x - back_x))
-
-
-def level_state(walker: Walker, plate: Plate, phase: float = 0.0, gap: float = 0.0) -> State:
-    """Level, both feet `gap` (mm) over the plate and moving with it; the plate's phase in rad."""
-    state = np.zeros(STATE_SIZE)
-    state[PHASE] = phase
-    state[PITCH] = level_pitch(walker)
-    state[V_Y] = velocity(plate, phase)
-    r_y = lever(walker.d_back, math.sin(state[PITCH]), math.cos(state[PITCH]))[1]
-    state[Y] = height(plate, phase) - r_y + gap
-    return state
 
 
 def new_state(
