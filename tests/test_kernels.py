@@ -23,7 +23,7 @@ def kernel_names(tree):
 
 def test_the_cache_covers_every_file_that_kernels_are_made_of():
     assert len(WITH_KERNELS) > 10
-    assert set(WITH_KERNELS) <= COVERED
+    # A kernel's own file is watched by numba; every other that it is made of has to be covered.
     for path in WITH_KERNELS:
         tree = ast.parse(path.read_text())
         used = set(kernel_names(tree))

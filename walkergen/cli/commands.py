@@ -82,8 +82,8 @@ def family(
     elif not quiet:
         told = families.caption(resolved, job.mode)
         show.predictions(rows, told, chosen.name, simulated, weighed)
-        print(f"{len(made)} walkers in {folder}/: stl, plates, family.csv, family.md, weights.csv"
-              + (", speed.png, preview.png" if pictures else ""))  # fmt: skip
+        print(f"{len(made)} walkers in {folder}/: stl, plates, family, weights"
+              + (", speed, preview" if pictures else ""))  # fmt: skip
 
 
 def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured | None":
