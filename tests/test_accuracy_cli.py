@@ -75,7 +75,7 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
     def interrupted(survey, progress):
         raise KeyboardInterrupt
 
-    monkeypatch.setitem(accuracy.LADDERS, "steps", interrupted)
+    monkeypatch.setitem(accuracy.LADDERS, "steps", (interrupted,))
     result = run("accuracy", "--only", "shape,steps", "--out", "here")
     assert result.exit_code == 130
     assert (tmp_path / "here/shape.md").exists()

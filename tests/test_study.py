@@ -70,7 +70,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
     area = 2.0 * half * (design.legs.length_mm - half) + 0.5 * math.pi * half**2
     exact = 1e-3 * design.material.density_g_cm3 * design.body.depth_mm * area
-    ladder = shape.ladder(design, Scene(), silent)
+    ladder = shape.ladder(survey_of(), silent)
     finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
     assert mass.m == pytest.approx(exact, rel=0.05 * finest.details["m"])
     far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
@@ -82,7 +82,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
 
 
 def test_braced_shape_has_no_error_at_the_origin():
-    ladder = shape.ladder(Design().variant(kind="braced"), Scene(), silent)
+    ladder = shape.ladder(survey_of("braced"), silent)
     far = [rung for rung in ladder.rungs if rung.series == "double precision"]
     assert max(rung.error for rung in far) < 1e-9  # as above
     assert far[0].details["m"] is None

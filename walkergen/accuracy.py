@@ -1,6 +1,6 @@
 """The study: what accuracy costs in time, as ladders with tables and figures in a folder."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -37,13 +37,11 @@ class Study(NamedTuple):
     answers: list[Answer]
 
 
-LADDERS: dict[str, Callable[[Survey, Progress], Iterator[Ladder]]] = {
-    "models": lambda survey, progress: iter([models.ladder(survey, progress)]),
-    "steps": lambda survey, progress: (
-        part(survey, progress) for part in (steps.short, steps.long)
-    ),
-    "statistics": lambda survey, progress: iter([statistics.ladder(survey, progress)]),
-    "shape": lambda survey, progress: iter([shape.ladder(survey.design, survey.scene, progress)]),
+LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
+    "models": (models.ladder,),
+    "steps": (steps.short, steps.long),
+    "statistics": (statistics.ladder,),
+    "shape": (shape.ladder,),
 }
 
 
@@ -63,9 +61,9 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
         def told(what: str, at: int, of: int, place: int = place, name: str = name) -> None:
             progress(f"{name}: {what}", place * of + at, len(job.only) * of)
 
-        for ladder in LADDERS[name](survey, told):
-            _write(ladder, folder)
-            done.append(ladder)
+        for measure in LADDERS[name]:
+            done.append(measure(survey, told))
+            _write(done[-1], folder)
         if survey.known:
             kept.remember(survey)
     answers = _answers(job, survey, folder, progress) if survey.known else []

@@ -99,7 +99,7 @@ def _relaxed(
         ),
         energy=lambda state: bodies.energy(walker, options, state),
         failures={event_driven.TOPPLED: Outcome.TOPPLED, event_driven.FAILED: Outcome.FAILED,
-                  event_driven.INSIDE: Outcome.FAILED},
+                  event_driven.INSIDE: Outcome.FAILED, event_driven.RUNAWAY: Outcome.RUNAWAY},
         columns=RIGID_COLUMNS,
         period=2.0 * math.pi / plate.omega,
         drop=plate.amplitude,

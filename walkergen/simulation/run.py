@@ -35,6 +35,8 @@ class Outcome(Enum):
     TOPPLED = "toppled"
     FOLDED = "leg folded"
     LEFT = "left the lane"
+    RUNAWAY = "energy without bound"
+    """The relaxed model's impacts gain energy where H_rigid > H_flexible (physics.md section 5)."""
     ENERGY = "energy error"
     """More energy unaccounted for than scene.run.energy_tolerance allows."""
     FAILED = "no convergence"
@@ -42,7 +44,7 @@ class Outcome(Enum):
     STOPPED = "stopped"
 
 
-UNFINISHED = {Outcome.FAILED, Outcome.STOPPED}
+UNFINISHED = {Outcome.FAILED, Outcome.STOPPED, Outcome.RUNAWAY}
 """Ends that no energy balance explains; a fall or a folded leg must balance like any motion."""
 
 

@@ -14,6 +14,7 @@ from walkergen.mass import MassProperties, Mesh, assemble
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import Scene
 from walkergen.study.ladder import Ladder, Progress, Rung, cpu_time, order
+from walkergen.study.speeds import Survey
 from walkergen.theory.speed import factors
 
 SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
@@ -37,8 +38,9 @@ class Errors(NamedTuple):
     speed: float
 
 
-def ladder(design: Design, scene: Scene, progress: Progress) -> Ladder:
+def ladder(survey: Survey, progress: Progress) -> Ladder:
     """Relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
+    design, scene = survey.design, survey.scene
     rungs: list[Rung] = []
     for place, part in enumerate((_tessellated, _far)):
         progress(part.__name__.strip("_"), place, 2)

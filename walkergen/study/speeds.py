@@ -11,7 +11,7 @@ from walkergen.mass import MassProperties
 from walkergen.scene import Scene
 from walkergen.simulation import engines, ensemble
 from walkergen.simulation.effects import MethodName, ModelName
-from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
+from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
 from walkergen.study.ladder import Progress
 
 STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
@@ -256,8 +256,8 @@ class Survey:
         engine = self.engine(setting)
         runs = EVENT_RUNS if setting.method == "event" else STEP_RUNS
         discard = self.scene.run.discard_seconds
-        pilot = simulate(engine, self.scene_of(setting, seconds=0.1, discard_seconds=0.0), 0)
-        pilot = simulate(engine, self.scene_of(setting, seconds=0.5, discard_seconds=0.0), 1)
+        compile_kernels(engine)
+        pilot = simulate(engine, self.scene_of(setting, seconds=0.5, discard_seconds=0.0), 0)
         per_run = self.budget_s * self._share(setting) / runs
         cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
         seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
@@ -265,8 +265,7 @@ class Survey:
         summary, results = ensemble.measure(engine, scene, progress)
         if len(results) < runs:  # Ctrl-C: the runs under way were stopped
             raise KeyboardInterrupt
-        well = {Outcome.OK.value, Outcome.STUCK.value}
-        complete = set(summary.outcomes) <= well
+        complete = set(summary.outcomes) <= {Outcome.OK.value, Outcome.STUCK.value}
         return Measured(
             setting,
             summary.speed_mm_s if complete else None,

@@ -11,7 +11,14 @@ import math
 import numpy as np
 
 from walkergen.kernels import kernel
-from walkergen.simulation.plate import TWO_PI, Contact, Plate, acceleration, height
+from walkergen.simulation.plate import (
+    TWO_PI,
+    Contact,
+    Plate,
+    acceleration,
+    derivative_bound,
+    height,
+)
 from walkergen.simulation.record import (
     CONTACT_TIME,
     ELAPSED,
@@ -48,6 +55,8 @@ from walkergen.simulation.relaxed.walker import (
     TRIAL_FRICTION,
     TRIAL_SIZE,
     TRIAL_WORK,
+    V_X,
+    V_Y,
     Options,
     State,
     Walker,
@@ -57,9 +66,12 @@ from walkergen.simulation.relaxed.walker import (
     lever,
 )
 
-OK, TOPPLED, FAILED, INSIDE = 0, 1, 2, 3
-"""Status: ran to the end; a corner of the body touched the plate; no progress or no end of a
-landing (the law of impact made energy without bound); started with a foot inside the plate."""
+OK, TOPPLED, FAILED, INSIDE, RUNAWAY = 0, 1, 2, 3, 4
+"""Status: ran to the end; a corner of the body touched the plate; no progress; started with a foot
+inside the plate; impacts gained energy without bound, as relaxed legs may when they are heavy."""
+
+MOST_SPEED = 1e3
+"""Speed of a runaway, over the sum of the plate's and of a fall by the reach of a leg."""
 
 # Events in a row without a step of time; how deep a start may be inside, in gap tolerances.
 MOST_AT_ONCE, DEEPEST_START = 1000, 1e7
@@ -107,8 +119,9 @@ def advance(
             return FAILED
         if event != NOTHING:
             step = FIRST * TWO_PI / plate.omega
-            if not _change(walker, plate, contact, options, state, event, began + t, tally):
-                return FAILED
+            ended = _change(walker, plate, contact, options, state, event, began + t, tally)
+            if not ended or _runs_away(walker, plate, options, state):
+                return RUNAWAY
             running = t < duration
     return status
 
@@ -128,6 +141,15 @@ def _stretch(walker, plate, contact, options, state, left, step, trial, stages):
             walker, plate, contact, options, state, left, step, trial, stages
         )
     return dt, event, step
+
+
+@kernel
+def _runs_away(walker, plate, options, state):
+    """True when no plate and no fall explains the speed any more (H_rigid > H_flexible)."""
+    reach = math.hypot(walker.d_back[0], walker.d_back[1])
+    usual = derivative_bound(plate, 1) + math.sqrt(options.gravity * reach)
+    speed = max(abs(state[V_X]), abs(state[V_Y]), reach * abs(state[OMEGA]))
+    return speed > MOST_SPEED * usual
 
 
 @kernel

@@ -42,6 +42,8 @@ from walkergen.simulation.relaxed.walker import (
 # What ends a stretch of motion.
 NOTHING, TOUCH, CORNER, STUCK = 0, 1, 2, 3
 MOST_STEPS = 100_000
+# Of a height after a flight, over the way flown: heights far above a small walker lose its digits.
+ROUNDING = 1e-15
 # A foot at the surface that moves inward faster than this share of the snap speed has landed.
 INWARD = 1e-3
 
@@ -126,7 +128,7 @@ def _first_of_two(
     state: State,
     limit: float,
 ) -> tuple[float, int]:
-    g_y, Omega, slack = across(options), state[OMEGA], options.gap_tolerance
+    g_y, Omega = across(options), state[OMEGA]
     third = abs(Omega) ** 3
     second_bound = g_y + derivative_bound(plate, 2)
     third_bound = derivative_bound(plate, 3) + 1e-30
@@ -140,6 +142,8 @@ def _first_of_two(
         rise = state[Y] + t * (state[V_Y] - 0.5 * g_y * t) - height(plate, phase)
         rate = state[V_Y] - g_y * t - velocity(plate, phase)
         pull = -g_y - acceleration(plate, phase)
+        way = abs(state[Y]) + t * (abs(state[V_Y]) + 0.5 * g_y * t)
+        slack = max(options.gap_tolerance, ROUNDING * way)
         gap_1 = _gap(lever(first, sin, cos), rise, rate, pull, Omega)
         gap_2 = _gap(lever(second, sin, cos), rise, rate, pull, Omega)
         landed_1, landed_2 = _lands(gap_1, slack, options), _lands(gap_2, slack, options)

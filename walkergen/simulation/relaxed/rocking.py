@@ -192,7 +192,10 @@ def _slack(options, walker, event):
 
 @kernel
 def _locate(walker, plate, contact, options, state, dt, event, out, stages):
-    """Length (s) of the step at whose end `event` happens, by the Illinois method; fills `out`."""
+    """Length (s) of the step at whose end `event` happens, by the Illinois method; fills `out`.
+
+    A foot that rises does not touch, however close it is: it falls later within the step.
+    """
     slack = _slack(options, walker, event)
     low, above = 0.0, max(margin(walker, plate, contact, options, state, event), 0.0) + 0.5 * slack
     high, below = dt, margin(walker, plate, contact, options, out, event) + 0.5 * slack
@@ -203,10 +206,12 @@ def _locate(walker, plate, contact, options, state, dt, event, out, stages):
             middle = 0.5 * (low + high)
         rock(walker, plate, contact, options, state, middle, out, stages)
         value = margin(walker, plate, contact, options, out, event) + 0.5 * slack
-        if abs(value) <= 0.5 * slack or high - low <= 1e-14 / plate.omega:
+        rises = event == TOUCH and _gap_rate(walker, plate, out) > 0.0
+        if (abs(value) <= 0.5 * slack and not rises) or high - low <= 1e-14 / plate.omega:
             return middle
-        if value > 0.0:  # an end kept twice counts half
-            low, above, below = middle, value, 0.5 * below if side == 1 else below
+        if value > 0.0 or rises:  # an end kept twice counts half
+            above = max(value, 0.5 * slack) if rises else value
+            low, below = middle, 0.5 * below if side == 1 else below
             side = 1
         else:
             high, below, above = middle, value, 0.5 * above if side == -1 else above
