@@ -22,37 +22,30 @@ SCENES = {
 }  # fmt: skip
 
 
-@pytest.fixture(scope="module")
-def compiled(tmp_path_factory):
-    """(calls of sine and cosine, lines of code) of every scene's kernel, compiled afresh."""
+def compiled(scene, cache):
+    """(calls of sine and cosine, lines of code) of a scene's kernel, compiled afresh."""
     script = Path(__file__).parent / "compiled_text.py"
-
-    def read(scene):
-        words = [sys.executable, str(script), json.dumps(scene)]
-        environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path_factory.mktemp("cache"))}
-        result = subprocess.run(
-            words, env=environment, capture_output=True, text=True, check=True, timeout=300
-        )
-        return tuple(int(word) for word in result.stdout.split())
-
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        return dict(zip(SCENES, pool.map(read, SCENES.values()), strict=True))
+    words = [sys.executable, str(script), json.dumps(scene)]
+    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
+    result = subprocess.run(
+        words, env=environment, capture_output=True, text=True, check=True, timeout=300
+    )
+    return tuple(int(word) for word in result.stdout.split())
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    ("without", "having"),
-    [
+def test_an_effect_that_is_off_calls_no_function_of_its_own(tmp_path):
+    """Harmonic, slope and leg angles each need their own sines, which must not be there.
+
+    One test, as the scenes are compiled but once.
+    """
+    caches = [tmp_path / str(number) for number in range(len(SCENES))]
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        found = dict(zip(SCENES, pool.map(compiled, SCENES.values(), caches), strict=True))
+    for without, having in (
         ("relaxed", "relaxed, harmonic"), ("relaxed", "relaxed, slope"),
         ("rigid, steps", "compliant, steps"),
-    ],
-)  # fmt: skip
-def test_an_effect_that_is_off_calls_no_function_of_its_own(compiled, without, having):
-    """Harmonic, slope and leg angles each need their own sines, which must not be there."""
-    assert compiled[without][0] < compiled[having][0]
-    assert compiled[without][1] < compiled[having][1]
-
-
-@pytest.mark.slow
-def test_rigid_code_has_no_flexible_tensor(compiled):
-    assert compiled["rigid"][1] < compiled["relaxed"][1]
+    ):  # fmt: skip
+        assert found[without][0] < found[having][0], (without, having)
+        assert found[without][1] < found[having][1], (without, having)
+    assert found["rigid"][1] < found["relaxed"][1]  # no flexible tensor in rigid code
