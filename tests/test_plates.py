@@ -27,8 +27,8 @@ PRINTERS = [templates.load(name, "printers", Printer) for name in ("prusa-mk3s",
 
 def layout_of(printer: Printer, tilts=(5.0, 10.0), copies=(40, 60), **limits) -> plates.Layout:
     members = PAPER.members(tilts, ["flexible"])
-    meshes = [solids.build(design).walker for design in members]
-    return plates.arrange(members, meshes, copies, printer, **limits)
+    built = [solids.build(design) for design in members]
+    return plates.arrange(members, built, copies, printer, **limits)
 
 
 def png_size(data: bytes) -> tuple[int, int]:

@@ -95,14 +95,14 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
 
 def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> Checked:
     """Run the printability checks on copies of the members, arranged; writes nothing."""
-    meshes = [solids.build(design).walker for design in members]
+    built = [solids.build(design) for design in members]
     parts = [
-        plate.Part.of(names.part(one), mesh) for one, mesh in zip(members, meshes, strict=True)
+        plate.Part.of(names.part(one), own.walker) for one, own in zip(members, built, strict=True)
     ]
     if all(plate.capacity(part, printer) for part in parts):
-        layout = plates.arrange(members, meshes, copies, printer)
+        layout = plates.arrange(members, built, copies, printer)
     else:  # which the findings tell, part by part
-        layout = plates.Layout(printer, members, meshes, parts, [])
+        layout = plates.checked(printer, members, built, parts, [])
     walls_seen = {
         (name, thickness): Wall(
             name,
@@ -113,8 +113,9 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for name, thickness in checks.walls_of(design).items()
     }
-    found = plates.findings(layout)
-    return Checked(list(walls_seen.values()), found, sum(copies), len(layout.plates))
+    return Checked(
+        list(walls_seen.values()), list(layout.findings), sum(copies), len(layout.plates)
+    )
 
 
 def make_plates(
@@ -129,10 +130,10 @@ def make_plates(
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would print otherwise than predicted).
     """
-    meshes = [solids.build(design).walker for design in order.members]
+    built = [solids.build(design) for design in order.members]
     layouts = [
         plates.arrange(
-            order.members, meshes, order.copies, printer, order.max_plates, order.max_parts
+            order.members, built, order.copies, printer, order.max_plates, order.max_parts
         )
         for printer in order.printers
     ]
@@ -140,7 +141,7 @@ def make_plates(
         # With several printers it matters which.
         one._replace(where=f"{layout.printer.name}: {one.where}") if len(layouts) > 1 else one
         for layout in layouts
-        for one in plates.findings(layout)
+        for one in layout.findings
     ]
     tell(findings)
     checks.refuse(findings, order.strict)

@@ -85,14 +85,13 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     built = [solids.build(design) for design in job.members]
     layout = plates.arrange(
         job.members,
-        [parts.walker for parts in built],
+        built,
         job.copies or [1] * len(job.members),
         job.printer,
         max_parts=job.max_parts,
     )
-    findings = plates.findings(layout)
-    tell(findings)
-    checks.refuse(findings, job.strict)
+    tell(layout.findings)
+    checks.refuse(layout.findings, job.strict)
     folder = Folder(path)
     made: list[Member] = []
     for member in predicted(job.members, built, job.scene, job.mode, job.weighed):
@@ -109,7 +108,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
         _write_tables(job, made, folder)
     if job.pictures:
         _write_pictures(job, made, folder)
-    folder.finish(_facts(job, findings, time.perf_counter() - started))
+    folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
     progress("done", steps, steps)
     return made
 

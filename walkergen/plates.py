@@ -5,13 +5,14 @@ import io
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
-from walkergen import names, solids
+from walkergen import names
 from walkergen.design import Design
 from walkergen.mass import Mesh
 from walkergen.printing import checks, export, plate, sheet, slicer
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.report import tables
+from walkergen.solids import Solids
 
 COMMON_FILES = 3
 """Of a layout, beside those of each plate."""
@@ -44,16 +45,23 @@ class Layout(NamedTuple):
 
     printer: Printer
     members: Sequence[Design]
-    meshes: Sequence[Mesh]
+    built: Sequence[Solids]
     """Of the members, in their order."""
     parts: Sequence[plate.Part]
     """Of the members, in their order."""
     plates: Sequence[plate.Plate]
+    findings: Sequence[Finding]
+    """Of the printability checks, of parts and of plates."""
+
+    @property
+    def meshes(self) -> list[Mesh]:
+        """Of the members, in their order."""
+        return [one.walker for one in self.built]
 
 
 def arrange(
     members: Sequence[Design],
-    meshes: Sequence[Mesh],
+    built: Sequence[Solids],
     copies: Sequence[int],
     printer: Printer,
     max_plates: int | None = None,
@@ -61,11 +69,24 @@ def arrange(
 ) -> Layout:
     """Arrange the copies wanted of each member. Raises PlateError when they do not fit."""
     parts = [
-        plate.Part.of(names.part(design), mesh, count)
-        for design, mesh, count in zip(members, meshes, copies, strict=True)
+        plate.Part.of(names.part(design), one.walker, count)
+        for design, one, count in zip(members, built, copies, strict=True)
     ]
-    plates = plate.pack(parts, printer, max_plates, max_parts)
-    return Layout(printer, members, meshes, parts, plates)
+    return checked(
+        printer, members, built, parts, plate.pack(parts, printer, max_plates, max_parts)
+    )
+
+
+def checked(
+    printer: Printer,
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    parts: Sequence[plate.Part],
+    plates: Sequence[plate.Plate],
+) -> Layout:
+    """A layout with what the printability checks find in it."""
+    findings = checks.of_batch(members, [one.walker for one in built], parts, plates, printer)
+    return Layout(printer, members, built, parts, plates, findings)
 
 
 def places(layout: Layout) -> list[Place]:
@@ -85,13 +106,6 @@ def places(layout: Layout) -> list[Place]:
     return rows
 
 
-def findings(layout: Layout) -> list[Finding]:
-    """What the printability checks find, of parts and of plates."""
-    return checks.of_batch(
-        layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
-    )
-
-
 def files(
     layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
@@ -102,6 +116,7 @@ def files(
     plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
+    meshes = layout.meshes
     yield f"{start}.csv", to_csv(places(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
     yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
@@ -111,21 +126,21 @@ def files(
         if pictures:
             from walkergen.report import plate_map
 
-            view = layout.printer, layout.members, layout.meshes, one
+            view = layout.printer, layout.members, meshes, one
             yield f"{name}.png", plate_map.png(*view, name)
             thumbnail = plate_map.thumbnail(*view)
-        data = plate.plate_3mf(one, layout.parts, layout.meshes, layout.printer, name, thumbnail)
+        data = plate.plate_3mf(one, layout.parts, meshes, layout.printer, name, thumbnail)
         yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
     weights = [
-        sheet.weigh(part.name, design, solids.build(design), layout.printer)
-        for part, design in zip(layout.parts, layout.members, strict=True)
+        sheet.weigh(part.name, design, one, layout.printer)
+        for part, design, one in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
     printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts)
     legend = tables.legend_markdown(layout.members)
-    return sheet.to_markdown(printed, weights, findings(layout), legend)
+    return sheet.to_markdown(printed, weights, layout.findings, legend)
 
 
 def to_csv(rows: Sequence[Place]) -> str:

@@ -33,15 +33,19 @@ def ladder_figure(ladder: Ladder) -> Figure:
         if any(rung.error_sd for rung in ladder.rungs):
             axes.plot([], [], "o", color="0.5", markerfacecolor="white",
                       label="not told from zero: |error| + 2 SE")  # fmt: skip
-        axes.set_xscale("log")
-        axes.set_yscale("log")
         axes.margins(x=0.15)
-        axes.set_xlabel(ladder.cost)
-        axes.set_ylabel(ladder.error)
-        axes.set_title(ladder.title, fontsize=9)
-        axes.grid(visible=True, which="major", color="0.9")
+        _logarithmic(axes, ladder.cost, ladder.error, ladder.title)
         axes.legend(frameon=False, fontsize=8)
     return figure
+
+
+def _logarithmic(axes: Axes, cost: str, error: str, title: str) -> None:
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.set_xlabel(cost)
+    axes.set_ylabel(error)
+    axes.set_title(title, fontsize=9)
+    axes.grid(visible=True, which="major", color="0.9")
 
 
 def _draw(axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below: bool) -> None:
@@ -107,12 +111,8 @@ def choice_figure(
             error = bound + 2.0 * np.sqrt(one.variance_time / time)
             axes.plot(cost, error / unit.mm_s, line, color=colour, label=one.setting.label)
         _mark_shares(axes, unit.relative)
-        axes.set_xscale("log")
-        axes.set_yscale("log")
-        axes.set_xlabel("CPU time, s (one core)")
-        axes.set_ylabel(f"error of the mean speed, 95 %, {unit.name}")
-        axes.set_title(title, fontsize=9)
-        axes.grid(visible=True, which="major", color="0.9")
+        error_name = f"error of the mean speed, 95 %, {unit.name}"
+        _logarithmic(axes, "CPU time, s (one core)", error_name, title)
         figure.legend(frameon=False, fontsize=8, loc="outside right center")
     return figure
 

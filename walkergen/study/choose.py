@@ -1,7 +1,6 @@
 """The cheapest setting that meets an error, from measured speeds."""
 
 import math
-import os
 import re
 from typing import NamedTuple
 
@@ -14,14 +13,13 @@ from walkergen.simulation.engines import Plan
 from walkergen.simulation.ensemble import Summary
 from walkergen.study import kept
 from walkergen.study.ladder import Progress
-from walkergen.study.speeds import CLEAR, FINEST_SHARE, STEP_RUNS, Measured, Setting, Survey
+from walkergen.study.speeds import FINEST_SHARE, STEP_RUNS, Measured, Setting, Survey
 
 SLACK = 1.2
 """Time is bought for an error this much smaller than needed: its estimate fluctuates."""
 
 SHORTEST = 0.5
 """s; a shorter run is mostly its discarded start."""
-
 
 PILOT_S = 30.0
 """Wall time in which the ladders are measured when nothing is on record, s."""
@@ -86,19 +84,17 @@ def parse(text: str) -> Wanted:
     return Wanted(0.01 * value if relative else value, relative)
 
 
-def allowed(wanted: Wanted, reference: Measured) -> float:
+def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     """The error in mm/s. Raises InputError for a share of a speed that may be zero."""
     if not wanted.relative:
         return wanted.value
-    assert reference.speed_mm_s is not None
-    assert reference.se_mm_s is not None
-    size = abs(reference.speed_mm_s)
-    if size <= CLEAR * reference.se_mm_s:
+    unit = survey.unit(reference)
+    if not unit.relative:
         raise InputError(
             f"--error {wanted}: the mean speed, {reference.speed_mm_s:.2g} ± "
             f"{reference.se_mm_s:.2g} mm/s, may be zero; give the error in mm/s: --error 1mm/s"
         )
-    return wanted.value * size
+    return wanted.value * unit.mm_s
 
 
 def candidates(survey: Survey, progress: Progress) -> list[Measured]:
@@ -114,19 +110,19 @@ def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
     """
     found = candidates(survey, progress)
     reference = survey.reference(progress)
-    error = allowed(wanted, reference)
+    error = allowed(wanted, survey, reference)
     offers = (_offer(survey, one, reference, error) for one in found)
     choices = [offer for offer in offers if offer is not None]
     if not choices:
-        raise InputError(_too_fine(wanted, error, reference))
+        raise InputError(_too_fine(wanted, error, survey, reference))
     return min(choices, key=lambda choice: choice.cpu_s)
 
 
-def _too_fine(wanted: Wanted, error: float, reference: Measured) -> str:
+def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured) -> str:
     """Which budget would know the reference's mean speed to a third of the error."""
     assert reference.se_mm_s is not None
     known = 2.0 * reference.se_mm_s
-    spent = reference.cpu_s / FINEST_SHARE / (os.cpu_count() or 1)
+    spent = reference.cpu_s / FINEST_SHARE / survey.cores
     budget = _up(spent * max(3.0 * known / error, 1.0) ** 2)
     return (
         f"--error {wanted}: the most accurate setting is itself known to {known:.2g} mm/s only; "
@@ -162,7 +158,7 @@ def meet(
     on_record = kept.recall(survey) > 0
     choice = choose(survey, wanted, progress)
     kept.remember(survey)
-    error = allowed(wanted, survey.reference(progress))
+    error = allowed(wanted, survey, survey.reference(progress))
     for _ in range(ATTEMPTS):
         chosen = survey.scene_of(choice.setting, seconds=choice.seconds, runs=choice.runs)
         plan = engines.prepare(chosen, design, mass)

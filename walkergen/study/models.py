@@ -6,8 +6,10 @@ from typing import Any
 import numpy as np
 
 from walkergen.study.ladder import Ladder, Progress, Rung, cpu_time
-from walkergen.study.speeds import Measured, Survey, Unit
+from walkergen.study.speeds import Measured, Survey
 from walkergen.theory.speed import Mode, factors
+
+Details = dict[str, float | str | None]
 
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
@@ -20,7 +22,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     found = survey.measure(settings, progress)
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
-    rungs += [_simulated(survey, one, reference, unit) for one in found]
+    rungs += [rung_of(survey, one, reference) for one in found]
     return Ladder(
         "models",
         "What each model of the walker leaves out, and what it costs",
@@ -72,19 +74,22 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
         yield Rung(name, name, error, reference.se_mm_s / unit.mm_s, cpu_time(call), details)
 
 
-def _simulated(survey: Survey, found: Measured, reference: Measured, unit: Unit) -> Rung:
-    bias = survey.bias(found, reference)
+def rung_of(
+    survey: Survey, found: Measured, reference: Measured, own: Details | None = None
+) -> Rung:
+    """A measured setting: its bias, its cost; `own` details come before the common ones."""
+    bias, unit = survey.bias(found, reference), survey.unit(reference)
     return Rung(
         f"{found.setting.model}, {found.setting.method}",
         found.setting.label,
         None if bias is None else abs(bias.mm_s) / unit.mm_s,
         None if bias is None else bias.se_mm_s / unit.mm_s,
         found.cpu_s if bias is None else found.cost_of(unit.fine),
-        details_of(found),
+        (own or {}) | _details_of(found),
     )
 
 
-def details_of(found: Measured) -> dict[str, float | str | None]:
+def _details_of(found: Measured) -> Details:
     """The further columns of a measured speed."""
     return {
         "speed_mm_s": found.speed_mm_s,

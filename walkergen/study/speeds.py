@@ -11,6 +11,7 @@ from walkergen.mass import MassProperties
 from walkergen.scene import Scene
 from walkergen.simulation import engines, ensemble
 from walkergen.simulation.effects import MethodName, ModelName
+from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
 from walkergen.study.ladder import Progress
 
@@ -169,10 +170,7 @@ class Survey:
         self, setting: Setting, runs: int, seconds: float, progress: Progress
     ) -> tuple[list[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
-        scene = self.scene_of(setting, seconds=seconds, runs=runs)
-        summary, results = ensemble.measure(self.engine(setting), scene, progress)
-        if len(results) < runs:  # Ctrl-C: the runs under way were stopped
-            raise KeyboardInterrupt
+        summary, results = self._run(setting, runs, seconds, progress)
         simulated = runs * (seconds + self.scene.run.discard_seconds)
         return results, summary.cpu_s / simulated
 
@@ -247,6 +245,15 @@ class Survey:
         legs = self.scene.legs.model_copy(update={"model": setting.model})
         return self.scene.model_copy(update={"run": changed, "legs": legs})
 
+    def _run(
+        self, setting: Setting, runs: int, seconds: float, progress: Progress
+    ) -> tuple[Summary, list[RunResult]]:
+        scene = self.scene_of(setting, seconds=seconds, runs=runs)
+        summary, results = ensemble.measure(self.engine(setting), scene, progress)
+        if len(results) < runs:  # Ctrl-C: the runs under way were stopped
+            raise KeyboardInterrupt
+        return summary, results
+
     def _measured(self, setting: Setting, progress: Progress) -> Measured:
         """Runs of as many seconds as the setting's share of the budget allows.
 
@@ -261,10 +268,7 @@ class Survey:
         per_run = self.budget_s * self._share(setting) / runs
         cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
         seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
-        scene = self.scene_of(setting, seconds=seconds, runs=runs)
-        summary, results = ensemble.measure(engine, scene, progress)
-        if len(results) < runs:  # Ctrl-C: the runs under way were stopped
-            raise KeyboardInterrupt
+        summary, _ = self._run(setting, runs, seconds, progress)
         complete = set(summary.outcomes) <= {Outcome.OK.value, Outcome.STUCK.value}
         return Measured(
             setting,

@@ -11,7 +11,7 @@ from walkergen.simulation import record
 from walkergen.simulation.compliant import event_driven, time_stepping
 from walkergen.simulation.run import FIRST_PITCH, PITCH, Engine
 from walkergen.study.ladder import Ladder, Progress, Rung, cpu_time, order
-from walkergen.study.models import certificate, details_of
+from walkergen.study.models import Details, certificate, rung_of
 from walkergen.study.speeds import Survey
 
 Array = npt.NDArray[np.float64]
@@ -77,23 +77,12 @@ def long(survey: Survey, progress: Progress) -> Ladder:
     rungs = []
     for found in survey.measure(survey.steps, progress):
         bias = survey.bias(found, reference)
-        step = found.setting.step_us
-        assert step is not None
-        rungs.append(
-            Rung(
-                f"{found.setting.model}, {found.setting.method}",
-                found.setting.label,
-                None if bias is None else abs(bias.mm_s) / unit.mm_s,
-                None if bias is None else bias.se_mm_s / unit.mm_s,
-                found.cpu_s if bias is None else found.cost_of(unit.fine),
-                {
-                    "step_us": step,
-                    "bias_mm_s": None if bias is None else bias.mm_s,
-                    "bias_se_mm_s": None if bias is None else bias.se_mm_s,
-                }
-                | details_of(found),
-            )
-        )
+        own: Details = {
+            "step_us": found.setting.step_us,
+            "bias_mm_s": None if bias is None else bias.mm_s,
+            "bias_se_mm_s": None if bias is None else bias.se_mm_s,
+        }
+        rungs.append(rung_of(survey, found, reference, own))
     return Ladder(
         "steps-long",
         "Bias of the long-run mean speed against the step",
