@@ -53,9 +53,10 @@ def outlines(part: Part) -> list[Any]:
 
 
 def with_walkergen() -> Maker:
-    from walkergen import mass, names, output, solids, templates
-    from walkergen.design import Design
+    from walkergen.files import output, templates
     from walkergen.printing import export
+    from walkergen.walker import mass, names, solids
+    from walkergen.walker.design import Design
 
     design = templates.load("koumakis2016", "walkers", Design)
 

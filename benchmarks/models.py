@@ -10,10 +10,10 @@ standard errors, impacts per CPU second, and simulated seconds per CPU second.
 import argparse
 import platform
 
-from walkergen import solids
-from walkergen.design import Design
 from walkergen.scene import Scene
 from walkergen.simulation import engines, ensemble
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 CASES = (
     ("flexible", "relaxed", "event"),
@@ -43,7 +43,7 @@ def main() -> None:
     for kind, model, method in CASES:
         for tilt in TILTS:
             design = Design().variant(tilt_deg=tilt, kind=kind)
-            mass = solids.weigh(design, solids.build(design))
+            mass = solids.mass_of(design)
             scene = Scene.model_validate(
                 {
                     "contact": {

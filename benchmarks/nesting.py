@@ -14,11 +14,12 @@ import manifold3d
 import numpy as np
 import spyrrow
 
-from walkergen import solids, templates
-from walkergen.design import Design
-from walkergen.mass import Mesh
-from walkergen.printing import plate
+from walkergen.files import templates
+from walkergen.printing import packing as plate
 from walkergen.printing.printers import Printer
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
 
 MOST, STEP = 1.5, 0.05
 """Most copies tried, and the steps down from them, over those in rows."""

@@ -27,12 +27,13 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import solids, templates
-from walkergen.design import Design
-from walkergen.mass import MassProperties
+from walkergen.files import templates
 from walkergen.theory import speed, tensors
 from walkergen.theory.impact import Law, impact
 from walkergen.theory.speed import LawName, Mode
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 Triples = tuple[MassProperties, Array, Array]
@@ -53,7 +54,7 @@ def shelf() -> MassProperties:
     """181 flexible walkers of koumakis2016, 0..45 deg: solids built and weighed, then stacked."""
     paper = templates.load("koumakis2016", "walkers", Design)
     designs = [paper.variant(tilt_deg=0.25 * step, kind="flexible") for step in range(181)]
-    weighed = [solids.weigh(design, solids.build(design)) for design in designs]
+    weighed = [solids.mass_of(design) for design in designs]
     stacked = {name: np.array([getattr(mass, name) for mass in weighed]) for name in VARYING}
     return MassProperties(**stacked, rigid=False)
 

@@ -31,12 +31,13 @@ import numpy as np
 import numpy.typing as npt
 from predictions import machine
 
-from walkergen import solids, templates
-from walkergen.design import Design
+from walkergen.files import templates
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import engines, ensemble
 from walkergen.simulation.compliant import legs
 from walkergen.simulation.run import FIRST_PITCH, Outcome
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 ENGINES = ("mujoco", "pymunk")
 WORKER = str(Path(__file__).with_name("rival_walkers.py"))
@@ -130,7 +131,7 @@ def scene_of(case: Case, method: str, step_us: float, runs: int, seconds: float)
 def with_walkergen(case: Case, method: str, step_us: float, runs: int, seconds: float) -> Measured:
     scene = scene_of(case, method, step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
-    plan = engines.prepare(scene, design, solids.weigh(design, solids.build(design)))
+    plan = engines.prepare(scene, design, solids.mass_of(design))
     summary, results = ensemble.measure(plan.engine, scene, lambda *_: None, threads=1)
     good = [result for result in results if result.outcome is Outcome.OK]
     if len(good) < runs:
@@ -144,7 +145,7 @@ def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str
     """All that a rival needs to know; its step divides the period, and it starts as ours does."""
     scene = scene_of(case, "step", setting.step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     walker = legs.walker_of(design, mass, damping_ratio=scene.legs.damping_ratio)
     assert walker.legs is not None
     limbs = {name: value for name, value in walker.legs._asdict().items() if name != "swing"}

@@ -4,14 +4,14 @@ import json
 import re
 import sys
 
-from walkergen import solids
-from walkergen.design import Design
 from walkergen.scene import Scene
 from walkergen.simulation import engines, record
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 design = Design()
 scene = Scene.model_validate(json.loads(sys.argv[1]))
-engine = engines.prepare(scene, design, solids.weigh(design, solids.build(design))).engine
+engine = engines.prepare(scene, design, solids.mass_of(design)).engine
 state = engine.start(0.05, 0.0, 0.0)
 engine.advance(*engine.arguments, state, 1e-5, record.new(len(state)))
 kernel = engine.advance

@@ -1,6 +1,6 @@
 """A relaxed walker that stands level, moving with the plate."""
 
-from walkergen.simulation import plate as plates
+from walkergen.simulation import drive as plates
 from walkergen.simulation.relaxed import walker as walkers
 
 

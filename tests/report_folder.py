@@ -3,11 +3,14 @@
 import hashlib
 import json
 
-from walkergen import __version__, family, templates
-from walkergen.design import Design
+from walkergen import __version__
+from walkergen.files import templates
+from walkergen.jobs.family import make as family
+from walkergen.jobs.page import contents
+from walkergen.jobs.page import make as page
 from walkergen.printing.printers import Printer
-from walkergen.report import contents, page
 from walkergen.scene import Scene
+from walkergen.walker.design import Design
 
 SHEET = b"# Print sheet\n\n| part | mass (g) |\n|---|---:|\n| walker | 0.83 |\n"
 MAP = b"plate,item,x_mm\n1,walker_t10.0_flexible_s0.40_1,5.0\n"

@@ -6,8 +6,8 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from walkergen import accuracy
 from walkergen.cli import app
+from walkergen.jobs.accuracy import make as accuracy
 
 SCENE = """
 [drive]

@@ -8,14 +8,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
-from walkergen import solids, templates
 from walkergen.cli import app
-from walkergen.design import Design
 from walkergen.errors import PrintabilityError
-from walkergen.mass import Mesh
-from walkergen.printing import checks, plate, slicer, walls
-from walkergen.printing.plate import Part, Placement, Plate
+from walkergen.files import templates
+from walkergen.printing import checks, slicer, walls
+from walkergen.printing import packing as plate
+from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
 
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
 ENDER = templates.load("ender3", "printers", Printer)

@@ -6,8 +6,6 @@ import numpy as np
 import pytest
 from compliant_rival import Rival
 
-from walkergen.design import Design
-from walkergen.mass import MassProperties
 from walkergen.simulation import record
 from walkergen.simulation.compliant import event_driven, time_stepping
 from walkergen.simulation.compliant.chain import (
@@ -33,9 +31,11 @@ from walkergen.simulation.compliant.legs import (
     new_state,
     walker_of,
 )
-from walkergen.simulation.plate import Contact, Plate
+from walkergen.simulation.drive import Contact, Plate
 from walkergen.theory import tensors
 from walkergen.theory.impact import Law, impact
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 OMEGA = 2.0 * math.pi * 90.0
 G = 9806.65

@@ -4,9 +4,9 @@ import math
 
 import pytest
 
-from walkergen import config, templates
-from walkergen.design import Design
 from walkergen.errors import GeometryError, InputError
+from walkergen.files import config, templates
+from walkergen.walker.design import Design
 
 
 def written(tmp_path, text, name="mine.toml"):

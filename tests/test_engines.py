@@ -5,13 +5,13 @@ import math
 import numpy as np
 import pytest
 
-from walkergen import mass as masses
-from walkergen import solids
-from walkergen.design import Design
 from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation import effects, engines, ensemble, record
 from walkergen.simulation.run import Outcome, simulate
+from walkergen.walker import mass as masses
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 METHODS = [
     ("rigid", "event"), ("rigid", "step"), ("relaxed", "event"),
@@ -21,7 +21,7 @@ METHODS = [
 
 def plan_of(model="auto", method="auto", *, design=None, **tables):
     design = design or Design()
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     data = {key: dict(value) for key, value in tables.items()}
     data.setdefault("legs", {})["model"] = model
     data.setdefault("run", {})["method"] = method
@@ -186,7 +186,7 @@ def test_without_an_effect_the_rest_stays():
     relaxed, scene = plan_of("relaxed", plate={"slope_deg": 3.0})
     (tensor,) = [e for e in relaxed.resolved.effects if e.name == "flexible foot tensor"]
     design = Design()
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     plan = engines.prepare(engines.without(scene, tensor), design, mass)
     assert plan.resolved.model == "rigid"
     assert plan.resolved.on("plate slope")

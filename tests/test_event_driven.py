@@ -7,23 +7,14 @@ import numpy as np
 import pytest
 from level_walker import level_state
 
-from walkergen.mass import MassProperties
-from walkergen.simulation import plate as drive
+from walkergen.simulation import drive as drive
 from walkergen.simulation import record
-from walkergen.simulation.plate import Contact, Plate
+from walkergen.simulation.drive import Contact, Plate
 from walkergen.simulation.relaxed import walker as walkers
 from walkergen.simulation.relaxed.event_driven import FAILED, OK, advance
-from walkergen.simulation.relaxed.walker import (
-    OMEGA,
-    PHASE,
-    PITCH,
-    V_X,
-    V_Y,
-    Walker,
-    X,
-    Y,
-)
+from walkergen.simulation.relaxed.walker import OMEGA, PHASE, PITCH, V_X, V_Y, Walker, X, Y
 from walkergen.theory.tensors import feet
+from walkergen.walker.mass import MassProperties
 
 GRAVITY = 9806.65
 BODY = 28.0 * 8.0 * 3.0 * 1.24e-3

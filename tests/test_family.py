@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 import trimesh
 
-from walkergen import family, names, output, templates
-from walkergen.design import Design
 from walkergen.errors import OutputError, PlateError
+from walkergen.files import output, templates
+from walkergen.jobs.family import make as family
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
+from walkergen.walker import names
+from walkergen.walker.design import Design
 
 
 def job_of(tilts=(0.0, 10.0, 35.0), kinds=None, pictures=False):

@@ -3,10 +3,11 @@
 import numpy as np
 import pytest
 
-from walkergen import solids, templates
 from walkergen.analysis import fits, speeds
-from walkergen.design import Design
 from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 TILTS = np.array([2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 35.0])
 TRUE = {"restitution": 0.8, "friction": 0.1, "impact_speed_factor": 0.5}
@@ -15,7 +16,7 @@ TRUE = {"restitution": 0.8, "friction": 0.1, "impact_speed_factor": 0.5}
 def masses(tilts, kind="flexible"):
     design = templates.load("koumakis2016", "walkers", Design)
     members = [design.variant(tilt_deg=float(tilt), kind=kind) for tilt in tilts]
-    return [solids.weigh(member, solids.build(member)) for member in members]
+    return [solids.mass_of(member) for member in members]
 
 
 BACK, FRONT = fits.tensors(masses(TILTS))

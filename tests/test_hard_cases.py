@@ -2,7 +2,7 @@
 
 import pytest
 
-from walkergen.hard_cases.catalogue import CASES
+from walkergen.jobs.selftest.catalogue import CASES
 
 JOBS = [(case, *pair) for case in CASES for pair in case.runs_on]
 

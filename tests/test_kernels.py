@@ -4,7 +4,7 @@ import ast
 from pathlib import Path
 
 import walkergen
-from walkergen.kernels import SOURCES
+from walkergen.numerics.kernels import SOURCES
 
 PACKAGE = Path(walkergen.__file__).parent
 COVERED = {path for pattern in SOURCES for path in PACKAGE.glob(pattern)}

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from walkergen.mass import MassProperties
-from walkergen.simulation.plate import Contact
+from walkergen.simulation.drive import Contact
 from walkergen.simulation.relaxed.cascade import cascade
 from walkergen.simulation.relaxed.walker import Tensor
 from walkergen.theory.tensors import feet, rigid
+from walkergen.walker.mass import MassProperties
 
 BODY = 28.0 * 8.0 * 3.0 * 1.24e-3
 

@@ -8,10 +8,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from test_solids import check_sound
 
-from walkergen import config, marks, mass, prediction, solids, templates
-from walkergen.design import Design
+from walkergen import prediction
 from walkergen.errors import GeometryError
+from walkergen.files import config, templates
 from walkergen.scene import Scene
+from walkergen.walker import marks, mass, solids
+from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 KINDS = ("notches", "digits")
@@ -58,7 +60,7 @@ def test_marks_are_counted_in_mass_and_inertia(kind):
         rectangles, deep = cut(member)
         volume, first_x, first_y, polar = block - deep * moments(rectangles)
         inertia = polar - (first_x**2 + first_y**2) / volume
-        found = solids.weigh(member, solids.build(member))
+        found = solids.mass_of(member)
         assert found.M == pytest.approx(density * volume, rel=1e-13)
         assert found.J == pytest.approx(density * inertia, rel=1e-12)
         anchor = member.anchors[0][0] - first_x / volume

@@ -6,9 +6,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
-from walkergen import mass, names, solids
-from walkergen.design import Design
-from walkergen.mass import Mesh
+from walkergen.walker import mass, names, solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
 
 mp.mp.dps = 50
 DENSITY = 1.24e-3
@@ -48,7 +48,7 @@ def leg_polygon(design):
 
 @pytest.mark.parametrize("design", list(variants()), ids=names.part)
 def test_flexible_walker_against_closed_forms(design):
-    found = solids.weigh(design, solids.build(design))
+    found = solids.mass_of(design)
     depth = design.body.depth_mm
     assert found.M == pytest.approx(28 * 8 * 3 * DENSITY, rel=1e-12)
     assert found.J == pytest.approx(found.M * (28**2 + 3**2) / 12, rel=1e-12)
@@ -104,8 +104,8 @@ def test_designs_of_any_scale_weigh_alike(scale):
     for kind in ("flexible", "braced"):
         small = Design.model_validate(lengths).variant(kind=kind)
         big = one.variant(kind=kind)
-        found = solids.weigh(small, solids.build(small))
-        expected = solids.weigh(big, solids.build(big))
+        found = solids.mass_of(small)
+        expected = solids.mass_of(big)
         assert found.M == pytest.approx(expected.M * scale**3, rel=1e-12)
         assert found.J == pytest.approx(expected.J * scale**5, rel=1e-12)
         np.testing.assert_allclose(found.c_A, expected.c_A * scale, rtol=1e-11)
@@ -122,7 +122,7 @@ def test_round_foot_approaches_the_half_circle():
         errors.append(exact - area)
     assert errors[0] > errors[1] > errors[2] > 0
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)  # second order in the edge
-    found = solids.weigh(design, solids.build(design))
+    found = solids.mass_of(design)
     np.testing.assert_allclose(
         found.c_A + found.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r]
     )

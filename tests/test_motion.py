@@ -229,7 +229,7 @@ def test_the_walks_limits():
 
 
 def test_the_summary_is_plain_json():
-    from walkergen.report import motion_tables
+    from walkergen.jobs.analyse import tables as motion_tables
 
     for tracks in (film(8, 3, 3.0), lane(1, 2, 100), film(8, 1, 0.1)):
         data = motion_tables.as_dict(motion.analyse(tracks))

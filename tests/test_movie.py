@@ -12,14 +12,16 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-from walkergen import movie, solids, templates
 from walkergen.cli import app
-from walkergen.design import Design
 from walkergen.errors import InputError, WalkergenError
-from walkergen.report import bounce, footage, impacts
+from walkergen.files import templates
+from walkergen.jobs.movie import bounce, footage, impacts
+from walkergen.jobs.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation import engines, record
 from walkergen.simulation.run import Outcome, RunResult
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 SCENE = templates.load("lane-90hz", "scenes", Scene)
@@ -45,7 +47,7 @@ def filmed():
 def still(design, model, pitch):
     """Footage of one pose: at rest, the lower foot 0.1 mm over the plate."""
     legs = SCENE.legs.model_copy(update={"model": model})
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     plan = engines.prepare(SCENE.model_copy(update={"legs": legs}), design, mass)
     state = plan.engine.start(0.1, pitch, 1.0)
     tally = record.new(len(state), 0.0, 1.0, 1)

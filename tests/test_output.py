@@ -4,8 +4,8 @@ from pathlib import Path
 
 import pytest
 
-from walkergen import output
 from walkergen.errors import OutputError
+from walkergen.files import output
 
 
 def test_a_file_is_written_with_its_folders_and_replaced_whole(tmp_path: Path) -> None:

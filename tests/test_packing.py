@@ -10,10 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from walkergen import config
 from walkergen.errors import InputError, PlateError
-from walkergen.printing import plate
-from walkergen.printing.plate import Part
+from walkergen.files import config
+from walkergen.printing import packing as plate
+from walkergen.printing.packing import Part
 from walkergen.printing.printers import Printer
 
 TEMPLATES = Path(__file__).parent.parent / "templates" / "printers"

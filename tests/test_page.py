@@ -17,13 +17,13 @@ from hypothesis import strategies as st
 from report_folder import add, edit, folder_of, rendered
 from typer.testing import CliRunner
 
-import walkergen.report
+import walkergen
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.report import chart, contents, members, references
+from walkergen.jobs.page import chart, contents, members, references
 
 ROOT = Path(__file__).parent.parent
-ASSETS = Path(walkergen.report.__file__).parent / "assets"
+ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "assets"
 HOSTILE = "</script><script>alert(1)</script><img src=//example.org/x onerror=alert(1)>"
 
 

@@ -15,11 +15,14 @@ import pytest
 from test_printing import read_3mf
 from typer.testing import CliRunner
 
-from walkergen import batch, plates, solids, templates
 from walkergen.cli import app
-from walkergen.design import Design
 from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.jobs.orders import make as batch
+from walkergen.printing import layout as plates
 from walkergen.printing.printers import Printer
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 PRINTERS = [templates.load(name, "printers", Printer) for name in ("prusa-mk3s", "replicator2x")]

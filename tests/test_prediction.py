@@ -5,15 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from walkergen import prediction, solids
-from walkergen.design import Design
+from walkergen import prediction
 from walkergen.scene import Scene
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 
 def row_of(design=None, mode="coulomb", **contact):
     design = design or Design()
     scene = Scene.model_validate({"contact": contact})
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     return prediction.predict(design, mass, scene, mode), mass, scene
 
 
@@ -59,7 +60,7 @@ def test_no_uncertainty_in_gives_none_out():
 def test_impact_speed_uncertainty_enters():
     design = Design()
     scene = Scene.model_validate({"prediction": {"impact_speed_factor_sd": 0.2}})
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     row = prediction.predict(design, mass, scene)
     assert row.speed_sd_mm_s == pytest.approx(0.2 * row.speed_mm_s, rel=0.06)
 

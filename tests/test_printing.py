@@ -12,11 +12,12 @@ import pytest
 import trimesh
 
 from walkergen.errors import SolidError
-from walkergen.mass import Mesh, weigh
-from walkergen.printing import export, plate
+from walkergen.printing import export
+from walkergen.printing import packing as plate
 from walkergen.printing.export import Item, Solid
-from walkergen.printing.plate import Part
+from walkergen.printing.packing import Part
 from walkergen.printing.printers import Printer
+from walkergen.walker.mass import Mesh, weigh
 
 MK3S = Printer(name="mk3s", bed_width_mm=250.0, bed_depth_mm=210.0, height_mm=210.0)
 

@@ -7,16 +7,19 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen import prediction, reproduce, solids, templates
+from walkergen import prediction
 from walkergen.cli import app
-from walkergen.design import Design
 from walkergen.errors import InputError
-from walkergen.report.comparison import number
+from walkergen.files import templates
+from walkergen.jobs.paper import compare, sweeps
+from walkergen.jobs.paper import make as reproduce
+from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
+from walkergen.jobs.paper.tables import number
 from walkergen.scene import Scene
 from walkergen.simulation import engines, ensemble
 from walkergen.simulation.run import Outcome
-from walkergen.study import compare, sweeps
-from walkergen.study.sweeps import Assumption, Case, Point, Value
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 FILES = {
     "figure2.csv", "figure2.pdf", "figure2.png", "figure2_theory.csv", "figure3.csv",
@@ -257,7 +260,7 @@ def case(design):
 
 def test_every_impact_of_the_tally_is_an_event(case):
     # Of the compliant walker; relaxed legs make one event of a whole cascade.
-    mass = solids.weigh(case.design, solids.build(case.design))
+    mass = solids.mass_of(case.design)
     scene = case.assumption.scene
     engine = engines.prepare(scene, case.design, mass).engine
     _, results = ensemble.measure(engine, scene, lambda *_: None, event_room=5000)
@@ -269,7 +272,7 @@ def test_every_impact_of_the_tally_is_an_event(case):
 
 
 def test_landings_are_fewer_than_impacts_and_no_foot_lands_twice_within_the_quiet_time(case):
-    mass = solids.weigh(case.design, solids.build(case.design))
+    mass = solids.mass_of(case.design)
     scene = case.assumption.scene
     engine = engines.prepare(scene, case.design, mass).engine
     _, (result, _) = ensemble.measure(engine, scene, lambda *_: None, event_room=5000)

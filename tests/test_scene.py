@@ -5,8 +5,8 @@ import math
 
 import pytest
 
-from walkergen import config, templates
 from walkergen.errors import InputError
+from walkergen.files import config, templates
 from walkergen.scene import Drive, Scene
 
 FOUR = {"frequency_hz": 90.0, "amplitude_um": 55.20118808700732,

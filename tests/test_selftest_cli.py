@@ -8,8 +8,9 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.hard_cases import catalogue, selftest
-from walkergen.hard_cases.case import Case, Check
+from walkergen.jobs.selftest import catalogue
+from walkergen.jobs.selftest import make as selftest
+from walkergen.jobs.selftest.case import Case, Check
 
 LAW = (("impact law", "closed form"),)
 

@@ -15,11 +15,15 @@ import gcode
 import numpy as np
 import pytest
 
-from walkergen import batch, mass, names, plates, solids, templates
-from walkergen.design import Design
-from walkergen.printing import checks, export, plate, slicer, walls
-from walkergen.printing.plate import Part, Placement, Plate
+from walkergen.files import templates
+from walkergen.jobs.orders import make as batch
+from walkergen.printing import checks, export, slicer, walls
+from walkergen.printing import layout as plates
+from walkergen.printing import packing as plate
+from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
+from walkergen.walker import mass, names, solids
+from walkergen.walker.design import Design
 
 pytestmark = pytest.mark.slow
 

@@ -5,9 +5,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from walkergen import mass, solids
-from walkergen.design import Design
 from walkergen.errors import GeometryError
+from walkergen.walker import mass, solids
+from walkergen.walker.design import Design
 
 FEET = ("flat", "square", "round")
 

@@ -7,10 +7,10 @@ import pytest
 from scipy.optimize import brentq
 
 from walkergen.errors import TheoryError
-from walkergen.mass import MassProperties
 from walkergen.theory.impact import Kind, Law, resolve
 from walkergen.theory.speed import LAWS, factor, factors
 from walkergen.theory.tensors import InverseMass, feet
+from walkergen.walker.mass import MassProperties
 
 
 def ideal(tilt_deg, m_over_M=None):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from walkergen import statistics
+from walkergen.numerics import statistics
 
 
 def series(seed, memory, count):

@@ -6,16 +6,16 @@ import math
 import numpy as np
 import pytest
 
-from walkergen import solids
-from walkergen.design import Design
 from walkergen.errors import InputError
+from walkergen.jobs.accuracy import choose, kept, shape, statistics, steps
+from walkergen.jobs.accuracy.choose import Wanted
+from walkergen.jobs.accuracy.ladder import order
+from walkergen.jobs.accuracy.speeds import Measured, Setting, Survey
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Outcome, RunResult
-from walkergen.study import choose, kept, shape, statistics, steps
-from walkergen.study.choose import Wanted
-from walkergen.study.ladder import order
-from walkergen.study.speeds import Measured, Setting, Survey
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 
 
 def silent(*told):
@@ -24,7 +24,7 @@ def silent(*told):
 
 def survey_of(kind="flexible", **tables):
     design = Design().variant(kind=kind)
-    mass = solids.weigh(design, solids.build(design))
+    mass = solids.mass_of(design)
     return Survey(Scene.model_validate(tables), design, mass, budget_s=1.0)
 
 

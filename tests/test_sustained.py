@@ -8,9 +8,9 @@ from level_walker import level_state
 from scipy.integrate import solve_ivp
 from test_event_driven import GRAVITY, go, shaken, walker
 
-from walkergen.simulation import plate as drive
+from walkergen.simulation import drive as drive
 from walkergen.simulation import record
-from walkergen.simulation.plate import Contact, Harmonic, Plate
+from walkergen.simulation.drive import Contact, Harmonic, Plate
 from walkergen.simulation.relaxed import walker as walkers
 from walkergen.simulation.relaxed.event_driven import OK
 from walkergen.simulation.relaxed.walker import (

@@ -14,12 +14,13 @@ import pytest
 from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
-from walkergen import config, mass, solids
-from walkergen.design import Design
 from walkergen.errors import InputError
+from walkergen.files import config
 from walkergen.scene import Scene
 from walkergen.simulation import engines, record
 from walkergen.simulation.run import Outcome, simulate
+from walkergen.walker import mass, solids
+from walkergen.walker.design import Design
 
 METHODS = [
     ("rigid", "event"), ("rigid", "step"), ("relaxed", "event"),

@@ -9,7 +9,7 @@ from test_compliant import OMEGA, PLATE, plate_of, walker_at
 from walkergen.simulation import record
 from walkergen.simulation.compliant import event_driven, time_stepping
 from walkergen.simulation.compliant.legs import OK, PITCH, V_X, V_Y, X, Y, new_state
-from walkergen.simulation.plate import Contact
+from walkergen.simulation.drive import Contact
 from walkergen.simulation.record import CONTACT_TIME
 from walkergen.theory.impact import Law
 

@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from walkergen.analysis import columns, tracks
+from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
 from walkergen.errors import InputError
+from walkergen.files import columns
 
 FILM = Units(fps=100.0, mm_per_px=0.5)
 

@@ -3,10 +3,12 @@
 import numpy as np
 import pytest
 
-from walkergen import family, mass, solids, templates, weights
-from walkergen.design import Design
 from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.jobs.family import make as family
 from walkergen.scene import Scene
+from walkergen.walker import mass, solids, weights
+from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 SCENE = templates.load("lane-90hz", "scenes", Scene)

@@ -6,11 +6,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import solids
-from walkergen.design import Design
-from walkergen.mass import MassProperties
 from walkergen.scene import Scene
 from walkergen.theory.speed import Factors, Mode, factors
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 
@@ -163,7 +163,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     speed, sd, sticks = [], [], []
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
-        mass = solids.weigh(variant, solids.build(variant))
+        mass = solids.mass_of(variant)
         each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
         speed.append(float(each.mean) * scene.impact_speed)
         sd.append(float(np.std(speed_draws(mass, scene, draws, mode))))

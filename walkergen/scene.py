@@ -9,7 +9,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field, model_validator
 
-from walkergen.config import Fraction, Name, Section
+from walkergen.files.config import Fraction, Name, Section
 
 GRAVITY = 9806.65
 """Standard gravity, mm/s^2."""

@@ -7,9 +7,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import statistics
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.numerics import statistics
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
@@ -262,3 +262,13 @@ def _unresolved(
         most = math.sqrt((max(offset, 0.0) + 2.0 * error) / 4.0) if math.isfinite(error) else 0.0
         found["localisation_noise"] = f"not resolved: below {most:.2g} mm (95 %)"
     return found
+
+
+def with_error(one: Estimate) -> str:
+    """A value with its error to two digits of the error, or the reason why there is none."""
+    if one.value is None or one.se is None:
+        return one.reason
+    if not one.se > 0:
+        return f"{one.value:.4g}"
+    digits = min(max(1 - math.floor(math.log10(one.se)), 0), 12)
+    return f"{one.value:.{digits}f} ± {one.se:.{digits}f}"

@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.mass import MassProperties
 from walkergen.theory.speed import LawName, Mode, factor
 from walkergen.theory.tensors import InverseMass, feet
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 

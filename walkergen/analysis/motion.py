@@ -14,13 +14,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import statistics
 from walkergen.analysis import estimates, lagged, moments
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid
 from walkergen.analysis.tracks import Tracks
 from walkergen.errors import InputError
-from walkergen.statistics import Line, line_through_origin
+from walkergen.numerics import statistics
+from walkergen.numerics.statistics import Line, line_through_origin
 
 Array = npt.NDArray[np.float64]
 

@@ -6,9 +6,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import columns
-from walkergen.design import KINDS, Kind
 from walkergen.errors import InputError
+from walkergen.files import columns
+from walkergen.walker.design import KINDS, Kind
 
 Array = npt.NDArray[np.float64]
 

@@ -12,9 +12,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import columns
-from walkergen.analysis.columns import Columns
 from walkergen.errors import InputError
+from walkergen.files import columns
+from walkergen.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 

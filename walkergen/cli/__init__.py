@@ -8,15 +8,21 @@ import typer
 
 from walkergen import __version__
 from walkergen.cli import (
-    checking,
-    commands,
-    filming,
-    measuring,
-    ordering,
-    reporting,
-    reproducing,
-    simulating,
-    studying,
+    accuracy,
+    analyse,
+    check,
+    explain,
+    export,
+    family,
+    fit,
+    movie,
+    plate,
+    predict,
+    report,
+    reproduce,
+    selftest,
+    simulate,
+    templates,
 )
 from walkergen.errors import WalkergenError
 
@@ -27,21 +33,13 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     add_completion=False,
 )
-MODULES = (
-    commands,
-    ordering,
-    simulating,
-    studying,
-    checking,
-    measuring,
-    filming,
-    reporting,
-    reproducing,
-)
-for module in MODULES:
-    for command in module.ALL:
-        app.command()(command)
-app.add_typer(commands.templates_app, name="templates")
+for command in (
+    family.family, predict.predict, export.export, check.check, plate.plate, simulate.simulate,
+    explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit, movie.movie,
+    report.report, reproduce.reproduce,
+):  # fmt: skip
+    app.command()(command)
+app.add_typer(templates.app, name="templates")
 
 
 def _show_version(wanted: bool) -> None:

@@ -9,10 +9,10 @@ import typer
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.design import Design, Kind
     from walkergen.printing.printers import Printer
     from walkergen.scene import Scene
     from walkergen.theory.speed import Mode
+    from walkergen.walker.design import Design, Kind
 
 PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
 """The templates that commands take unless told otherwise."""
@@ -51,6 +51,19 @@ Seconds = Annotated[
     float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
 ]
 Runs = Annotated[int | None, typer.Option("--runs", help="Independent simulated runs.")]
+Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' phases and drops.")]
+Model = Annotated[
+    str | None, typer.Option("--model", metavar="MODEL", help="rigid, relaxed, compliant or auto.")
+]
+Method = Annotated[
+    str | None, typer.Option("--method", metavar="METHOD", help="event, step or auto.")
+]
+Gamma = Annotated[float | None, typer.Option("--gamma", help="Peak acceleration over g.")]
+Frequency = Annotated[float | None, typer.Option("--frequency", help="Frequency of the drive, Hz.")]
+Step = Annotated[
+    float | None, typer.Option("--step", metavar="MICROSECONDS", help="Step of method step.")
+]
+Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
 PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
 ]
@@ -82,8 +95,8 @@ Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors."
 
 def design_of(name: str) -> "Design":
     """The design of a template's name or a file's path."""
-    from walkergen import templates
-    from walkergen.design import Design
+    from walkergen.files import templates
+    from walkergen.walker.design import Design
 
     return templates.load(name, "walkers", Design)
 
@@ -116,8 +129,8 @@ class Changes(NamedTuple):
 
 def scene_of(name: str, changes: Changes) -> "Scene":
     """The scene of a name or path, with the command line's values in place of its own."""
-    from walkergen import templates
-    from walkergen.config import validate
+    from walkergen.files import templates
+    from walkergen.files.config import validate
     from walkergen.scene import Scene
 
     scene = templates.load(name, "scenes", Scene)
@@ -146,7 +159,7 @@ def _given(value: float | None, otherwise: float) -> float:
 
 def printers_of(text: str) -> "list[Printer]":
     """The printers of a comma-separated list of names or paths."""
-    from walkergen import templates
+    from walkergen.files import templates
     from walkergen.printing.printers import Printer
 
     found = [templates.load(name.strip(), "printers", Printer) for name in text.split(",")]
@@ -250,7 +263,7 @@ def _range(first: float, last: float, step: float, text: str) -> list[float]:
 
 def parse_kinds(text: str) -> "list[Kind]":
     """Kinds of legs from a comma-separated list."""
-    from walkergen.design import KINDS
+    from walkergen.walker.design import KINDS
 
     kinds: list[Any] = [word.strip() for word in text.split(",")]
     for kind in kinds:

@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from walkergen.files.templates import Entry
+    from walkergen.jobs.family.tables import Simulated, Weighing
     from walkergen.prediction import Prediction
     from walkergen.printing.checks import Finding
-    from walkergen.report.tables import Simulated, Weighing
-    from walkergen.templates import Entry
 
 
 def as_json(data: dict[str, Any]) -> None:
@@ -49,7 +49,7 @@ def predictions(
     """Print the table of predicted speeds, its notes and what it rests on."""
     from rich.console import Console
 
-    from walkergen.report import tables
+    from walkergen.jobs.family import tables
 
     console = Console(highlight=False)
     console.print(tables.to_table(rows, title, simulated))

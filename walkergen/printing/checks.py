@@ -12,13 +12,13 @@ from typing import Literal, NamedTuple
 
 import numpy as np
 
-from walkergen import solids
-from walkergen.design import Design
 from walkergen.errors import PrintabilityError
-from walkergen.mass import Array, Mesh
 from walkergen.printing import walls
-from walkergen.printing.plate import Part, Plate, border, spacing
+from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Array, Mesh
 
 Level = Literal["error", "warning", "advice"]
 

@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.mass import Array, Mesh
+from walkergen.walker.mass import Array, Mesh
 
 STL_HEADER_BYTES = 80
 STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])

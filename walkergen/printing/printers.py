@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from walkergen.config import Name, Section
+from walkergen.files.config import Name, Section
 
 
 class Printer(Section):

@@ -4,13 +4,13 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen import mass
-from walkergen.design import Design
 from walkergen.printing import checks, slicer, walls
 from walkergen.printing.checks import Finding
-from walkergen.printing.plate import Part, Plate
+from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
-from walkergen.solids import Solids
+from walkergen.walker import mass
+from walkergen.walker.design import Design
+from walkergen.walker.solids import Solids
 
 
 class Weight(NamedTuple):

@@ -29,8 +29,8 @@ walls are arachne's), not every threshold.
 
 import math
 
-from walkergen.design import Design, Kind
 from walkergen.printing.printers import Printer
+from walkergen.walker.design import Design, Kind
 
 LEAST_BEAD = 0.85
 """Narrowest line of arachne, in nozzles (PrusaSlicer's default, set on the print sheet too)."""

@@ -1,17 +1,15 @@
 """What the effects of a scene cost: measured, each against the same scene without it."""
 
 import time
-from collections.abc import Callable
 from typing import NamedTuple
 
-from walkergen.design import Design
-from walkergen.mass import MassProperties
+from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation import engines
 from walkergen.simulation.engines import Plan
 from walkergen.simulation.run import simulate
-
-Progress = Callable[[str, int, int], None]
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 MEASURED_S = 2.0
 """Simulated seconds of each measurement."""

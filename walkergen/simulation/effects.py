@@ -6,11 +6,11 @@ An effect that is off is absent from the state and from the compiled code (physi
 import math
 from typing import Literal, NamedTuple
 
-from walkergen.design import Design
 from walkergen.errors import InputError
-from walkergen.mass import MassProperties
 from walkergen.scene import GRAVITY, Scene
 from walkergen.theory.tensors import feet
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 ModelName = Literal["rigid", "relaxed", "compliant"]
 MethodName = Literal["event", "step"]

@@ -6,13 +6,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.design import Design
-from walkergen.mass import MassProperties, as_rigid
 from walkergen.scene import GRAVITY, Scene
+from walkergen.simulation.drive import Contact, Harmonic, Plate
 from walkergen.simulation.effects import Effect, Resolved, resolve
-from walkergen.simulation.plate import Contact, Harmonic, Plate
 from walkergen.simulation.run import Engine, Outcome
 from walkergen.theory.impact import Law
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, as_rigid
 
 Array = npt.NDArray[np.float64]
 

@@ -8,14 +8,15 @@ import math
 import os
 import time
 from collections import Counter
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import statistics
+from walkergen.files.progress import Progress
+from walkergen.numerics import statistics
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
@@ -57,7 +58,7 @@ class Summary(NamedTuple):
 def run(
     engine: Engine,
     scene: Scene,
-    progress: Callable[[str, int, int], None],
+    progress: Progress,
     threads: int | None = None,
     event_room: int | None = None,
 ) -> list[RunResult]:
@@ -152,7 +153,7 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
 def measure(
     engine: Engine,
     scene: Scene,
-    progress: Callable[[str, int, int], None],
+    progress: Progress,
     threads: int | None = None,
     event_room: int | None = None,
 ) -> tuple[Summary, list[RunResult]]:

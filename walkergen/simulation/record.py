@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.kernels import kernel
+from walkergen.numerics.kernels import kernel
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int64]

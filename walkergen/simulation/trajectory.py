@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import output
 from walkergen.errors import InputError
+from walkergen.files import output
 from walkergen.scene import Scene
 from walkergen.simulation.run import Engine, simulate
 

@@ -12,7 +12,7 @@ from enum import IntEnum
 from typing import NamedTuple
 
 from walkergen.errors import TheoryError
-from walkergen.kernels import kernel
+from walkergen.numerics.kernels import kernel
 
 
 class Law(IntEnum):

@@ -11,8 +11,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import TheoryError
-from walkergen.mass import MassProperties
 from walkergen.theory.tensors import InverseMass, feet
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 Mode = Literal["coulomb", "paper"]

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.mass import MassProperties, Values
+from walkergen.walker.mass import MassProperties, Values
 
 Array = npt.NDArray[np.float64]
 

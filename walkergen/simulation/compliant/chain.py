@@ -8,8 +8,8 @@ ratio of the masses. Nothing is linearised.
 import math
 from typing import NamedTuple
 
-from walkergen.kernels import kernel
-from walkergen.simulation import plate as plates
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.legs import (
     ANGLE_BACK,
     ANGLE_FRONT,

@@ -12,8 +12,8 @@ impact of both. For every law of restitution, and it never creates energy.
 
 import math
 
-from walkergen.kernels import kernel
-from walkergen.simulation import plate as plates
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     chain_of,
@@ -30,13 +30,7 @@ from walkergen.simulation.compliant.legs import (
     MODE_FRONT,
     PHASE,
 )
-from walkergen.simulation.record import (
-    ELAPSED,
-    IMPACT_LOSS,
-    PLATE_WORK,
-    note_event,
-    tally_impact,
-)
+from walkergen.simulation.record import ELAPSED, IMPACT_LOSS, PLATE_WORK, note_event, tally_impact
 from walkergen.theory.impact import impact
 
 OPEN, STICK, FORWARD, BACKWARD = range(4)

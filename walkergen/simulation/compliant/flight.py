@@ -9,8 +9,8 @@ exact.
 
 import math
 
-from walkergen.kernels import kernel
-from walkergen.simulation import plate as plates
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import along, chain_of, free_acceleration
 from walkergen.simulation.compliant.legs import (
     ANGLE_BACK,

@@ -9,8 +9,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.kernels import kernel
-from walkergen.simulation import plate as plates
+from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, WEIGHTS
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
     along,
     chain_of,
@@ -22,13 +23,7 @@ from walkergen.simulation.compliant.chain import (
     mobility_of,
     push,
 )
-from walkergen.simulation.compliant.contact import (
-    FORWARD,
-    FRICTIONLESS,
-    OPEN,
-    STICK,
-    impulses,
-)
+from walkergen.simulation.compliant.contact import FORWARD, FRICTIONLESS, OPEN, STICK, impulses
 from walkergen.simulation.compliant.legs import (
     ANGLE_BACK,
     MODE_BACK,
@@ -43,7 +38,6 @@ from walkergen.simulation.compliant.legs import (
     X,
     Y,
 )
-from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 
 ROUNDING = 2e-15
 """Relative rounding of a foot's height, from some ten operations."""

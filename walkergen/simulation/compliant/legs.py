@@ -14,10 +14,10 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.design import Design
-from walkergen.mass import MassProperties
 from walkergen.scene import GRAVITY
-from walkergen.simulation import plate as plates
+from walkergen.simulation import drive as plates
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 

@@ -14,8 +14,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.kernels import kernel
-from walkergen.simulation import plate as plates
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     angle,

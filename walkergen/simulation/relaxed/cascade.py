@@ -17,7 +17,7 @@ Stronge's law, which is not linear, they are made one by one.
 import math
 from typing import NamedTuple
 
-from walkergen.kernels import kernel
+from walkergen.numerics.kernels import kernel
 from walkergen.simulation.record import tally_impact
 from walkergen.simulation.relaxed.walker import Tensor
 from walkergen.theory.impact import determinant, impact

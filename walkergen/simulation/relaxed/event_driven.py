@@ -10,8 +10,8 @@ import math
 
 import numpy as np
 
-from walkergen.kernels import kernel
-from walkergen.simulation.plate import (
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import (
     TWO_PI,
     Contact,
     Plate,

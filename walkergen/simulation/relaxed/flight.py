@@ -9,8 +9,8 @@ the first of two close ones.
 import math
 from typing import NamedTuple
 
-from walkergen.kernels import kernel
-from walkergen.simulation.plate import (
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import (
     TWO_PI,
     Plate,
     acceleration,

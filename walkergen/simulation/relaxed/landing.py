@@ -14,8 +14,8 @@ Rules, all symmetric under exchange of the feet:
 
 import math
 
-from walkergen.kernels import kernel
-from walkergen.simulation.plate import height, velocity
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import height, velocity
 from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, note_event
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
 from walkergen.simulation.relaxed.sustained import BACK_JAMS, NO_JAM, choose_modes

@@ -10,9 +10,9 @@ import math
 
 import numpy as np
 
-from walkergen.kernels import kernel
-from walkergen.simulation.dormand_prince import ERROR_WEIGHTS, NODES, WEIGHTS
-from walkergen.simulation.plate import TWO_PI, acceleration, height, velocity
+from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, NODES, WEIGHTS
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import TWO_PI, acceleration, height, velocity
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
 from walkergen.simulation.relaxed.sustained import BREAK, LIFT, STOP, direction, on_one_foot
 from walkergen.simulation.relaxed.walker import (

@@ -12,14 +12,8 @@ foot takes a share proportional to its normal force, so that both reach the fric
 import math
 from typing import NamedTuple
 
-from walkergen.kernels import kernel
-from walkergen.simulation.plate import (
-    TWO_PI,
-    acceleration,
-    derivative_bound,
-    height,
-    velocity,
-)
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, velocity
 from walkergen.simulation.relaxed.cascade import stopping_impulse
 from walkergen.simulation.relaxed.flight import quadratic_wait
 from walkergen.simulation.relaxed.walker import (

@@ -15,11 +15,11 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.design import Design
-from walkergen.kernels import kernel
-from walkergen.mass import MassProperties
-from walkergen.simulation.plate import Plate, derivative_bound, height
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import Plate, derivative_bound, height
 from walkergen.theory.tensors import InverseMass, feet
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 State = npt.NDArray[np.float64]
 Point = tuple[float, float]

@@ -1,0 +1,94 @@
+"""The command `accuracy`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.jobs.accuracy.make import Study
+
+
+MOST_BUDGET = 86_400.0
+
+
+def accuracy(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    only: Annotated[
+        str, typer.Option("--only", metavar="LADDERS", help="models, steps, statistics, shape.")
+    ] = "models,steps,statistics,shape",
+    budget: Annotated[
+        str, typer.Option("--budget", metavar="TIME", help="For the simulations: 60s, 5min, 1h.")
+    ] = "100s",
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Measure what accuracy costs in time: models, steps, statistics, shape."""
+    from walkergen.jobs.accuracy import make as study
+
+    chosen = study.check(only)
+    seconds = parse_time(budget)
+    resolved = opt.scene_of(scene, opt.Changes(restitution=restitution, friction=friction))
+    member = opt.one_design(design, tilt, legs)
+    name = f"{member.name}_t{member.legs.tilt_deg:.1f}_{member.legs.kind}_{resolved.name}"
+    folder = out or Path("out") / "accuracy" / name
+    with show.progress("accuracy", wanted=not quiet) as progress:
+        found = study.make(study.Job(member, resolved, chosen, seconds), folder, progress)
+    if json:
+        show.as_json(
+            {
+                "ladders": {
+                    ladder.name: [rung._asdict() for rung in ladder.rungs]
+                    for ladder in found.ladders
+                },
+                "answers": [answer._asdict() for answer in found.answers],
+                "folder": str(folder),
+            }
+        )
+    elif not quiet:
+        _show_study(found, folder)
+
+
+def parse_time(text: str) -> float:
+    """Seconds of "60s", "5min" or "1h". Raises InputError."""
+    units = {"min": 60.0, "s": 1.0, "h": 3600.0}
+    unit = next((unit for unit in units if text.endswith(unit)), "")
+    try:
+        seconds = float(text.removesuffix(unit)) * units[unit]
+    except (ValueError, KeyError):
+        raise InputError(
+            f"--budget {text[:30]!r}: write a time with its unit: 60s, 5min, 1h"
+        ) from None
+    if not 1.0 <= seconds <= MOST_BUDGET:
+        raise InputError(f"--budget {text[:30]!r}: must lie in 1s..{MOST_BUDGET / 3600:g}h")
+    return seconds
+
+
+def _show_study(found: "Study", folder: Path) -> None:
+    """Print the ladders, what to run for which error, and where the tables and figures are."""
+    from rich.console import Console
+
+    from walkergen.jobs.accuracy import tables as ladders
+
+    console = Console(highlight=False)
+    for ladder in found.ladders:
+        console.print(ladders.to_table(ladder))
+        console.print(f"error: {ladder.error}\nreference: {ladder.reference}", markup=False)
+        for note in ladder.notes:
+            console.print(f"- {note}", markup=False)
+        console.print()
+    if found.answers:
+        console.print("What to run for which error of the mean speed:")
+        console.print(ladders.answers_table(found.answers))
+    print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
+          + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip

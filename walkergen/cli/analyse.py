@@ -1,0 +1,78 @@
+"""The command `analyse`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.jobs.analyse.make import Analysed
+
+
+def analyse(
+    file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="Tracks of walkers.")],
+    fps: Annotated[float | None, typer.Option(help="Frames per second of a film.")] = None,
+    mm_per_px: Annotated[float | None, typer.Option(help="Millimetres per pixel.")] = None,
+    y_down: Annotated[
+        bool, typer.Option("--y-down", help="y grows downward, as rows of an image do.")
+    ] = False,
+    lane: Annotated[
+        bool, typer.Option("--lane", help="The walkers ran in a lane along x; y says nothing.")
+    ] = False,
+    lag_ms: Annotated[
+        float | None,
+        typer.Option(help="Lag of displacements along and across the body; 40 unless given."),
+    ] = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Measure speed, persistence and spread from tracks, filmed or simulated.
+
+    A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading
+    theta (rad) or theta_deg, counted from x toward y. A simulation is what simulate --trajectory
+    writes. Tracks at several plate speeds say so in a column plate_speed_mm_s.
+    """
+    from walkergen.analysis.tracks import Units
+    from walkergen.files import output
+    from walkergen.jobs.analyse import make as experiment
+
+    folder = output.results(file, out, "analysis")
+    units = Units(fps, mm_per_px, y_down, lane)
+    lag_s = None if lag_ms is None else 1e-3 * lag_ms
+    with show.progress("analyse", wanted=not quiet) as progress:
+        found = experiment.analyse(file, units, lag_s, folder, pictures, progress)
+    if json:
+        _motion_as_json(found)
+    elif not quiet:
+        _show_motion(found, file.name)
+
+
+def _motion_as_json(found: "Analysed") -> None:
+    """Print everything measured, and what was noted while reading."""
+    from walkergen.jobs.analyse import tables as motion_tables
+
+    data = motion_tables.as_dict(found.motion)
+    data |= {"bad_rows": found.bad_rows, "notes": found.notes, "folder": str(found.folder)}
+    show.as_json(data)
+
+
+def _show_motion(found: "Analysed", title: str) -> None:
+    """Print the table of what was measured."""
+    from rich.console import Console
+
+    from walkergen.jobs.analyse import tables as motion_tables
+
+    console = Console(highlight=False)
+    if found.motion.by_plate_speed:
+        console.print(motion_tables.plate_table(found.motion))
+        console.print(motion_tables.line_told(found.motion), markup=False)
+    else:
+        console.print(motion_tables.to_table(found.motion, title))
+    for note in found.notes:
+        console.print(note, markup=False)
+    print(f"tables and figures in {found.folder}/")

@@ -1,0 +1,66 @@
+"""The command `check`."""
+
+from typing import TYPE_CHECKING
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.jobs.orders.make import Checked
+    from walkergen.printing.printers import Printer
+
+
+def check(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    strict: opt.Strict = False,
+    json: opt.AsJson = False,
+) -> None:
+    """Check whether walkers will print as designed, without writing any file."""
+    from walkergen.files import templates
+    from walkergen.jobs.orders import make as batch
+    from walkergen.printing import checks
+    from walkergen.printing.printers import Printer
+
+    chosen = opt.design_of(design)
+    machine = templates.load(printer, "printers", Printer)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    found = batch.check(members, counts, machine)
+    if json:
+        show.as_json({
+            "walls": [wall._asdict() for wall in found.walls],
+            "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
+            "parts": found.parts,
+            "plates": found.plates,
+        })  # fmt: skip
+    else:
+        _show_checked(found, machine)
+    checks.refuse(found.findings, strict)
+
+
+def _show_checked(found: "Checked", printer: "Printer") -> None:
+    """Print how walls come out in lines, warnings and advice; errors follow as such."""
+    from walkergen.printing import checks
+
+    print(f"{'wall':8s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
+    for wall in found.walls:
+        percent = round(wall.plastic_percent)
+        plastic = f"{percent:+d} %" if percent else "as drawn"
+        print(f"{wall.wall:8s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
+    findings = checks.grouped(found.findings)
+    for finding in findings:
+        if finding.level != "error":
+            print(f"{finding.level}: {checks.line(finding)}")
+    told = [
+        _count(sum(finding.level == level for finding in findings), level)
+        for level in ("error", "warning")
+    ]
+    parts, plates = _count(found.parts, "part"), _count(found.plates, "plate")
+    print(f"{parts} on {plates} of {printer.name}: {', '.join(told)}")
+
+
+def _count(number: int, noun: str) -> str:
+    return f"{number} {noun}{'' if number == 1 else 's'}"

@@ -1,0 +1,71 @@
+"""The command `explain`."""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.scene import Scene
+    from walkergen.simulation.costs import Explained
+    from walkergen.simulation.engines import Plan
+    from walkergen.walker.design import Design
+
+
+def explain(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    model: opt.Model = None,
+    method: opt.Method = None,
+    friction: opt.Friction = None,
+    gamma: opt.Gamma = None,
+    frequency: opt.Frequency = None,
+    cost: Annotated[bool, typer.Option(help="Measure what the effects cost.")] = True,
+    json: opt.AsJson = False,
+) -> None:
+    """Say which effects a scene calls for, why, how large they are and what they cost."""
+    from walkergen.simulation import costs, engines
+    from walkergen.walker import solids
+
+    changes = opt.Changes(
+        friction=friction, gamma=gamma, frequency=frequency, method=method, model=model
+    )
+    resolved_scene = opt.scene_of(scene, changes)
+    chosen = opt.one_design(design, tilt, legs)
+    mass = solids.mass_of(chosen)
+    plan = engines.prepare(resolved_scene, chosen, mass)
+    with show.progress("explain", wanted=True) as progress:
+        rows = costs.explain(plan, resolved_scene, chosen, mass, measured=cost, progress=progress)
+    if json:
+        show.rows_as_json(rows)
+    else:
+        _show_effects(plan, rows, resolved_scene, chosen)
+
+
+def _show_effects(
+    plan: "Plan", rows: "Sequence[Explained]", scene: "Scene", design: "Design"
+) -> None:
+    """Print which effects are on, why, how large they are and what they cost."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("effect", "", "size", "cost", "why"):
+        table.add_column(heading, justify="right" if heading in ("size", "cost") else "left")
+    for row in rows:
+        cost = "-" if row.cost is None else f"x {row.cost:.2f}"
+        why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
+        table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
+    console = Console(highlight=False)
+    console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
+    console.print(f"model {plan.engine.model}, method {plan.engine.method}")
+    console.print(table)
+    console.print(
+        "cost: CPU time over that of the scene without the effect, whose motion differs too"
+    )

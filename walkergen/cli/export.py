@@ -1,0 +1,36 @@
+"""The command `export`."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+
+def export(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    formats: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="stl, 3mf, or stl,3mf.")
+    ] = "stl",
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Write walkers as STL or 3MF files, one a walker."""
+    from walkergen.jobs.orders import make as batch
+
+    wanted = [word.strip() for word in formats.split(",")]
+    for word in wanted:
+        if word not in batch.FORMATS:
+            raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(batch.FORMATS)}")
+    chosen = opt.design_of(design)
+    members = opt.members_of(chosen, tilt, legs, whole=False)
+    folder = out or Path("out") / chosen.name
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        files = batch.export_parts(members, wanted, folder, progress)
+    show.files(files, json, quiet)

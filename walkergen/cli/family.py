@@ -1,0 +1,98 @@
+"""The command `family`."""
+
+import sys
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.analysis.speeds import Measured
+    from walkergen.scene import Scene
+    from walkergen.walker.design import Design
+
+
+def family(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    scene: opt.SceneName = opt.SCENE,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    mode: opt.ModeName = "coulomb",
+    law: opt.LawName = None,
+    printer: opt.PrinterName = opt.PRINTER,
+    copies: opt.Copies = "1",
+    max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
+    weights: opt.WeightsFile = None,
+    out: opt.Out = None,
+    simulate: Annotated[
+        bool, typer.Option("--simulate", help="Simulate every walker as well (minutes).")
+    ] = False,
+    seconds: opt.Seconds = None,
+    runs: opt.Runs = None,
+    measured: Annotated[
+        Path | None,
+        typer.Option("--measured", metavar="FILE", help="CSV of measured speeds, for speed.png."),
+    ] = None,
+    pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
+    strict: opt.Strict = False,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
+    from walkergen.files import templates
+    from walkergen.jobs.family import make as families
+    from walkergen.printing.printers import Printer
+    from walkergen.walker import weights as balance
+
+    chosen = opt.design_of(design)
+    changes = opt.Changes(
+        restitution=restitution, friction=friction, law=law, seconds=seconds, runs=runs
+    )
+    resolved = opt.scene_of(scene, changes)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    job = families.Job(
+        design=chosen,
+        members=members,
+        scene=resolved,
+        printer=templates.load(printer, "printers", Printer),
+        mode=opt.mode_of(mode, resolved),
+        pictures=pictures,
+        simulate=simulate,
+        copies=counts,
+        max_parts=max_parts,
+        prusaslicer=prusaslicer,
+        weighed={} if weights is None else balance.read(weights, members),
+        strict=strict,
+        measured=_measured(measured, chosen, resolved),
+    )
+    folder = out or Path("out") / chosen.name
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        made = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
+    (rows, simulated), weighed = families.rows_of(made), families.weighed_of(made)
+    if json:
+        show.rows_as_json(rows, simulated, weighed)
+    elif not quiet:
+        told = families.caption(resolved, job.mode)
+        show.predictions(rows, told, chosen.name, simulated, weighed)
+        print(f"{len(made)} walkers in {folder}/: stl, plates, family, weights"
+              + (", speed, preview" if pictures else ""))  # fmt: skip
+
+
+def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured | None":
+    """Measured speeds on the scene's plate; what is left out is told on the error stream."""
+    if path is None:
+        return None
+    from walkergen.analysis import speeds
+
+    plate_speed = scene.drive.peak_speed
+    found = speeds.at_plate_speed(speeds.read(path, design.legs.kind, plate_speed), plate_speed)
+    if found.bad:
+        print(f"{path}: {found.bad}", file=sys.stderr)
+    return found

@@ -1,0 +1,94 @@
+"""The command `movie`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.jobs.movie.make import Job, Made
+
+
+def movie(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    seconds: Annotated[
+        float | None, typer.Option("--seconds", help="Simulated time shown.")
+    ] = None,
+    periods: Annotated[
+        float | None,
+        typer.Option("--periods", help="The same in periods of the drive."),
+    ] = None,
+    slow: Annotated[
+        float | None,
+        typer.Option("--slow", metavar="N", help="Play N times slower."),
+    ] = None,
+    fps: Annotated[int, typer.Option("--fps", help="Frames a second: 10, 20, 25, 50.")] = 25,
+    model: opt.Model = None,
+    method: opt.Method = None,
+    law: opt.LawName = None,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    gamma: opt.Gamma = None,
+    frequency: opt.Frequency = None,
+    step: opt.Step = None,
+    seed: opt.Seed = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="The GIF; the MP4 comes beside it."),
+    ] = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Film a walker in slow motion, or several tilts running side by side (GIF, and MP4)."""
+    from walkergen.jobs.movie import make as movies
+
+    if out is not None and out.suffix.lower() != ".gif":
+        raise InputError(f"--out {str(out)[:80]!r}: must end in .gif (the MP4 comes beside it)")
+    changes = opt.Changes(
+        restitution, friction, law, gamma, frequency, None, None, seed, method, step, model
+    )
+    resolved = opt.scene_of(scene, changes)
+    chosen = opt.design_of(design)
+    members = opt.members_of(chosen, tilt, legs, whole=False)
+    job = movies.plan(members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps)
+    path = out or Path("out") / chosen.name / movies.file_name(job)
+    with show.progress("movie", wanted=not quiet) as progress:
+        made = movies.make(job, path, progress)
+    if json:
+        show.as_json(
+            {
+                "gif": str(made.gif),
+                "mp4": None if made.mp4 is None else str(made.mp4),
+                "without_mp4": made.without_mp4,
+                "frames": made.frames,
+                "fps": job.fps,
+                "slow": job.slow,
+                "walkers": [
+                    {"name": one.name, "model": one.model, "seconds": one.times[-1],
+                     "distance_mm": one.places[-1, 0], "impacts": len(one.impacts),
+                     "ended": one.ended}
+                    for one in made.footage
+                ],
+            }
+        )  # fmt: skip
+    elif not quiet:
+        _show(job, made)
+
+
+def _show(job: "Job", made: "Made") -> None:
+    from walkergen.jobs.movie.footage import pace
+
+    for one in made.footage:
+        seconds, distance = one.times[-1], one.places[-1, 0]
+        ended = f"; {one.ended}" if one.ended else ""
+        print(f"{one.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
+              f"{len(one.impacts)} impacts{ended}")  # fmt: skip
+    print(f"{made.gif}: {made.frames} frames, {job.fps} a second, {pace(job.slow)}")
+    print(made.mp4 if made.mp4 is not None else f"no MP4: {made.without_mp4}")

@@ -1,0 +1,92 @@
+"""The command `plate`."""
+
+from collections.abc import Sequence
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+
+if TYPE_CHECKING:
+    from walkergen.jobs.orders.make import Room
+    from walkergen.printing.layout import Place
+    from walkergen.walker.design import Design
+
+
+def plate(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
+    copies: opt.Copies = "1",
+    printers: Annotated[
+        str,
+        typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
+    ] = opt.PRINTER,
+    max_parts: opt.MaxParts = 5000,
+    prusaslicer: opt.ForPrusaSlicer = False,
+    max_plates: Annotated[
+        int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
+    ] = None,
+    how_many: Annotated[
+        bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
+    ] = False,
+    strict: opt.Strict = False,
+    out: opt.Out = None,
+    pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps."""
+    from walkergen.jobs.orders import make as batch
+
+    chosen = opt.design_of(design)
+    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+    machines = opt.printers_of(printers)
+    if how_many:
+        room = batch.how_many(members, machines, max_parts)
+        if json:
+            show.rows_as_json(room)
+        else:
+            _show_room(room)
+        return
+    folder = out or Path("out") / chosen.name
+    order = batch.Order(
+        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
+    )
+    with show.progress(chosen.name, wanted=not quiet) as progress:
+        tell = partial(show.warnings, quiet=quiet)
+        rows, files = batch.make_plates(order, folder, progress, tell)
+    if json:
+        show.rows_as_json(rows, files=files)
+    elif not quiet:
+        _show_placements(rows, files, chosen)
+
+
+def _show_placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "Design") -> None:
+    """Print how many copies of each part lie on each plate, the files, and how to read marks."""
+    from collections import Counter
+
+    from walkergen.walker import names
+
+    counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
+    for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
+        print(f"{printer}, plate {number}")
+        for (machine, plate, name, mark), count in counts.items():
+            if (machine, plate) == (printer, number):
+                print(f"  {count:4d} x {name}" + (f"  {mark}" if mark else ""))
+    print("\n".join(str(path) for path in paths))
+    for printer in dict.fromkeys(row.printer for row in rows):
+        own = [row.plate for row in rows if row.printer == printer]
+        count = max(own)
+        print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
+    if legend := names.how_to_read(design.marks):
+        print(legend)
+
+
+def _show_room(rows: "Sequence[Room]") -> None:
+    """Print how many copies fit on one plate."""
+    for row in rows:
+        print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")

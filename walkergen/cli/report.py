@@ -1,0 +1,49 @@
+"""The command `report`."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.jobs.page.contents import Contents
+
+
+def report(
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="What `family` wrote.")],
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FILE", help="FOLDER/report.html by default."),
+    ] = None,
+    json: opt.AsJson = False,
+) -> None:
+    """Show a family on one self-contained HTML page that opens offline."""
+    from walkergen import __version__
+    from walkergen.files import output
+    from walkergen.jobs.page import contents
+    from walkergen.jobs.page import make as page
+
+    found = contents.read(folder)
+    target = out or folder / "report.html"
+    sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
+    if target.resolve() in [path.resolve() for path in sources]:
+        raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
+    output.write(target, page.render(found, __version__))
+    _show_page(target, found, json)
+
+
+def _show_page(path: Path, found: "Contents", json: bool) -> None:
+    """Print where the page is, and which of the family's files are not as they were written."""
+    changed, missing = found.named("changed"), found.named("missing")
+    if json:
+        show.as_json({"file": str(path), "changed": changed, "missing": missing})
+        return
+    for name in changed:
+        print(f"{name}: changed since the family was made")
+    for name in missing:
+        print(f"{name}: missing")
+    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser, offline")

@@ -1,0 +1,85 @@
+"""The command `reproduce`."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.jobs.paper.compare import Findings
+    from walkergen.jobs.paper.compare import Row as Compared
+
+
+def reproduce(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    scene_fitted: Annotated[
+        str, typer.Option("--scene-fitted", metavar="SCENE", help="With the contact that fits.")
+    ] = "lane-90hz-fitted",
+    tilt: opt.Tilt = None,
+    gamma: Annotated[
+        str | None, typer.Option("--gamma", metavar="G", help="Of figure 5: 1.2,1.8,2.4.")
+    ] = None,
+    seconds: opt.Seconds = None,
+    runs: opt.Runs = None,
+    seed: opt.Seed = None,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Hold the paper's figures 2, 3 and 5 against theory and simulation (minutes)."""
+    from walkergen.jobs.paper import make as side_by_side
+
+    chosen = opt.design_of(design)
+    changes = opt.Changes(
+        seconds=side_by_side.SECONDS if seconds is None else seconds,
+        runs=side_by_side.RUNS if runs is None else runs,
+        seed=seed,
+    )
+    job = side_by_side.Job(
+        chosen,
+        opt.scene_of(scene, changes),
+        opt.scene_of(scene_fitted, changes),
+        side_by_side.TILTS if tilt is None else opt.parse_tilts(tilt),
+        side_by_side.GAMMAS if gamma is None else parse_gammas(gamma),
+    )
+    folder = out or Path("out") / "reproduce"
+    with show.progress("reproduce", wanted=not quiet) as progress:
+        found, rows = side_by_side.make(job, folder, progress)
+    if json:
+        _comparison_as_json(rows, folder)
+    elif not quiet:
+        _show_comparison(found, rows, folder)
+
+
+def parse_gammas(text: str) -> list[float]:
+    """Peak accelerations over g, with commas between. Raises InputError."""
+    try:
+        values = [float(word) for word in text.split(",")]
+    except ValueError:
+        raise InputError(f"--gamma {text[:60]!r}: write numbers with commas: 1.2,1.8,2.4") from None
+    if not all(0.0 < value <= 50.0 for value in values):
+        raise InputError(f"--gamma {text[:60]!r}: each must lie in 0..50, above 0")
+    return values
+
+
+def _comparison_as_json(rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print every comparison with its verdict, and where the figures are."""
+    listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
+    show.as_json({"rows": listed, "folder": str(folder)})
+
+
+def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print the paper's facts beside our numbers, and where the figures are."""
+    from rich.console import Console
+
+    from walkergen.jobs.paper import tables as tables
+
+    Console(highlight=False).print(tables.to_console(rows, found.assumptions))
+    print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
+    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5 as PNG, PDF and CSV")

@@ -1,0 +1,177 @@
+"""The command `simulate`."""
+
+import math
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.files.progress import Progress
+    from walkergen.jobs.accuracy.choose import Met
+    from walkergen.scene import Scene
+    from walkergen.simulation.ensemble import Summary
+    from walkergen.simulation.run import Engine
+    from walkergen.walker.design import Design
+    from walkergen.walker.mass import MassProperties
+
+
+def simulate(
+    design: opt.DesignName = opt.PAPER,
+    scene: opt.SceneName = opt.SCENE,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    seconds: opt.Seconds = None,
+    runs: opt.Runs = None,
+    model: opt.Model = None,
+    method: opt.Method = None,
+    law: opt.LawName = None,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    gamma: opt.Gamma = None,
+    frequency: opt.Frequency = None,
+    step: opt.Step = None,
+    seed: opt.Seed = None,
+    trajectory: Annotated[
+        Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
+    ] = None,
+    form: Annotated[
+        str, typer.Option("--format", metavar="FORMAT", help="Of the trajectory: csv or npz.")
+    ] = "csv",
+    rate: Annotated[
+        float, typer.Option("--rate", min=1e-3, max=1e7, help="Trajectory samples per second.")
+    ] = 1000.0,
+    error: Annotated[
+        str | None,
+        typer.Option("--error", metavar="ERROR", help="Choose the cheapest setting: 5% or 3mm/s."),
+    ] = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Bounce a walker on the plate and measure its speed."""
+    from walkergen.simulation import engines, ensemble
+    from walkergen.simulation import trajectory as trajectories
+    from walkergen.walker import solids
+
+    if form not in trajectories.FORMATS:
+        known = ", ".join(trajectories.FORMATS)
+        raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    if error is not None:
+        _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
+    changes = opt.Changes(
+        restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
+    )
+    resolved_scene = opt.scene_of(scene, changes)
+    if trajectory is not None:
+        trajectories.check(resolved_scene, 1.0 / rate)
+    chosen = opt.one_design(design, tilt, legs)
+    mass = solids.mass_of(chosen)
+    met = None
+    with show.progress("simulate", wanted=not quiet) as progress:
+        if error is None:
+            plan = engines.prepare(resolved_scene, chosen, mass)
+            summary, _ = ensemble.measure(plan.engine, resolved_scene, progress)
+        else:
+            met = _met(error, resolved_scene, chosen, mass, progress)
+            plan, resolved_scene, summary = met.plan, met.scene, met.summary
+        if trajectory is not None:
+            progress("trajectory", resolved_scene.run.runs, resolved_scene.run.runs)
+            trajectories.write(plan.engine, resolved_scene, trajectory, form, 1.0 / rate)
+    if summary.runs < resolved_scene.run.runs:
+        told = f"interrupted after {summary.runs} of {resolved_scene.run.runs} runs"
+        print(told, file=sys.stderr)
+    if json:
+        show.as_json(_summary_as_dict(plan.engine, resolved_scene, summary, met))
+    elif not quiet:
+        _show_summary(plan.engine, resolved_scene, summary, chosen, met)
+
+
+def _met(
+    error: str, scene: "Scene", design: "Design", mass: "MassProperties", progress: "Progress"
+) -> "Met":
+    from walkergen.jobs.accuracy import choose
+
+    return choose.meet(scene, design, mass, choose.parse(error), progress)
+
+
+def _check_error(**chosen: object) -> None:
+    """--error chooses these itself."""
+    for name, value in chosen.items():
+        if value is not None:
+            raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
+
+
+def _summary_as_dict(
+    engine: "Engine", scene: "Scene", found: "Summary", met: "Met | None"
+) -> dict[str, Any]:
+    """An ensemble's summary with what was simulated, and for which error, for JSON."""
+    settings = {"model": engine.model, "method": engine.method, "law": scene.contact.law}
+    chosen = {}
+    if met is not None:
+        obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
+        chosen = met.choice._asdict() | {
+            "setting": met.choice.setting.flags,
+            "error_mm_s": obtained,
+            "allowed_mm_s": met.allowed_mm_s,
+        }
+    return settings | found._asdict() | ({"chosen": chosen} if chosen else {})
+
+
+def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
+    """What --error chose, why, and what came out."""
+    choice = met.choice
+    source = "on record" if met.on_record else "measured just now"
+    bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s
+    verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
+    return [
+        ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
+        ("because", f"cheapest of the ladders {source}; its bias is at most "
+                    f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
+        ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
+                        f"(bias, and 2 x {bars:.2g} of the runs)"),
+    ]  # fmt: skip
+
+
+def _show_summary(
+    engine: "Engine", scene: "Scene", found: "Summary", design: "Design", met: "Met | None"
+) -> None:
+    """Print the mean speed and everything measured beside it."""
+    from rich import box
+    from rich.console import Console
+    from rich.table import Table
+
+    table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
+    drive = scene.drive
+    bars = found.speed_se_mm_s
+    speed = "none: no run ended well"
+    if found.speed_mm_s is not None:
+        error = "standard error unknown: too few data" if bars is None else f"± {bars:.2g}"
+        speed = f"{found.speed_mm_s:.2f} {error} mm/s"
+    correlation = found.correlation_time_s
+    types = ", ".join(
+        f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
+    )
+    powers = ", ".join(f"{name} {1e-6 * value:.3g}" for name, value in found.energies_per_s.items())
+    rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
+    for name, value in (
+        ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
+        ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
+        ("model", f"{engine.model}, method {engine.method}, law {scene.contact.law}"),
+        ("mean speed", speed),
+        *(_met_rows(met, found) if met is not None else ()),
+        ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
+        ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
+        ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
+        ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
+        ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
+        ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),
+        ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
+        ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
+    ):
+        table.add_row(name, value)
+    Console(highlight=False).print(table)

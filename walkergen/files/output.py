@@ -1,0 +1,80 @@
+"""Writing files so that nothing is ever half-written, and folders that know what they hold."""
+
+import contextlib
+import hashlib
+import json
+import re
+from pathlib import Path
+from typing import Any
+
+from walkergen.errors import OutputError
+
+MANIFEST = "manifest.json"
+
+
+def write(path: Path, data: bytes) -> None:
+    """Write a file whole or not at all: a temporary name in the same folder, then a rename.
+
+    Parent folders are made. Raises OutputError; on any exception the temporary file is removed.
+    """
+    try:
+        temporary = path.with_name(f".{path.name}.part")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        try:
+            temporary.write_bytes(data)
+            temporary.replace(path)
+        except BaseException:
+            with contextlib.suppress(OSError):
+                temporary.unlink()
+            raise
+    except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
+        reason = getattr(error, "strerror", None) or str(error)
+        told = f"{str(path)!r}: cannot be written: {reason}; try another --out"
+        raise OutputError(told) from None
+
+
+class Folder:
+    """An output folder that remembers the hash of every file written into it."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+        self.hashes: dict[str, str] = {}
+
+    def write(self, name: str, data: bytes) -> None:
+        """Write one file by its name relative to the folder."""
+        write(self.path / name, data)
+        self.hashes[name] = hashlib.sha256(data).hexdigest()
+
+    def finish(self, facts: dict[str, Any]) -> None:
+        """Write the manifest, after removing what an earlier run left and this one did not make.
+
+        Only files that the earlier manifest lists, and that nobody changed since, are removed.
+        """
+        for name, digest in self._earlier().items():
+            path = self.path / name
+            inside = self.path.resolve() in path.resolve().parents
+            if name not in self.hashes and inside and path.is_file() and _hash(path) == digest:
+                path.unlink()
+        manifest = {**facts, "files": dict(sorted(self.hashes.items()))}
+        text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+        write(self.path / MANIFEST, text.encode())
+
+    def _earlier(self) -> dict[str, str]:
+        try:
+            files = json.loads((self.path / MANIFEST).read_text(encoding="utf-8"))["files"]
+            return {str(name): str(digest) for name, digest in files.items()}
+        except (OSError, ValueError, KeyError, TypeError, AttributeError):
+            return {}  # no manifest, or not one of ours: nothing is known to be left over
+
+
+def _hash(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
+
+
+def results(path: Path, out: Path | None, what: str) -> Path:
+    """Folder for what is made of a file: below `out`, or below out/ and the file's own name.
+
+    A folder of its own within, so that what other commands wrote there stays.
+    """
+    name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"
+    return (out or Path("out") / name) / what

@@ -1,0 +1,72 @@
+"""Templates: the TOML files shipped with walkergen, found by bare name from any folder."""
+
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+import tomli_w
+
+from walkergen.errors import InputError
+from walkergen.files.config import Model, Section, read
+
+KINDS = ("walkers", "scenes", "printers")
+
+
+class Entry(NamedTuple):
+    """One template in a listing."""
+
+    kind: str
+    name: str
+    description: str
+
+
+def folder() -> Path:
+    """Where the templates lie: inside an installed package, beside it in a checkout."""
+    package = Path(__file__).parent.parent
+    installed = package / "templates"
+    return installed if installed.is_dir() else package.parent / "templates"
+
+
+def names(kind: str) -> list[str]:
+    """Names of the templates of a kind (one of KINDS), sorted."""
+    return sorted(path.stem for path in (folder() / kind).glob("*.toml"))
+
+
+def find(name: str) -> Path:
+    """The template of a bare name, whatever its kind."""
+    for kind in KINDS:
+        if name in names(kind):
+            return folder() / kind / f"{name}.toml"
+    known = ", ".join(name for kind in KINDS for name in names(kind))
+    raise InputError(f"{name!r}: no such template; known: {known}")
+
+
+def load(name_or_path: str, kind: str, model: type[Model]) -> Model:
+    """Read a template by bare name, or the user's own file by its path (anything with .toml or /).
+
+    Raises InputError that lists the known names, or every mistake in the file.
+    """
+    if name_or_path in names(kind):
+        return read(folder() / kind / f"{name_or_path}.toml", model)
+    if name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path:
+        return read(Path(name_or_path), model)
+    raise InputError(
+        f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
+        "or give the path of a TOML file"
+    )
+
+
+def dump(model: Section, comment: str) -> str:
+    """A TOML file that `load` reads back, led by a comment of one line."""
+    line = "".join(letter if letter.isprintable() else "?" for letter in comment)
+    return f"# {line}\n\n" + tomli_w.dumps(model.model_dump(mode="json", exclude_none=True))
+
+
+def listing() -> list[Entry]:
+    """Every template with its description."""
+    found = []
+    for kind in KINDS:
+        for name in names(kind):
+            data = tomllib.loads((folder() / kind / f"{name}.toml").read_text(encoding="utf-8"))
+            found.append(Entry(kind, name, data["description"]))
+    return found

@@ -1,1 +1,0 @@
-"""Hard cases: scenes with an exact outcome or an invariant, over every model and method."""

@@ -1,0 +1,1 @@
+"""Jobs: what each command makes. No job imports another."""

@@ -1,0 +1,55 @@
+"""Measured speeds on record: per walker, scene, version and machine, in the user's cache."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from walkergen import __version__
+from walkergen.files import output
+from walkergen.jobs.accuracy.ladder import machine
+from walkergen.jobs.accuracy.speeds import Measured, Setting, Survey
+from walkergen.numerics import kernels
+
+
+def record(survey: Survey) -> Path:
+    """Where the measured speeds of this walker in this scene are kept, for this version here."""
+    scene = survey.scene.model_dump(mode="json", exclude={"name", "description", "prediction"})
+    for key in ("seconds", "runs", "method", "step_us", "accepted_error"):
+        scene["run"].pop(key)
+    scene["legs"].pop("model")
+    design = survey.design.model_dump(mode="json", exclude={"name", "description", "family"})
+    facts = [scene, design, __version__, kernels.digest(), machine()]
+    text = json.dumps(facts, sort_keys=True)
+    return kernels.cache("accuracy") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
+
+
+def remember(survey: Survey) -> None:
+    """Keep what the survey knows; of two measurements of a setting the longer."""
+    kept = {**_kept(survey)}
+    for setting, one in survey.known.items():
+        other = kept.get(setting)
+        if other is None or other.runs * other.seconds < one.runs * one.seconds:
+            kept[setting] = one
+    rows = [one._asdict() for one in kept.values()]
+    output.write(record(survey), json.dumps(rows, allow_nan=False).encode())
+
+
+def recall(survey: Survey) -> int:
+    """Take over what earlier surveys of the same measured; returns how many settings."""
+    kept = _kept(survey)
+    survey.known |= kept
+    return len(kept)
+
+
+def _kept(survey: Survey) -> dict[Setting, Measured]:
+    path = record(survey)
+    if not path.exists():
+        return {}
+    try:
+        rows = [
+            Measured(**row | {"setting": Setting(*row["setting"])})
+            for row in json.loads(path.read_text(encoding="utf-8"))
+        ]
+    except (ValueError, TypeError, KeyError):  # cut short or not ours: it is measured again
+        return {}
+    return {one.setting: one for one in rows}

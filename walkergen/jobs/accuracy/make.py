@@ -1,0 +1,132 @@
+"""The study: what accuracy costs in time, as ladders with tables and figures in a folder."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.files import output
+from walkergen.files.progress import Progress
+from walkergen.files.tables import as_markdown
+from walkergen.jobs.accuracy import choose, kept, models, shape, statistics, steps
+from walkergen.jobs.accuracy import tables as ladders
+from walkergen.jobs.accuracy.ladder import Ladder, machine
+from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.jobs.accuracy.tables import Answer
+from walkergen.scene import Scene
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+ERRORS = ("20%", "10%", "5%", "2%", "1%")
+SPEED_ERRORS = ("5mm/s", "2mm/s", "1mm/s", "0.5mm/s")
+"""Errors for which the page says what to run; the second where the mean speed may be zero."""
+
+
+class Job(NamedTuple):
+    """What to study."""
+
+    design: Design
+    scene: Scene
+    only: Sequence[str]
+    """Names of LADDERS, in that order."""
+    budget_s: float
+    """Wall time for the simulations of the complete model."""
+
+
+class Study(NamedTuple):
+    """What was found."""
+
+    ladders: list[Ladder]
+    answers: list[Answer]
+
+
+LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
+    "models": (models.ladder,),
+    "steps": (steps.short, steps.long),
+    "statistics": (statistics.ladder,),
+    "shape": (shape.ladder,),
+}
+
+
+def make(job: Job, folder: Path, progress: Progress) -> Study:
+    """Measure ladders and write NAME.csv, NAME.md, NAME.png for each as soon as it is there.
+
+    With the ladders of models or steps also accuracy.md and choice.png: what to run for which
+    error. Measured speeds are kept for `simulate --error`. Ctrl-C keeps the ladders already done.
+    Raises InputError when there is no mean speed to study.
+    """
+    parts = solids.build(job.design)
+    mass = solids.weigh(job.design, parts)
+    survey = Survey(job.scene, job.design, mass, job.budget_s)
+    done: list[Ladder] = []
+    for place, name in enumerate(job.only):
+
+        def told(what: str, at: int, of: int, place: int = place, name: str = name) -> None:
+            progress(f"{name}: {what}", place * of + at, len(job.only) * of)
+
+        for measure in LADDERS[name]:
+            done.append(measure(survey, told))
+            _write(done[-1], folder)
+        if survey.known:
+            kept.remember(survey)
+    answers = _answers(job, survey, folder, progress) if survey.known else []
+    return Study(done, answers)
+
+
+def check(names: str) -> list[str]:
+    """The ladders named in a comma-separated list. Raises InputError."""
+    wanted = [word.strip() for word in names.split(",")]
+    for word in wanted:
+        if word not in LADDERS:
+            raise InputError(f"--only {word[:30]!r}: must be one of {', '.join(LADDERS)}")
+    return list(dict.fromkeys(wanted))
+
+
+def _write(ladder: Ladder, folder: Path) -> None:
+    from walkergen.files import figures as pictures
+    from walkergen.jobs.accuracy import figures as precision
+
+    output.write(folder / f"{ladder.name}.csv", ladders.to_csv(ladder).encode())
+    output.write(folder / f"{ladder.name}.md", ladders.to_markdown(ladder, machine()).encode())
+    output.write(folder / f"{ladder.name}.png", pictures.png(precision.ladder_figure(ladder)))
+
+
+def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list[Answer]:
+    """What to run for which error, as a table and a figure."""
+    from walkergen.files import figures as pictures
+    from walkergen.jobs.accuracy import figures as precision
+
+    found = choose.candidates(survey, progress)
+    reference = survey.reference(progress)
+    kept.remember(survey)
+    title = f"{job.design.name}, tilt {job.design.legs.tilt_deg:g}°, on {job.scene.name}"
+    errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
+    answers = [_answer(survey, error, progress) for error in errors]
+    formulas = models.formulas(survey, reference)
+    figure = precision.choice_figure(survey, found, reference, formulas, title)
+    output.write(folder / "choice.png", pictures.png(figure))
+    table = as_markdown(ladders.answers_table(answers, markdown=True))
+    page = (
+        f"# {title}: what to run for which error\n\n"
+        f"Truth: {models.certificate(survey, progress)}.\nMeasured on: {machine()}.\n\n"
+        f"{table}\n\n"
+        f"In one command: `walkergen simulate ... --error 5%`.\n"
+        "The error is that of the mean speed with 95 % confidence: the bound of the setting's\n"
+        "bias and twice the standard error together. Errors below what the truth is certified to\n"
+        "rest on the order of the stepping (steps-short), not on a second method.\n\n"
+        "![choice](choice.png)\n"
+    )
+    output.write(folder / "accuracy.md", page.encode())
+    return answers
+
+
+def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
+    wanted = choose.parse(error)
+    try:
+        choice = choose.choose(survey, wanted, progress)
+    except InputError as refused:
+        return Answer(str(wanted), "-", None, None, None, str(refused).partition(": ")[2])
+    bias = choice.bias_bound_mm_s
+    why = f"bias at most {bias:.2g} mm/s, ± {choice.se_mm_s:.2g} for the runs"
+    expected = choice.cpu_s / survey.cores
+    return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, expected, why)

@@ -1,0 +1,100 @@
+"""The ladder of models: from the paper's formula to the compliant walker by events."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.files.progress import Progress
+from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time
+from walkergen.jobs.accuracy.speeds import Measured, Survey
+from walkergen.theory.speed import Mode, factors
+
+Details = dict[str, float | str | None]
+
+
+def ladder(survey: Survey, progress: Progress) -> Ladder:
+    """Bias of every model against the complete one, and its cost.
+
+    The formulas' rests on the scene's impact_speed_factor, which they cannot know.
+    """
+    reference = survey.reference(progress)
+    settings = [*survey.simpler, survey.own, survey.events]
+    found = survey.measure(settings, progress)
+    unit = survey.unit(reference)
+    rungs = [*formulas(survey, reference)]
+    rungs += [rung_of(survey, one, reference) for one in found]
+    return Ladder(
+        "models",
+        "What each model of the walker leaves out, and what it costs",
+        f"bias of the mean speed, {unit.name}",
+        f"CPU time for a mean speed known to {unit.fine:.2g} mm/s (one standard error), s",
+        certificate(survey, progress),
+        rungs,
+        (
+            "A formula takes microseconds because it is given the impact speed w, here "
+            f"{survey.scene.impact_speed:.3g} mm/s, which a simulation finds out.",
+        ),
+    )
+
+
+def certificate(survey: Survey, progress: Progress) -> str:
+    """What is taken as the true mean speed, and how far two methods agree on it."""
+    reference = survey.reference(progress)
+    (events,) = survey.measure([survey.events], progress)
+    bias = survey.bias(events, reference)
+    told = (
+        f"{reference.setting.label}: {reference.speed_mm_s:.2f} ± {reference.se_mm_s:.2f} mm/s "
+        f"({reference.runs} runs of {reference.seconds:g} s)"
+    )
+    if bias is None:
+        return f"{told}; NOT certified: events end as {events.outcomes}"
+    other = f"by events {events.speed_mm_s:.2f} ± {events.se_mm_s:.2f}"
+    if abs(bias.mm_s) <= 2.0 * bias.se_mm_s:
+        return f"{told}; certified to ± {bias.bound:.2g} mm/s: {other}, which agrees"
+    return f"{told}; NOT certified: {other}, {abs(bias.mm_s) / bias.se_mm_s:.1f} errors away"
+
+
+def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
+    """The analytical predictions: their distance from the reference, and the time of a call."""
+    unit = survey.unit(reference)
+    contact, w = survey.scene.contact, survey.scene.impact_speed
+    modes: tuple[Mode, ...] = ("paper", "coulomb") if contact.law == "poisson" else ("coulomb",)
+    assert reference.speed_mm_s is not None
+    assert reference.se_mm_s is not None
+    for mode in modes:
+
+        def call(mode: Mode = mode) -> np.ndarray[Any, Any]:
+            e, mu = contact.restitution, contact.friction
+            return factors(survey.mass, e, mu, mode, contact.law).mean
+
+        speed = float(call()) * w
+        error = abs(speed - reference.speed_mm_s) / unit.mm_s
+        details = {"speed_mm_s": speed, "speed_se_mm_s": None, "simulated_s": None, "outcomes": ""}
+        name = "paper's eq. 15" if mode == "paper" else "Coulomb formula"
+        yield Rung(name, name, error, reference.se_mm_s / unit.mm_s, cpu_time(call), details)
+
+
+def rung_of(
+    survey: Survey, found: Measured, reference: Measured, own: Details | None = None
+) -> Rung:
+    """A measured setting: its bias, its cost; `own` details come before the common ones."""
+    bias, unit = survey.bias(found, reference), survey.unit(reference)
+    return Rung(
+        f"{found.setting.model}, {found.setting.method}",
+        found.setting.label,
+        None if bias is None else abs(bias.mm_s) / unit.mm_s,
+        None if bias is None else bias.se_mm_s / unit.mm_s,
+        found.cpu_s if bias is None else found.cost_of(unit.fine),
+        (own or {}) | _details_of(found),
+    )
+
+
+def _details_of(found: Measured) -> Details:
+    """The further columns of a measured speed."""
+    return {
+        "speed_mm_s": found.speed_mm_s,
+        "speed_se_mm_s": found.se_mm_s,
+        "simulated_s": found.runs * found.seconds,
+        "outcomes": found.outcomes,
+    }

@@ -1,0 +1,149 @@
+"""The ladder of shape: what tessellation, float32 files and far origins do to masses and speed."""
+
+import io
+import math
+from collections.abc import Callable, Iterator
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.files.progress import Progress
+from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
+from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.printing.export import stl_bytes
+from walkergen.scene import Scene
+from walkergen.theory.speed import factors
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, Mesh, assemble
+
+SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
+EXACT_SEGMENTS = 4096
+"""Edges of the half circle taken for round: second order leaves (512/4096)^2 of the last rung's
+error. tests/test_study.py holds it against the closed form."""
+
+DISTANCES = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+"""Of the part from the coordinates' origin, mm."""
+
+QUANTITIES = ("M", "J", "m", "j", "speed")
+
+
+class Errors(NamedTuple):
+    """Relative errors; m and j are None for braced legs, which are part of M."""
+
+    M: float
+    J: float
+    m: float | None
+    j: float | None
+    speed: float
+
+
+def ladder(survey: Survey, progress: Progress) -> Ladder:
+    """Relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
+    design, scene = survey.design, survey.scene
+    rungs: list[Rung] = []
+    for place, part in enumerate((_tessellated, _far)):
+        progress(part.__name__.strip("_"), place, 2)
+        rungs += part(design, scene)
+    round_foot = [rung for rung in rungs if rung.series == "round foot"]
+    counts = [float(rung.setting.split()[0]) for rung in round_foot]
+    slope, se = order(counts, [rung.error or math.nan for rung in round_foot])
+    return Ladder(
+        "shape",
+        "What tessellation, files and distance do to the masses and the predicted speed",
+        "largest relative error of M, J, m, j and the predicted speed",
+        "CPU time to make the solids and weigh them, s",
+        f"round feet: {EXACT_SEGMENTS} edges a half circle; files and distances: the mesh as built",
+        rungs,
+        (
+            f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2",
+            "Bodies are boxes and flat feet are polygons: their meshes are exact.",
+        ),
+    )
+
+
+def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
+    legs = design.model_dump()["legs"] | {"foot": "round"}
+    rounded = Design.model_validate(design.model_dump() | {"legs": legs})
+
+    def weighed(segments: int) -> MassProperties:
+        return solids.weigh(rounded, solids.build(rounded, segments))
+
+    true = weighed(EXACT_SEGMENTS)
+    for segments in SEGMENTS:
+        seconds = cpu_time(partial(weighed, segments))
+        yield _rung("round foot", f"{segments} edges", weighed(segments), true, scene, seconds)
+
+
+def _far(design: Design, scene: Scene) -> Iterator[Rung]:
+    """In double precision, and through a binary STL file, at growing distance."""
+    built = solids.build(design)
+    true = solids.weigh(design, built)
+    for series, form in (("double precision", _as_is), ("through STL (float32)", _through_stl)):
+        for distance in DISTANCES:
+            weighed = partial(_weighed_far, design, built, distance, form)
+            seconds = cpu_time(weighed)
+            yield _rung(series, f"{distance:g} mm away", weighed(), true, scene, seconds)
+
+
+def _weighed_far(
+    design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
+) -> MassProperties:
+    shift = distance * np.array([0.6, 0.8, 0.0])
+    body, leg = (
+        form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, built.leg)
+    )
+    found = assemble(design, body, leg)
+    # Anchors stay where the design has them: O and the leg's centre alone have moved.
+    at = shift[:2]
+    return found._replace(a=found.a + at, b=found.b + at, c_A=found.c_A - at, c_T=found.c_T + at)
+
+
+def _as_is(mesh: Mesh) -> Mesh:
+    return mesh
+
+
+def _through_stl(mesh: Mesh) -> Mesh:
+    import trimesh
+
+    data = io.BytesIO(stl_bytes(mesh, "part"))
+    found = trimesh.load_mesh(data, file_type="stl", process=False)
+    return Mesh(np.asarray(found.vertices, dtype=np.float64), np.asarray(found.faces))
+
+
+def _rung(
+    series: str,
+    setting: str,
+    found: MassProperties,
+    true: MassProperties,
+    scene: Scene,
+    seconds: float,
+) -> Rung:
+    errors = errors_of(found, true, scene)
+    largest = max(error for error in errors if error is not None)
+    return Rung(series, setting, largest, None, seconds, errors._asdict())
+
+
+def errors_of(found: MassProperties, true: MassProperties, scene: Scene) -> Errors:
+    """Relative errors of a walker's masses and of its predicted speed.
+
+    The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
+    """
+    contact = scene.contact
+    one, other = (
+        factors(mass, contact.restitution, contact.friction, "coulomb", contact.law)
+        for mass in (found, true)
+    )
+    size = max(abs(float(other.back)), abs(float(other.front)), 1e-300)
+
+    def relative(name: str) -> float:
+        return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)
+
+    return Errors(
+        relative("M"),
+        relative("J"),
+        None if true.rigid else relative("m"),
+        None if true.rigid else relative("j"),
+        abs(float(one.mean - other.mean)) / size,
+    )

@@ -1,0 +1,113 @@
+"""The ladder of statistics: standard error of the mean speed against time and number of runs."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from walkergen.files.progress import Progress
+from walkergen.jobs.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.simulation import ensemble
+from walkergen.simulation.run import RunResult
+
+RUNS, SECONDS = 32, 50.0
+"""The ensemble whose parts are compared, unless the budget allows less."""
+
+RUN_COUNTS = (1, 4, 16)
+LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
+"""Seconds of the parts' runs."""
+
+
+def ladder(survey: Survey, progress: Progress) -> Ladder:
+    """Stated against actual error of parts of one long ensemble.
+
+    Every part's mean speed has its own standard error as `ensemble.standard_error` states it; the
+    root mean square of the parts' deviations from the whole is what the error actually was.
+    """
+    reference = survey.reference(progress)
+    unit = survey.unit(reference)
+    (own,) = survey.measure([survey.own], progress)
+    bias = survey.bias(own, reference)
+    seconds = _affordable(survey, own.cpu_per_s)
+    results, cpu_per_s = survey.ensemble(survey.own, RUNS, seconds, progress)
+    correlation = ensemble.correlation_time(results)
+    rungs = []
+    for runs in RUN_COUNTS:
+        for length in (length for length in LENGTHS if length <= 0.5 * seconds):
+            parts = _parts(results, runs, length)
+            rungs.append(_rung(parts, results, unit.mm_s, cpu_per_s, own.discard_seconds))
+    told = "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    notes = [f"Correlation time of the speed: {told}."]
+    if bias is not None:
+        share = bias.bound / unit.mm_s
+        notes.append(
+            f"Bias of {survey.own.label}: at most {share:.2g}, with 95 % confidence. Where the "
+            "statistical error is below that, more time does not help: take a smaller step."
+        )
+    return Ladder(
+        "statistics",
+        "Standard error of the mean speed against simulated time",
+        f"standard error actually made, {unit.name}",
+        "CPU time, s",
+        f"mean of the whole ensemble, {RUNS} runs of {seconds:g} s by {survey.own.label}",
+        rungs,
+        notes,
+    )
+
+
+def _affordable(survey: Survey, cpu_per_s: float) -> float:
+    """Seconds of each run: as much as a third of the survey's budget allows, 4 s at least."""
+    affordable = survey.budget_s / 3.0 / (RUNS * cpu_per_s) - survey.scene.run.discard_seconds
+    return min(max(affordable, 4.0), SECONDS)
+
+
+def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
+    """The ensemble cut into parts: `runs` runs of `length` s each, none used twice."""
+    blocks = max(1, round(length / results[0].block_s))
+    groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]
+    starts = range(0, len(results[0].block_speeds) + 1, blocks)
+    return [
+        [_window(result, low, high) for result in group]
+        for group in groups
+        for low, high in pairwise(starts)
+    ]
+
+
+def _window(result: RunResult, low: int, high: int) -> RunResult:
+    speeds = result.block_speeds[low:high]
+    measured = (high - low) * result.block_s
+    return result._replace(measured_s=measured, speed=float(speeds.mean()), block_speeds=speeds)
+
+
+def _rung(
+    parts: Sequence[Sequence[RunResult]],
+    whole: Sequence[RunResult],
+    unit: float,
+    cpu_per_s: float,
+    discard: float,
+) -> Rung:
+    true = float(np.mean([result.speed for result in whole]))
+    means = np.array([np.mean([result.speed for result in part]) for part in parts])
+    # The whole contains each part: its deviation is smaller by the share of the data it is.
+    freedom = max(len(parts) - 1, 1) / len(parts)
+    actual = math.sqrt(float(np.mean((means - true) ** 2)) / freedom)
+    stated = [ensemble.standard_error(part, ensemble.correlation_time(part)) for part in parts]
+    known = [error for error in stated if error is not None]
+    runs, length = len(parts[0]), parts[0][0].measured_s
+    return Rung(
+        f"{runs} run" + ("s" if runs > 1 else ""),
+        f"{runs} x {length:.3g} s",
+        actual / unit,
+        actual / unit / math.sqrt(2.0 * len(parts)),
+        cpu_per_s * runs * (length + discard),
+        {
+            "runs": runs,
+            "seconds": length,
+            "parts": len(parts),
+            "stated_se_mm_s": math.sqrt(float(np.mean(np.square(known)))) if known else None,
+            "refused": len(stated) - len(known),
+            "actual_se_mm_s": actual,
+        },
+    )

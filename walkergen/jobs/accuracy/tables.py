@@ -1,0 +1,100 @@
+"""Ladders of accuracy as tables: CSV with every digit, Markdown and console for reading."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from rich import box
+from rich.table import Table
+
+from walkergen.files.tables import as_markdown, csv_text
+from walkergen.jobs.accuracy.ladder import Ladder, Rung
+
+COMMON = ("series", "setting", "error", "error_sd", "cpu_s")
+
+
+class Answer(NamedTuple):
+    """What to run for an error that a person can bear."""
+
+    error: str
+    setting: str
+    runs: int | None
+    seconds: float | None
+    expected_s: float | None
+    """On all cores of the machine that measured."""
+    why: str
+
+
+def to_csv(ladder: Ladder) -> str:
+    """One line a rung: series, setting, error, its standard error, CPU time, then the details."""
+    lines = ((*rung[: len(COMMON)], *rung.details.values()) for rung in ladder.rungs)
+    return csv_text([*COMMON, *ladder.rungs[0].details], lines)
+
+
+def to_markdown(ladder: Ladder, measured_on: str) -> str:
+    """A page: what is measured, against what, the table, the notes."""
+    table = _filled(Table(box=box.MARKDOWN), ladder)
+    notes = "\n".join(f"- {note}" for note in ladder.notes)
+    return (
+        f"# {ladder.title}\n\n"
+        f"Error: {ladder.error}. Cost: {ladder.cost}.\n"
+        f"Reference: {ladder.reference}.\n"
+        f"Measured on: {measured_on}.\n\n"
+        f"{as_markdown(table)}\n\n{notes}\n"
+    )
+
+
+def to_table(ladder: Ladder) -> Table:
+    """For the console, without the details."""
+    table = Table(
+        title=ladder.title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left"
+    )
+    return _filled(table, ladder, details=False)
+
+
+def answers_table(answers: Sequence[Answer], markdown: bool = False) -> Table:
+    """What to run for which error."""
+    table = (
+        Table(box=box.MARKDOWN) if markdown else Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
+    )
+    for heading in ("error (95 %)", "setting", "runs x seconds", "takes", "why"):
+        table.add_column(heading, no_wrap=markdown)
+    for answer in answers:
+        run = "-" if answer.runs is None else f"{answer.runs} x {answer.seconds:g} s"
+        takes = "-" if answer.expected_s is None else _time(answer.expected_s)
+        table.add_row(answer.error, answer.setting, run, takes, answer.why)
+    return table
+
+
+def _filled(table: Table, ladder: Ladder, details: bool = True) -> Table:
+    names = list(ladder.rungs[0].details) if details else []
+    for heading in ("series", "setting", "error", "±", "CPU time", *names):
+        table.add_column(
+            heading, justify="left" if heading in COMMON[:2] else "right", no_wrap=True
+        )
+    for rung in ladder.rungs:
+        table.add_row(*_cells(rung), *(_short(rung.details[name]) for name in names))
+    return table
+
+
+def _cells(rung: Rung) -> tuple[str, ...]:
+    return (
+        rung.series,
+        rung.setting,
+        _short(rung.error),
+        _short(rung.error_sd),
+        _time(rung.cpu_s),
+    )
+
+
+def _short(value: float | str | None) -> str:
+    if value is None:
+        return "-"
+    return value if isinstance(value, str) else f"{value:.3g}"
+
+
+def _time(seconds: float) -> str:
+    """With a unit that people read."""
+    for unit, size in (("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)):
+        if seconds >= size:
+            return f"{seconds / size:.2g} {unit}"
+    return f"{seconds / 1e-6:.2g} us"

@@ -1,0 +1,1 @@
+"""The job `analyse`: from tracks to speed, persistence and spread."""

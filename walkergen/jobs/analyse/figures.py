@@ -1,0 +1,157 @@
+"""Figures of measured motion, as in the paper's figures 5 and 6."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.analysis import walks
+from walkergen.analysis.motion import Curve, Motion
+from walkergen.analysis.tracks import Tracks
+from walkergen.files.figures import axes_of
+
+# Of Okabe and Ito, from dark to light: told apart by the colour-blind and in grey.
+INK, WARM, LIGHT = "#0072B2", "#D55E00", "#E69F00"
+
+MOST_TRACKS = 24
+"""Tracks drawn; more hide one another."""
+
+MOST_POINTS = 4000
+"""Points drawn of one track: more than a page can show only make the PDF large."""
+
+
+def msd_figure(motion: Motion, title: str) -> Figure:
+    """Mean squared displacement against lag, with its ballistic and diffusive limits (fig. 6a)."""
+    figure, axes = axes_of(title)
+    lag, value = motion.msd.at, motion.msd.value
+    _points(axes, motion.msd, "measured")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    limits = axes.get_xlim(), axes.get_ylim()
+    speed2 = diffusivity = None
+    if motion.msd_fit is not None:
+        speed2, rate, offset, turn = motion.msd_fit
+        fine = np.geomspace(lag[0], lag[-1], 200)
+        axes.plot(fine, walks.squared(fine, speed2, rate, offset, turn), color=WARM, label="fit")
+        diffusivity = motion.estimates["diffusivity"].value
+    elif (speed := motion.estimates["lane_speed"].value) is not None:
+        speed2 = speed**2
+    if speed2:
+        axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=1, label="ballistic, ∝ t²")
+    if diffusivity:
+        axes.plot(lag, 4 * diffusivity * lag, ":", color="0.35", lw=1.4, label="diffusive, ∝ t")
+    crossover = motion.estimates["crossover_time"].value
+    if crossover is not None and limits[0][0] < crossover < limits[0][1]:
+        axes.axvline(crossover, color="0.75", lw=0.8, zorder=0)
+        axes.annotate(
+            " crossover", (crossover, 0.02), xycoords=("data", "axes fraction"), color="0.4",
+            fontsize=8,
+        )  # fmt: skip
+    axes.set_xlim(limits[0])
+    axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
+    axes.set_xlabel("lag t (s)")
+    axes.set_ylabel("mean squared displacement (mm²)")
+    axes.legend(frameon=False)
+    return figure
+
+
+def density_figure(motion: Motion, title: str) -> Figure:
+    """Densities of the displacement along and across the body at one lag (fig. 6c)."""
+    figure, axes = axes_of(title)
+    for curve, name, colour, line in (
+        (motion.parallel, "along", INK, "-"), (motion.orthogonal, "across", WARM, "--")
+    ):  # fmt: skip
+        if len(curve.at):
+            axes.plot(curve.at, curve.value, line, color=colour, drawstyle="steps-mid", label=name)
+            axes.errorbar(curve.at, curve.value, curve.se, fmt="none", ecolor=colour, alpha=0.6)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel(f"displacement within {1e3 * motion.lag_s:g} ms (mm)")
+    axes.set_ylabel("probability density (1/mm)")
+    axes.legend(frameon=False)
+    return figure
+
+
+def correlation_figure(motion: Motion, title: str) -> Figure:
+    """How long the direction is kept: modulus of its autocorrelation, with the fitted decay."""
+    figure, axes = axes_of(title)
+    _points(axes, motion.correlation, "measured")
+    rate = motion.estimates["persistence_rate"].value
+    if rate is not None:
+        lag = np.linspace(0.0, motion.correlation.at[-1], 200)
+        at, first = motion.correlation.at[0], motion.correlation.value[0]
+        axes.plot(lag, first * np.exp(-rate * (lag - at)), color=WARM, label="exponential")
+    axes.set_xlim(left=0)
+    axes.set_ylim(bottom=0)
+    axes.set_xlabel("lag (s)")
+    headed = motion.estimates["motion_speed"].value is None
+    what = "headings" if headed else "displacements (mm²)"
+    axes.set_ylabel(f"autocorrelation of {what}")
+    axes.legend(frameon=False)
+    return figure
+
+
+def tracks_figure(tracks: Tracks, title: str) -> Figure:
+    """Trajectories seen from above (fig. 6b); displacement against time in a lane (fig. 5)."""
+    drawn = tracks.tracks[:MOST_TRACKS]
+    if len(drawn) < len(tracks.tracks):
+        title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
+    figure, axes = axes_of(title)
+    for number, track in enumerate(drawn):
+        colour = (INK, WARM, LIGHT, "0.2")[number % 4]
+        stride = len(track.position) // MOST_POINTS + 1
+        seen = track.position[~np.isnan(track.position).any(axis=1)]
+        start = seen[0]
+        path = track.position[::stride]
+        if tracks.lane:
+            time = np.arange(len(track.position))[::stride] * tracks.interval
+            axes.plot(time, path[:, 0] - start[0], color=colour, lw=0.9)
+        else:
+            axes.plot(*path.T, color=colour, lw=0.9)
+            axes.plot(*start, "o", color=colour, markersize=4)
+    if tracks.lane:
+        axes.set_xlabel("time (s)")
+        axes.set_ylabel("displacement along the lane (mm)")
+    else:
+        axes.set_aspect("equal", adjustable="datalim")
+        axes.set_xlabel("x (mm)")
+        axes.set_ylabel("y (mm)")
+    return figure
+
+
+def plate_speed_figure(motion: Motion, title: str) -> Figure:
+    """Speed against plate speed with the line through the origin (fig. 5, inset)."""
+    figure, axes = axes_of(title)
+    points = [(p, one.value, one.se) for p, one in motion.by_plate_speed if one.value is not None]
+    plates, speeds, errors = np.array(points, dtype=float).reshape(-1, 3).T
+    axes.errorbar(plates, speeds, errors, fmt="o", color=INK, capsize=3, label="measured")
+    if motion.line is not None:
+        ends = np.array([0.0, plates.max()])
+        axes.plot(ends, motion.line.slope * ends, color=WARM, label="line through the origin")
+    axes.set_xlim(left=0)
+    axes.set_xlabel("plate speed (mm/s)")
+    axes.set_ylabel("speed (mm/s)")
+    axes.legend(frameon=False)
+    return figure
+
+
+def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, Figure]]:
+    """Name and figure of everything there is to draw."""
+    drawn = [("trajectories", tracks_figure(tracks, title))]
+    if motion.by_plate_speed:
+        return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]
+    if (motion.msd.value > 0).any():
+        drawn.append(("msd", msd_figure(motion, title)))
+    if len(motion.parallel.at):
+        drawn.append(("density", density_figure(motion, title)))
+    if len(motion.correlation.at):
+        drawn.append(("correlation", correlation_figure(motion, title)))
+    return drawn
+
+
+def _points(axes: Axes, curve: Curve, label: str) -> None:
+    errors = np.nan_to_num(curve.se)
+    axes.errorbar(
+        curve.at, curve.value, errors, fmt="o", color=INK, markersize=3.5, elinewidth=0.8,
+        label=label,
+    )  # fmt: skip

@@ -1,0 +1,74 @@
+"""Tracks of walkers in; a folder of tables and figures of their motion out."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.analysis import motion, tracks
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.tracks import Units
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.jobs.analyse import tables as motion_tables
+
+
+class Analysed(NamedTuple):
+    """What `analyse` found and where it wrote."""
+
+    motion: Motion
+    notes: list[str]
+    bad_rows: int
+    folder: Path
+
+
+def analyse(
+    path: Path,
+    units: Units,
+    lag_s: float | None,
+    folder: Path,
+    pictures: bool,
+    progress: Progress,
+) -> Analysed:
+    """Read tracks, measure their motion and write tables and figures.
+
+    Writes analysis.csv, analysis.md, msd.csv, density.csv, correlation.csv, figures as PNG and
+    PDF, manifest.json. Raises InputError before anything is written.
+    """
+    progress("reading", 0, 3)
+    found = tracks.read(path, units)
+    progress("measuring", 1, 3)
+    result = motion.analyse(found, lag_s)
+    told = [result.method, *result.doubts, *([found.told] if found.told else [])]
+    notes = [f"{line}." for line in told]
+    target = Folder(folder)
+    target.write("analysis.csv", motion_tables.to_csv(result).encode())
+    target.write("analysis.md", motion_tables.to_markdown(result, path.name, notes).encode())
+    if not result.by_plate_speed:
+        _write_curves(result, target)
+    progress("drawing", 2, 3)
+    if pictures:
+        _write_figures(result, found, path.name, target)
+    facts: dict[str, Any] = {"file": path.name, **units._asdict(), "lag_s": result.lag_s}
+    target.finish(facts)
+    return Analysed(result, notes, found.bad_rows, folder)
+
+
+def _write_curves(result: Motion, target: Folder) -> None:
+    tables = {
+        "msd.csv": (("lag_s", "msd_mm2", "se_mm2"), [("", result.msd)]),
+        "correlation.csv": (("lag_s", "value", "se"), [("", result.correlation)]),
+        "density.csv": (
+            ("direction", "mm", "density_per_mm", "se_per_mm"),
+            [("parallel", result.parallel), ("orthogonal", result.orthogonal)],
+        ),
+    }
+    for name, (columns, curves) in tables.items():
+        target.write(name, motion_tables.curve_to_csv(columns, curves).encode())
+
+
+def _write_figures(result: Motion, found: tracks.Tracks, title: str, target: Folder) -> None:
+    from walkergen.files import figures as pictures
+    from walkergen.jobs.analyse import figures as motion_plots
+
+    for name, figure in motion_plots.figures(result, found, title):
+        target.write(f"{name}.png", pictures.png(figure))
+        target.write(f"{name}.pdf", pictures.pdf(figure))

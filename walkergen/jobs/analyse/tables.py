@@ -1,0 +1,127 @@
+"""Tables of measured motion: console, Markdown, CSV, JSON."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+from rich import box
+from rich.markup import escape
+from rich.table import Table
+
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, with_error
+from walkergen.analysis.motion import Curve, Motion
+from walkergen.files.tables import as_markdown, csv_text
+
+SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s"}
+"""How units are printed where they are not part of a key."""
+
+
+def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
+    """Name, unit and value in words of every estimate that the kind of tracks can have."""
+    for name, unit in UNITS.items():
+        one = motion.estimates[name]
+        if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
+            yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one)
+
+
+def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
+    """The estimates."""
+    table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("", "", "value ± standard error"):
+        table.add_column(heading)
+    for row in rows(motion):
+        table.add_row(*row)
+    return table
+
+
+def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
+    """Speed at each plate speed."""
+    table = Table(box=form, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("plate speed (mm/s)", "speed (mm/s)"):
+        table.add_column(heading)
+    for plate, one in motion.by_plate_speed:
+        table.add_row(f"{plate:g}", with_error(one))
+    return table
+
+
+def line_told(motion: Motion) -> str:
+    """What the line through the origin says; '' without one."""
+    line = motion.line
+    if line is None:
+        return ""
+    return (
+        f"speed = ({line.slope:.4g} ± {line.slope_se:.2g}) x plate speed, a line through the "
+        f"origin; chi² {line.chi2:.3g} for {line.points - 1} degrees of freedom, "
+        f"probability {line.p_value:.2g}"
+    )
+
+
+def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
+    """A page with the estimates and what they rest on."""
+    several = bool(motion.by_plate_speed)
+    table = plate_table(motion, box.MARKDOWN) if several else to_table(motion, "", box.MARKDOWN)
+    parts = (f"# {title}", *notes, as_markdown(table), line_told(motion))
+    return "\n\n".join(part for part in parts if part) + "\n"
+
+
+def to_csv(motion: Motion) -> str:
+    """One line an estimate: key with its unit, value, standard error, reason of a refusal."""
+    lines = [
+        (f"{name}_{unit}", _cell(one.value), _cell(one.se), one.reason)
+        for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
+    ]
+    return csv_text(("quantity", "value", "se", "refused"), lines)
+
+
+def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Curve]]) -> str:
+    """Curves one below the other, each line led by its curve's name if there are several."""
+    lines = [
+        (*((name,) if name else ()), *(_cell(float(value)) for value in point))
+        for name, curve in curves
+        for point in zip(*curve, strict=True)
+    ]
+    return csv_text(columns, lines)
+
+
+def _cell(value: float | None) -> float | str:
+    return "" if value is None or math.isnan(value) else value
+
+
+def as_dict(motion: Motion) -> dict[str, Any]:
+    """Everything, for JSON: values, errors and reasons by keys that carry their unit."""
+    found: dict[str, Any] = {}
+    for name, unit in UNITS.items():
+        one = motion.estimates[name]
+        found |= {f"{name}_{unit}": one.value, f"{name}_se_{unit}": one.se}
+    found |= {
+        "refused": {
+            f"{name}_{unit}": motion.estimates[name].reason
+            for name, unit in UNITS.items()
+            if motion.estimates[name].reason
+        },
+        "particles": motion.particles,
+        "samples": motion.samples,
+        "tracked_s": motion.tracked_s,
+        "lag_s": motion.lag_s,
+        "method": motion.method,
+        "msd": _points(motion.msd, "lag_s", "msd_mm2", "msd_se_mm2"),
+        "correlation": _points(motion.correlation, "lag_s", "value", "se"),
+        "parallel": _points(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
+        "orthogonal": _points(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
+    }
+    if motion.by_plate_speed:
+        found["by_plate_speed"] = [
+            {"plate_speed_mm_s": plate, "speed_mm_s": one.value, "speed_se_mm_s": one.se}
+            | ({"refused": one.reason} if one.reason else {})
+            for plate, one in motion.by_plate_speed
+        ]
+        found["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
+    return found
+
+
+def _points(curve: Curve, *names: str) -> list[dict[str, float | None]]:
+    return [
+        {name: None if math.isnan(value) else float(value)
+         for name, value in zip(names, point, strict=True)}
+        for point in zip(*curve, strict=True)
+    ]  # fmt: skip

@@ -1,0 +1,1 @@
+"""The job `family`: solids, STL, plates, predicted speeds and pictures of one design."""

@@ -1,0 +1,97 @@
+"""Figures: speed against tilt, as in the paper's figure 2."""
+
+from collections.abc import Mapping, Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib.figure import Figure
+
+from walkergen.analysis.speeds import Measured
+from walkergen.files.figures import STYLES
+from walkergen.jobs.family.tables import Simulated
+from walkergen.prediction import Curve, Prediction
+from walkergen.walker.design import Kind
+
+
+def speed_figure(
+    rows: Sequence[Prediction],
+    curves: Mapping[Kind, Curve],
+    impact_speed: float,
+    title: str,
+    simulated: Sequence[Simulated] = (),
+    measured: Measured | None = None,
+) -> Figure:
+    """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band.
+
+    Simulated speeds, if there are any, are open symbols with their standard errors as bars;
+    measured ones are crosses.
+    """
+    with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
+        figure = Figure(figsize=(7.0, 4.4), layout="constrained")
+        axes = figure.add_subplot()
+        for kind, curve in curves.items():
+            colour, line, _ = STYLES[kind]
+            axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
+            band = curve.speed - curve.sd, curve.speed + curve.sd
+            axes.fill_between(curve.tilt_deg, *band, color=colour, alpha=0.18, linewidth=0)
+        for legs in dict.fromkeys(row.legs for row in rows):
+            colour, _, marker = STYLES[legs]
+            points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
+            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
+        _draw_simulated(axes, rows, simulated)
+        if measured is not None:
+            _draw_measured(axes, measured)
+        _mark_sticking(axes, curves)
+        axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
+        axes.set_xlabel("tilt of the legs (deg)")
+        axes.set_ylabel("speed (mm/s)" if simulated or measured else "predicted speed (mm/s)")
+        axes.set_title(title, fontsize=10)
+        axes.legend(frameon=False)
+        low, high = axes.get_ylim()
+        axes.set_ylim(low, high)
+        ratio = axes.twinx()
+        ratio.set_ylim(low / impact_speed, high / impact_speed)
+        ratio.set_ylabel("speed / impact speed")
+    return figure
+
+
+def _draw_simulated(
+    axes: matplotlib.axes.Axes, rows: Sequence[Prediction], simulated: Sequence[Simulated]
+) -> None:
+    for legs in dict.fromkeys(row.legs for row in rows):
+        colour, _, marker = STYLES[legs]
+        points = [
+            (row.tilt_deg, one.sim_speed_mm_s, one.sim_se_mm_s or 0.0)
+            for row, one in zip(rows, simulated, strict=False)
+            if row.legs == legs and one.sim_speed_mm_s is not None
+        ]
+        if points:
+            tilts, speeds, errors = zip(*points, strict=True)
+            axes.errorbar(
+                tilts, speeds, errors, fmt=marker, color=colour, markerfacecolor="white",
+                markersize=6, capsize=3, label=f"{legs}, simulated",
+            )  # fmt: skip
+
+
+def _draw_measured(axes: matplotlib.axes.Axes, measured: Measured) -> None:
+    for legs, mark in (("flexible", "x"), ("braced", "+")):
+        chosen = np.array([one == legs for one in measured.legs])
+        if chosen.any():
+            bars = None if measured.se is None else measured.se[chosen]
+            axes.errorbar(
+                measured.tilt[chosen], measured.speed[chosen], bars, fmt=mark, color="black",
+                markersize=7, markeredgewidth=1.5, capsize=3, label=f"{legs}, measured",
+            )  # fmt: skip
+
+
+def _mark_sticking(axes: matplotlib.axes.Axes, curves: Mapping[Kind, Curve]) -> None:
+    """Shade the tilts at which a flexible foot can stick, where the paper's formula fails."""
+    curve = curves.get("flexible")
+    if curve is None or not curve.can_stick.any():
+        return
+    tilts = curve.tilt_deg[curve.can_stick]
+    axes.axvspan(tilts.min(), tilts.max(), color="0.92", linewidth=0, zorder=-1)
+    axes.annotate(
+        "feet can stick", (0.5 * (tilts.min() + tilts.max()), 0.97),
+        xycoords=("data", "axes fraction"), ha="center", va="top", color="0.45", fontsize=8,
+    )  # fmt: skip

@@ -1,0 +1,282 @@
+"""The main job: one design in; solids, STL, plates, predicted speeds and pictures in a folder."""
+
+import platform
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from importlib.metadata import PackageNotFoundError, version
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from walkergen import __version__, prediction
+from walkergen.analysis.speeds import Measured
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.jobs.family import tables
+from walkergen.jobs.family.tables import Simulated, Weighing
+from walkergen.prediction import Prediction
+from walkergen.printing import checks, export, sheet
+from walkergen.printing import layout as plates
+from walkergen.printing import packing as plate
+from walkergen.printing.checks import Finding
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.theory.speed import Mode
+from walkergen.walker import names, solids, weights
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, Mesh
+from walkergen.walker.solids import Solids
+from walkergen.walker.weights import Weighings
+
+LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
+
+
+class Job(NamedTuple):
+    """What to make: every choice of the family command."""
+
+    design: Design
+    members: Sequence[Design]
+    scene: Scene
+    printer: Printer
+    mode: Mode
+    pictures: bool
+    simulate: bool = False
+    copies: Sequence[int] = ()
+    """Of each member on the plates; one each by default."""
+    max_parts: int = plate.MOST_PARTS
+    """On a plate."""
+    prusaslicer: bool = False
+    """Declare the 3MF files PrusaSlicer's own."""
+    weighed: Mapping[str, Weighings] = MappingProxyType({})
+    """By the members' names."""
+    strict: bool = False
+    """Refuse what prints otherwise than predicted, not only what fails."""
+    measured: Measured | None = None
+    """Speeds of printed walkers, for the figure."""
+
+
+class Member(NamedTuple):
+    """One walker of a family."""
+
+    design: Design
+    name: str
+    mesh: Mesh
+    mass: MassProperties
+    row: Prediction
+    simulated: Simulated | None = None
+    weighing: Weighing | None = None
+
+
+Tell = Callable[[Sequence[Finding]], None]
+"""Called with the findings of the printability checks, once, before anything is written."""
+
+
+def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
+    """Write a family's folder; finished files stay whole whatever happens later.
+
+    Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
+    speed.png, speed.pdf, preview.png, manifest.json. Files of an earlier run that this one does not
+    make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
+    too large for the printer, PrintabilityError when one would not print and InputError when
+    weighed masses are impossible, all before anything is written, and OutputError when a file
+    cannot be written.
+    """
+    started = time.perf_counter()
+    steps = len(job.members) + 2
+    built = [solids.build(design) for design in job.members]
+    layout = plates.arrange(
+        job.members,
+        built,
+        job.copies or [1] * len(job.members),
+        job.printer,
+        max_parts=job.max_parts,
+    )
+    tell(layout.findings)
+    checks.refuse(layout.findings, job.strict)
+    folder = Folder(path)
+    made: list[Member] = []
+    for member in predicted(job.members, built, job.scene, job.mode, job.weighed):
+        folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
+        made.append(member)
+        progress(member.name, len(made), steps)
+    for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
+        folder.write(f"plates/{name}", data)
+    weights.write_template(path, (member.name for member in made))  # theirs: not in the manifest
+    progress("plates", len(made) + 1, steps)
+    _write_tables(job, made, folder)
+    if job.simulate:  # takes long: everything else is already safe in the folder
+        made = _with_simulations(job, made, progress)
+        _write_tables(job, made, folder)
+    if job.pictures:
+        _write_pictures(job, made, folder)
+    folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
+    progress("done", steps, steps)
+    return made
+
+
+def predicted(
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    scene: Scene,
+    mode: Mode,
+    weighed: Mapping[str, Weighings] = MappingProxyType({}),
+) -> Iterator[Member]:
+    """Weigh and predict members one by one, with the same random draws for all.
+
+    With masses from a balance every member tells what they change; InputError, before the first
+    member, when they are impossible.
+    """
+    draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
+    named = [names.part(design) for design in members]
+    final = [
+        weights.applied(design, parts, weighed[name], name) if name in weighed else design
+        for name, design, parts in zip(named, members, built, strict=True)
+    ]
+    for name, design, parts in zip(named, final, built, strict=True):
+        mass = solids.weigh(design, parts)
+        row = prediction.predict(design, mass, scene, mode, draws)
+        weighing = None
+        if weighed:
+            plain = weights.meshed(design)
+            meshed = solids.weigh(plain, parts)
+            speed = prediction.predict(plain, meshed, scene, mode, draws).speed_mm_s
+            weighing = _weighing(weighed.get(name, Weighings()), mass, meshed, speed)
+        yield Member(design, name, parts.walker, mass, row, weighing=weighing)
+
+
+def _weighing(
+    found: Weighings, mass: MassProperties, meshed: MassProperties, speed: float
+) -> Weighing:
+    return Weighing(
+        weighings=sum(one.weighings for one in found if one is not None),
+        mass_g=weights.total(mass),
+        mass_se_g=weights.total_error(found),
+        mass_mesh_g=weights.total(meshed),
+        speed_mesh_mm_s=speed,
+    )
+
+
+def caption(scene: Scene, mode: str) -> str:
+    """What the speeds of a table rest on."""
+    contact, assumed = scene.contact, scene.prediction
+    factor = assumed.impact_speed_factor
+    w = f"w = {factor:g} x the plate's peak speed, {scene.impact_speed:.1f} mm/s"
+    known = (
+        f"{w} ± {100 * assumed.impact_speed_factor_sd / factor:.0f} %, "
+        "included in the ± of the speeds."
+        if assumed.impact_speed_factor_sd
+        else f"{w}: known by its order of magnitude only, which the ± of the speeds leaves out."
+    )
+    return (
+        f"Predicted speed = mean factor v/w x impact speed w; mode {mode}, law {contact.law}, "
+        f"restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}. {known}"
+    )
+
+
+def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
+    (rows, simulated), weighed = rows_of(made), weighed_of(made)
+    folder.write("family.csv", tables.to_csv(rows, simulated, weighed).encode())
+    told = caption(job.scene, job.mode)
+    page = tables.to_markdown(rows, job.design.name, told, simulated)
+    if weighed:
+        page += tables.weighed_markdown(rows, weighed)
+    if legend := names.legend(job.members):
+        page += f"\n## Marks\n\n{legend}"
+    folder.write("family.md", page.encode())
+
+
+def rows_of(made: Sequence[Member]) -> tuple[list[Prediction], list[Simulated]]:
+    """Predictions, and simulated speeds if there are any, in the members' order."""
+    simulated = [member.simulated for member in made if member.simulated is not None]
+    return [member.row for member in made], simulated
+
+
+def weighed_of(made: Sequence[Member]) -> list[Weighing]:
+    """Weighed masses beside the mesh's in the members' order, if any were weighed."""
+    return [member.weighing for member in made if member.weighing is not None]
+
+
+def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> list[Member]:
+    """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
+    from walkergen.simulation import engines, ensemble
+
+    found = []
+    for number, member in enumerate(made):
+        engine = engines.prepare(job.scene, member.design, member.mass).engine
+
+        def told(what: str, done: int, total: int, number: int = number) -> None:
+            progress(f"simulating {made[number].name}", number * total + done, len(made) * total)
+
+        summary, _ = ensemble.measure(engine, job.scene, told)
+        if summary.runs < job.scene.run.runs:
+            raise KeyboardInterrupt
+        outcomes = ", ".join(f"{count} {name}" for name, count in summary.outcomes.items())
+        simulated = Simulated(
+            summary.speed_mm_s, summary.speed_se_mm_s, engine.model, engine.method, outcomes
+        )
+        found.append(member._replace(simulated=simulated))
+    return found
+
+
+def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
+    from walkergen.files import figures as pictures
+    from walkergen.jobs.family import figures as plots
+    from walkergen.jobs.family import preview
+
+    tilts = [member.design.legs.tilt_deg for member in made]
+    kinds = [member.design.legs.kind for member in made]
+    curves = {
+        kind: prediction.curve(
+            job.design.variant(kind=kind), job.scene, job.mode, min(tilts), max(tilts)
+        )
+        for kind in dict.fromkeys(kinds)
+    }
+    drive, contact = job.scene.drive, job.scene.contact
+    title = (
+        f"{job.design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
+        f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
+    )
+    rows, simulated = rows_of(made)
+    figure = plots.speed_figure(
+        rows, curves, job.scene.impact_speed, title, simulated, job.measured
+    )
+    folder.write("speed.png", pictures.png(figure))
+    folder.write("speed.pdf", pictures.pdf(figure))
+    parts = [
+        preview.Part(kind, f"{tilt:g}° {kind}", member.mesh)
+        for tilt, kind, member in zip(tilts, kinds, made, strict=True)
+    ]
+    folder.write("preview.png", pictures.png(preview.preview_figure(parts, job.design.name)))
+
+
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
+    """The manifest: inputs resolved, what made the files, how long it took."""
+    return {
+        "design": job.design.model_dump(mode="json"),
+        "members": [names.part(member) for member in job.members],
+        "copies": list(job.copies),
+        "weighed": {
+            name: {what: one and one._asdict() for what, one in found._asdict().items()}
+            for name, found in job.weighed.items()
+        },
+        "scene": job.scene.model_dump(mode="json"),
+        "printer": job.printer.model_dump(mode="json"),
+        "print": sheet.facts(job.printer, findings),
+        "mode": job.mode,
+        "draws": prediction.DRAWS,
+        "seed": prediction.SEED,
+        "versions": versions(),
+        "time_taken_s": round(seconds, 3),
+    }
+
+
+def versions() -> dict[str, str]:
+    """Versions of walkergen, Python and the libraries that shape the files."""
+    found = {"walkergen": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:  # vendored without metadata, as some distributions do
+            found[library] = "unknown"
+    return found

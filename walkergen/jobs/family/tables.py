@@ -1,0 +1,171 @@
+"""Tables of predictions: CSV with every digit, Markdown and console with those that matter."""
+
+from collections.abc import Sequence
+from typing import Literal, NamedTuple
+
+from rich import box
+from rich.table import Table
+
+from walkergen.files.tables import as_markdown, csv_text
+from walkergen.prediction import Prediction
+
+HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
+UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
+DETAILS = ("M", "J", "m", "j", "back", "front")
+"""Columns that the console leaves out when it shows simulated speeds, to stay within 80."""
+
+
+class Simulated(NamedTuple):
+    """What a family's table tells of a member's ensemble; the field names are columns."""
+
+    sim_speed_mm_s: float | None
+    sim_se_mm_s: float | None
+    """Standard error of the simulated speed; None when the data are too few."""
+    sim_model: str
+    sim_method: str
+    sim_outcomes: str
+
+
+class Weighing(NamedTuple):
+    """A member's weighed mass beside its mesh's; the field names are columns."""
+
+    weighings: int
+    """How many numbers from a balance the row rests on."""
+    mass_g: float
+    """Of the whole walker, as predicted with."""
+    mass_se_g: float | None
+    """Standard error of that mass; None when it is not known."""
+    mass_mesh_g: float
+    speed_mesh_mm_s: float
+    """Predicted with the mesh's masses."""
+
+
+def to_csv(
+    rows: Sequence[Prediction],
+    simulated: Sequence[Simulated] = (),
+    weighed: Sequence[Weighing] = (),
+) -> str:
+    """One line a member; columns are the fields of the rows, numbers with every digit."""
+    tables = [table for table in (rows, simulated, weighed) if table]
+    header = [field for table in tables for field in table[0]._fields]
+    lines = ([value for part in row for value in part] for row in zip(*tables, strict=True))
+    return csv_text(header, lines)
+
+
+def weighed_table(
+    rows: Sequence[Prediction], weighed: Sequence[Weighing], style: box.Box = box.SIMPLE_HEAD
+) -> Table:
+    """What weighing changed: masses and speeds beside those of the mesh."""
+    table = Table(box=style, padding=(0, 1 if style is box.MARKDOWN else 0))
+    for heading in ("tilt", "legs", "weighings", "mass\ng", "mesh's\ng", "speed\nmm/s",
+                    "mesh's\nmm/s", "change\nmm/s"):  # fmt: skip
+        text = heading if style is not box.MARKDOWN else heading.replace("\n", " ")
+        table.add_column(text, justify="left" if heading == "legs" else "right", no_wrap=True)
+    for row, one in zip(rows, weighed, strict=True):
+        error = "" if one.mass_se_g is None else f" ± {one.mass_se_g:.2g}"
+        table.add_row(
+            f"{row.tilt_deg:g}", row.legs, str(one.weighings), f"{_short(one.mass_g)}{error}",
+            _short(one.mass_mesh_g), _fixed(row.speed_mm_s, 2), _fixed(one.speed_mesh_mm_s, 2),
+            _fixed(row.speed_mm_s - one.speed_mesh_mm_s, 2),
+        )  # fmt: skip
+    return table
+
+
+WEIGHED = (
+    "Weighed: whole walkers alone (grams) scale every mass alike, which leaves the predicted speed "
+    "as it is; a body or leg weighed apart (body_g, leg_g) changes it."
+)
+
+
+def to_table(
+    rows: Sequence[Prediction], title: str = "", simulated: Sequence[Simulated] = ()
+) -> Table:
+    """The table for the console; rows with a note carry its number."""
+    table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
+    columns = _columns(rows, simulated)
+    shown = [name for name in columns if not (simulated and name[0] in DETAILS)]
+    for heading, unit in shown:
+        left = heading in ("legs", "speed", "simulated", "outcomes")
+        justify: Literal["left", "right"] = "left" if left else "right"
+        table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=heading != "outcomes")
+    for cells in zip(*(columns[name] for name in shown), strict=True):
+        table.add_row(*cells)
+    return table
+
+
+def to_markdown(
+    rows: Sequence[Prediction], title: str, caption: str, simulated: Sequence[Simulated] = ()
+) -> str:
+    """A Markdown page with the table and its notes."""
+    table = Table(box=box.MARKDOWN)
+    columns = _columns(rows, simulated)
+    for heading, unit in columns:
+        name = f"{heading} ({unit})" if unit else heading
+        table.add_column(name, justify="left" if heading == "legs" else "right", no_wrap=True)
+    for cells in zip(*columns.values(), strict=True):
+        table.add_row(*cells)
+    body = as_markdown(table)
+    listed = "\n".join(f"{number}. {note}" for number, note in enumerate(notes_of(rows), start=1))
+    return f"# {title}\n\n{caption}\n\n{body}\n\n{listed}\n".rstrip() + "\n"
+
+
+def weighed_markdown(rows: Sequence[Prediction], weighed: Sequence[Weighing]) -> str:
+    """The table of weighed masses as a section of a Markdown page."""
+    return (
+        f"\n## Weighed\n\n{WEIGHED}\n\n{as_markdown(weighed_table(rows, weighed, box.MARKDOWN))}\n"
+    )
+
+
+def _columns(
+    rows: Sequence[Prediction], simulated: Sequence[Simulated]
+) -> dict[tuple[str, str], list[str]]:
+    """Cells by (heading, unit)."""
+    notes = notes_of(rows)
+    cells = zip(*(_cells(row, notes) for row in rows), strict=True)
+    columns = {
+        key: list(column)
+        for key, column in zip(zip(HEADINGS, UNITS, strict=True), cells, strict=True)
+    }
+    if simulated:
+        columns["simulated", "mm/s"] = [_simulated(one) for one in simulated]
+        columns["model", ""] = [one.sim_model for one in simulated]
+        columns["outcomes", ""] = [one.sim_outcomes for one in simulated]
+    return columns
+
+
+def _simulated(one: Simulated) -> str:
+    if one.sim_speed_mm_s is None:
+        return "-"
+    error = "?" if one.sim_se_mm_s is None else _fixed(one.sim_se_mm_s, 1)
+    return f"{_fixed(one.sim_speed_mm_s, 1)} ± {error}"
+
+
+def notes_of(rows: Sequence[Prediction]) -> list[str]:
+    """The distinct notes of a table, in order; note k is marked [k] in it."""
+    return list(dict.fromkeys(row.note for row in rows if row.note))
+
+
+def _cells(row: Prediction, notes: list[str]) -> list[str]:
+    mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
+    return [
+        f"{row.tilt_deg:g}",
+        row.legs,
+        _short(row.M_g),
+        _short(row.J_g_mm2),
+        _short(row.m_g),
+        _short(row.j_g_mm2),
+        _fixed(row.factor_back, 3),
+        _fixed(row.factor_front, 3),
+        _fixed(row.factor_mean, 3),
+        f"{_fixed(row.speed_mm_s, 1)} ± {_fixed(row.speed_sd_mm_s, 1)}{mark}",
+    ]
+
+
+def _fixed(value: float, digits: int) -> str:
+    """Fixed decimals, without a minus on zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
+def _short(value: float | None) -> str:
+    """Four significant digits, trailing zeros kept; a dash for what the row does not have."""
+    return "-" if value is None else f"{value:#.4g}".rstrip(".")

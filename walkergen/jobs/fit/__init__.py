@@ -1,0 +1,1 @@
+"""The job `fit`: from measured speeds to restitution, friction and impact speed."""

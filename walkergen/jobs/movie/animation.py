@@ -1,0 +1,156 @@
+"""Frames to files: an animated GIF always, an MP4 where ffmpeg is installed."""
+
+import io
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import IO, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from PIL import Image
+
+from walkergen.files.progress import Progress
+
+Pixels = npt.NDArray[np.uint8]
+"""Shape (height, width, 3), both even."""
+
+Draw = Callable[[int], Pixels]
+"""The frame of a number."""
+
+COLOURS, COMMON = 128, 16
+"""Of a GIF's palette, and of these the commonest: the rest are blends at edges."""
+
+PALETTE_FRAMES = 16
+"""Frames that the palette is chosen from."""
+
+
+class Encoded(NamedTuple):
+    """A movie's files."""
+
+    gif: bytes
+    mp4: bytes | None
+    without_mp4: str
+    """Why there is no MP4; '' when there is."""
+
+
+def encode(
+    draw: Draw,
+    count: int,
+    fps: int,
+    hold_s: float,
+    keep: Sequence[str],
+    progress: Progress,
+) -> Encoded:
+    """Draw `count` frames in order into both files; the last one stays for `hold_s`.
+
+    `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
+    exact in the GIF however rare they are. Equal frames give equal bytes.
+    """
+    palette = _palette(draw, count, keep)
+    with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
+        target = Path(folder) / "movie.mp4"
+        with (Path(folder) / "messages").open("w+b") as messages:
+            ffmpeg = _ffmpeg(draw(0).shape, fps, target, messages)
+            try:
+                gif = _gif(_drawn(draw, count, hold_s, fps, ffmpeg, progress), palette, fps, hold_s)
+                return Encoded(gif, *_finished(ffmpeg, target, messages))
+            finally:
+                if ffmpeg is not None and ffmpeg.poll() is None:
+                    ffmpeg.kill()
+                    ffmpeg.communicate()
+
+
+def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
+    """One palette for all frames, so that what does not move does not flicker."""
+    chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
+    pixels = np.concatenate([draw(at).reshape(-1, 3) for at in chosen]).astype(np.uint32)
+    codes, often = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
+    kept = np.array([int(colour.removeprefix("#"), 16) for colour in keep], np.uint32)
+    codes = np.concatenate([kept, codes[np.argsort(-often.astype(np.int64), kind="stable")]])
+    colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=-1).astype(np.uint8)
+    # The commonest stay exact as well; all others are represented.
+    exact = len(keep) + COMMON
+    entries, rest = colours[:exact], colours[exact:]
+    if len(rest):
+        between = Image.fromarray(rest[None]).quantize(COLOURS - exact, Image.Quantize.MEDIANCUT)
+        added = np.frombuffer(bytes(between.getpalette() or ()), np.uint8).reshape(-1, 3)
+        entries = np.vstack([entries, added])
+    # Pillow looks colours up by their upper six bits: one entry for each of those.
+    _, first = np.unique(entries >> 2, axis=0, return_index=True)
+    entries = entries[np.sort(first)]
+    palette = Image.new("P", (1, 1))
+    palette.putpalette(entries.tobytes())
+    return palette
+
+
+def _drawn(
+    draw: Draw,
+    count: int,
+    hold_s: float,
+    fps: int,
+    ffmpeg: "subprocess.Popen[bytes] | None",
+    progress: Progress,
+) -> Iterator[Pixels]:
+    """The frames, each also sent to ffmpeg, the last one as often as it is held."""
+    for at in range(count):
+        frame = draw(at)
+        times = 1 if at < count - 1 else 1 + round(hold_s * fps)
+        if ffmpeg is not None and ffmpeg.poll() is None:
+            assert ffmpeg.stdin is not None
+            try:
+                ffmpeg.stdin.write(times * frame.tobytes())
+            except BrokenPipeError:
+                ffmpeg.wait()  # it has given up; its message is read at the end
+        progress("frames", at + 1, count)
+        yield frame
+
+
+def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float) -> bytes:
+    images = [
+        Image.fromarray(frame).quantize(palette=palette, dither=Image.Dither.NONE)
+        for frame in frames
+    ]
+    delay = 1000 // fps
+    delays = [delay] * (len(images) - 1) + [delay + round(100 * hold_s) * 10]
+    data = io.BytesIO()
+    images[0].save(
+        data, "GIF", save_all=True, append_images=images[1:], duration=delays, loop=0,
+        optimize=True,
+    )  # fmt: skip
+    return data.getvalue()
+
+
+def _ffmpeg(
+    shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
+) -> "subprocess.Popen[bytes] | None":
+    """ffmpeg, waiting for frames at its input; None where it is not installed."""
+    program = shutil.which("ffmpeg")
+    if program is None:
+        return None
+    words = [
+        program, "-loglevel", "error", "-nostdin",
+        "-f", "rawvideo", "-pix_fmt", "rgb24", "-s", f"{shape[1]}x{shape[0]}", "-r", str(fps),
+        "-i", "pipe:0",
+        "-c:v", "libx264", "-crf", "20", "-pix_fmt", "yuv420p", "-movflags", "+faststart",
+        "-fflags", "+bitexact", "-flags:v", "+bitexact", "-y", str(target),
+    ]  # fmt: skip
+    return subprocess.Popen(
+        words, stdin=subprocess.PIPE, stdout=subprocess.DEVNULL, stderr=messages
+    )
+
+
+def _finished(
+    ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
+) -> tuple[bytes | None, str]:
+    """The MP4, or None and why."""
+    if ffmpeg is None:
+        return None, "ffmpeg is not installed"
+    ffmpeg.communicate()
+    if ffmpeg.returncode == 0:
+        return target.read_bytes(), ""
+    messages.seek(0)
+    told = messages.read().decode(errors="replace").strip().splitlines()
+    return None, f"ffmpeg failed: {told[-1] if told else f'exit code {ffmpeg.returncode}'}"

@@ -1,0 +1,99 @@
+"""How impacts look in a movie: a colour, a sign and a name for each kind; their course in time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from walkergen.jobs.movie.canvas import INK, PLATE, SMALL, Canvas
+from walkergen.jobs.movie.footage import Footage, feet
+from walkergen.theory.impact import Kind
+
+
+class Style(NamedTuple):
+    """How impacts of a kind look; colours after Okabe and Ito, with a sign for those in grey."""
+
+    colour: str
+    marker: str
+    name: str
+    words: str
+
+
+STYLES = {
+    Kind.I: Style("#E69F00", "o", "I", "slides forward"),
+    Kind.II: Style("#0072B2", "s", "II", "stops on rebound"),
+    Kind.III: Style("#009E73", "^", "III", "stops in compression"),
+    Kind.IV: Style("#CC3311", "v", "IV", "slides backward"),
+    Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
+}
+
+FEET = (("back foot", "#222222", "-"), ("front foot", "#AA4499", (0, (4, 1.5))))
+"""Name, colour and line of either foot."""
+
+COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET))
+
+
+def style_of(kind: Kind) -> Style:
+    """The look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    if kind in STYLES:
+        return STYLES[kind]
+    twin = STYLES[Kind(-kind)]
+    return twin._replace(name=f"\N{MINUS SIGN}{twin.name}")
+
+
+def legend(canvas: Canvas, x: float, y: float) -> None:
+    """The kinds that can be, in a row, by sign, colour and words."""
+    axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
+    axes.set_axis_off()
+    axes.set_xlim(0, canvas.figure.bbox.width)
+    axes.set_ylim(0, canvas.figure.bbox.height)
+    for style in STYLES.values():
+        axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
+        words = f"{style.name} {style.words}"
+        canvas.text(x + 8, y, words, fontsize=SMALL, va="center")
+        x += 26 + 5.4 * len(words)
+    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
+
+
+def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Footage) -> Line2D:
+    """Heights of plate and feet against time, impacts marked; returns the line that marks now."""
+    axes = canvas.axes(*place)
+    times, heights = 1e3 * footage.times, 1e3 * feet(footage)[:, :, 1]
+    plate = 1e3 * footage.plate
+    low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
+    margin = 0.08 * max(high - low, 1e-6)
+    axes.set_ylim(low - margin, high + margin)
+    axes.set_xlim(0.0, times[-1])
+    axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
+    for side, (name, colour, line) in enumerate(FEET):
+        axes.plot(times, heights[:, side], color=colour, linestyle=line, linewidth=1.2, label=name)
+    _mark(axes, footage)
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=2, frameon=False, fontsize=SMALL,
+        handlelength=1.8, columnspacing=1.0, borderaxespad=0.1,
+    )  # fmt: skip
+    axes.tick_params(labelsize=SMALL - 1, length=3, pad=2)
+    axes.set_xlabel("time, ms", fontsize=SMALL, labelpad=1)
+    axes.spines[["top", "right"]].set_visible(False)
+    (now,) = axes.plot([0.0, 0.0], [low - margin, high + margin], color=INK, linewidth=1.0)
+    canvas.move(now)
+    return now
+
+
+def _mark(axes: Axes, footage: Footage) -> None:
+    """A sign for every impact, at the height of the plate, larger for larger impulses."""
+    largest = largest_impulse(footage)
+    for hit in footage.impacts:
+        style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
+        height = 1e3 * np.interp(hit.time, footage.times, footage.plate)
+        edge = FEET[hit.foot][1]
+        axes.plot(
+            [1e3 * hit.time], [height], style.marker, color=style.colour, markeredgecolor=edge,
+            markeredgewidth=0.6, markersize=2.0 + 4.0 * size, zorder=3,
+        )  # fmt: skip
+
+
+def largest_impulse(footage: Footage) -> float:
+    """Of all impacts, g mm/s; 1 when there are none."""
+    return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)

@@ -1,0 +1,105 @@
+"""Several walkers running side by side, each in its lane, to scale."""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from matplotlib.collections import PolyCollection
+from matplotlib.patches import Rectangle
+from matplotlib.text import Text
+from matplotlib.ticker import MaxNLocator
+
+from walkergen.jobs.movie.animation import Draw, Pixels
+from walkergen.jobs.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
+from walkergen.jobs.movie.footage import Footage, pace, polygons
+
+WIDTH, HEAD, LANE, FOOT = 900, 64, 66, 40
+"""Sizes in pixels: of the picture, of its head, of a lane, of the ruler below."""
+
+MARGIN = 12
+
+
+class Lane(NamedTuple):
+    """One walker's lane."""
+
+    footage: Footage
+    shapes: PolyCollection
+    readout: Text
+
+
+def draw_race(runs: Sequence[Footage], slow: float, settings: str) -> Draw:
+    """A function that draws frame k: pose k of every run; runs that ended stay where they are."""
+    height = HEAD + LANE * len(runs) + FOOT
+    canvas = Canvas(WIDTH, height + height % 2)
+    canvas.text(MARGIN, height - 22, runs[0].name.split(",")[0], fontsize=LARGE, weight="bold")
+    canvas.line(MARGIN, height - 40, settings)
+    canvas.text(WIDTH - MARGIN, height - 22, f"to scale, {pace(slow)}", ha="right", weight="bold")
+    clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
+    left, scale = _window(runs)
+    lanes = [
+        _lane(canvas, footage, FOOT + LANE * (len(runs) - 1 - place), left, scale)
+        for place, footage in enumerate(runs)
+    ]
+    _ruler(canvas, left, scale)
+    canvas.move(clock)
+    longest = max(runs, key=lambda footage: len(footage.times))
+
+    def draw(frame: int) -> Pixels:
+        for lane in lanes:
+            _set(lane, min(frame, len(lane.footage.times) - 1))
+        clock.set_text(f"{longest.times[frame]:6.2f} s")
+        return canvas.pixels()
+
+    return draw
+
+
+def _window(runs: Sequence[Footage]) -> tuple[float, float]:
+    """Left end (mm) and scale (pixels per mm) at which all runs fit, in width and in height."""
+    left = min(float(run.places[:, 0].min() + run.shape.body[:, 0].min()) for run in runs)
+    right = max(float(run.places[:, 0].max() + run.shape.body[:, 0].max()) for run in runs)
+    top = max(float(run.places[:, 1].max() + run.shape.body[:, 1].max()) for run in runs)
+    scale = min((WIDTH - 2 * MARGIN) / (1.02 * (right - left)), 0.6 * LANE / top)
+    return left - 0.01 * (right - left), scale
+
+
+def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: float) -> Lane:
+    axes = canvas.axes(MARGIN, bottom, WIDTH - 2 * MARGIN, LANE)
+    middle = left + 0.5 * (WIDTH - 2 * MARGIN) / scale
+    to_scale(axes, (middle, (0.5 * LANE - 10) / scale), scale)
+    axes.set_axis_off()
+    (low, high), floor = axes.get_xlim(), axes.get_ylim()[0]
+    axes.add_patch(Rectangle((low, 0.4 * floor), high - low, -0.4 * floor, color=PLATE))
+    axes.axvline(0.0, ymin=10 / LANE, ymax=0.6, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
+    _, tilt, kind = footage.name.rsplit(", ", 2)
+    canvas.text(MARGIN, bottom + LANE - 13, f"{tilt} {kind}", weight="bold")
+    readout = canvas.text(
+        WIDTH - MARGIN, bottom + LANE - 13, "", family="DejaVu Sans Mono", ha="right"
+    )
+    shapes = PolyCollection([], linewidths=0.4)
+    axes.add_collection(shapes, autolim=False)
+    canvas.move(shapes, readout)
+    return Lane(footage, shapes, readout)
+
+
+def _set(lane: Lane, at: int) -> None:
+    limbs, body = polygons(lane.footage, at)
+    lane.shapes.set_verts([*limbs, body])
+    lane.shapes.set(facecolor=[LIMB] * len(limbs) + [BODY], edgecolor=[LIMB] * len(limbs) + [INK])
+    time, distance = lane.footage.times[at], lane.footage.places[at, 0]
+    words = f"{distance:7.1f} mm"
+    if time > 0:
+        words += f"  {distance / time:6.1f} mm/s so far"
+    if at == len(lane.footage.times) - 1 and lane.footage.ended:
+        words = f"{lane.footage.ended} at {time:.2f} s  {words}"
+    lane.readout.set_text(words)
+
+
+def _ruler(canvas: Canvas, left: float, scale: float) -> None:
+    """Distance run by the middle of the body, along the bottom."""
+    axes = canvas.axes(MARGIN, FOOT - 4, WIDTH - 2 * MARGIN, 1)
+    axes.set_xlim(left, left + (WIDTH - 2 * MARGIN) / scale)
+    axes.set_yticks([])
+    axes.spines[["left", "right", "top"]].set_visible(False)
+    axes.tick_params(labelsize=SMALL, length=4, pad=2)
+    axes.set_xlabel("mm along the plate, from where the middles of the bodies start",
+                    fontsize=SMALL, labelpad=1)  # fmt: skip
+    axes.xaxis.set_major_locator(MaxNLocator(10, steps=[1, 2, 5, 10]))

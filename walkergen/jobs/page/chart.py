@@ -1,0 +1,143 @@
+"""Speeds against tilt as an SVG of the page: where its marks, bars, axes and labels lie.
+
+Only numbers here; the page's template draws them. Coordinates are SVG user units, y downwards.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from walkergen.jobs.page.members import Member
+
+WIDTH, HEIGHT = 600.0, 380.0
+LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 14.0, 50.0
+MARGIN = 0.04
+"""Of the range of the data, left free on every side."""
+
+
+class Point(NamedTuple):
+    """A speed with its error bar."""
+
+    member: int
+    legs: str
+    simulated: bool
+    x: float
+    y: float
+    low: float | None
+    """End of the bar of one standard deviation (predicted) or error (simulated); None: unknown."""
+    high: float | None
+    label: str
+
+
+class Line(NamedTuple):
+    """Straight lines from member to member of one kind: a guide to the eye."""
+
+    legs: str
+    simulated: bool
+    points: str
+
+
+class Tick(NamedTuple):
+    """A mark of an axis: its place along it, and its text."""
+
+    at: float
+    text: str
+
+
+class Chart(NamedTuple):
+    """All that is drawn."""
+
+    points: list[Point]
+    lines: list[Line]
+    x_ticks: list[Tick]
+    y_ticks: list[Tick]
+
+
+class _Speed(NamedTuple):
+    member: int
+    tilt: float
+    legs: str
+    simulated: bool
+    value: float
+    error: float | None
+
+
+def speeds(members: Sequence[Member]) -> Chart:
+    """The chart of predicted speeds and, where the table has any, simulated ones."""
+    found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
+    tilts = _padded([speed.tilt for speed in found])
+    ends = [speed.value + sign * (speed.error or 0.0) for speed in found for sign in (-1.0, 1.0)]
+    values = _padded([*ends, 0.0])
+    points = [_point(speed, tilts, values) for speed in found]
+    return Chart(
+        points,
+        _lines(points),
+        [Tick(_x(value, tilts), _text(value)) for value in ticks(*tilts)],
+        [Tick(_y(value, values), _text(value)) for value in ticks(*values)],
+    )
+
+
+def ticks(low: float, high: float) -> list[float]:
+    """Four to ten multiples of 1, 2 or 5 times a power of ten, inside the range."""
+    power = 10.0 ** math.floor(math.log10((high - low) / 4.0))
+    step = max(f * power for f in (1.0, 2.0, 5.0) if 4.0 * f * power <= (high - low) * (1 + 1e-9))
+    first, last = math.ceil(low / step - 1e-9), math.floor(high / step + 1e-9)
+    return [number * step for number in range(first, last + 1)]
+
+
+def _of(number: int, member: Member) -> list[_Speed]:
+    """The speeds of one member."""
+    columns = ((False, "speed_mm_s", "speed_sd_mm_s"), (True, "sim_speed_mm_s", "sim_se_mm_s"))
+    return [
+        _Speed(number, member.tilt_deg, member.legs, simulated, value, member.number(error))
+        for simulated, column, error in columns
+        if (value := member.number(column)) is not None
+    ]
+
+
+def _point(speed: _Speed, tilts: tuple[float, float], values: tuple[float, float]) -> Point:
+    bar = speed.error
+    source, meaning = ("simulated", "standard error") if speed.simulated else ("predicted", "sd")
+    told = "mm/s, error unknown" if bar is None else f"± {bar:.1f} mm/s ({meaning})"
+    return Point(
+        member=speed.member,
+        legs=speed.legs,
+        simulated=speed.simulated,
+        x=_x(speed.tilt, tilts),
+        y=_y(speed.value, values),
+        low=None if bar is None else _y(speed.value - bar, values),
+        high=None if bar is None else _y(speed.value + bar, values),
+        label=f"{speed.legs} legs, {speed.tilt:g}°: "
+        f"{source} {round(speed.value, 1) + 0.0:.1f} {told}".replace("-", "−"),
+    )
+
+
+def _lines(points: Sequence[Point]) -> list[Line]:
+    lines = []
+    for legs, simulated in dict.fromkeys((point.legs, point.simulated) for point in points):
+        chosen = sorted((p.x, p.y) for p in points if (p.legs, p.simulated) == (legs, simulated))
+        lines.append(Line(legs, simulated, " ".join(f"{x:g},{y:g}" for x, y in chosen)))
+    return lines
+
+
+def _padded(values: Sequence[float]) -> tuple[float, float]:
+    """A range that holds all values with a margin; of width 1 at least, for a single member."""
+    low, high = min(values), max(values)
+    if high - low < 1.0:
+        low, high = low - 0.5, high + 0.5
+    margin = MARGIN * (high - low)
+    return low - margin, high + margin
+
+
+def _x(tilt: float, tilts: tuple[float, float]) -> float:
+    share = (tilt - tilts[0]) / (tilts[1] - tilts[0])
+    return round(LEFT + share * (WIDTH - LEFT - RIGHT), 2)
+
+
+def _y(speed: float, values: tuple[float, float]) -> float:
+    share = (speed - values[0]) / (values[1] - values[0])
+    return round(HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM), 2)
+
+
+def _text(value: float) -> str:
+    return f"{value + 0.0:g}".replace("-", "−")

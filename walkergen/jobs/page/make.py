@@ -1,0 +1,228 @@
+"""The page: one HTML file that shows a family's folder and needs nothing but itself.
+
+Everything that comes from files is escaped by the template engine, and a content security policy
+lets only the page's own scripts run and nothing be fetched.
+"""
+
+import base64
+import hashlib
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from importlib.resources import files
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import jinja2
+import markupsafe
+from markdown_it import MarkdownIt
+
+from walkergen.jobs.page import chart, members, references
+from walkergen.jobs.page.contents import Contents
+from walkergen.jobs.page.members import Member, number
+
+TABLE_PAGE, SPEED, PREVIEW = "family.md", "speed.png", "preview.png"
+
+HEADINGS = {
+    "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
+    "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)", "factor_front": "front (v/w)",
+    "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
+    "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
+}  # fmt: skip
+"""Of columns of family.csv, as in its Markdown; a column that is not here keeps its name."""
+
+ERRORS = {"speed_mm_s": "speed_sd_mm_s", "sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
+"""Columns that are shown together with another one, behind ±."""
+
+NOTE = "note"
+
+
+class Cell(NamedTuple):
+    """What a table shows, and what it is sorted by."""
+
+    text: str
+    value: str
+
+
+class Table(NamedTuple):
+    """The family's table as the page shows it."""
+
+    headings: list[str]
+    rows: list[list[Cell]]
+    common: dict[str, str]
+    """Words that are the same in every row, and therefore said once, by heading."""
+    notes: list[str]
+    """Notes of rows; note k is marked [k]."""
+
+
+class Map(NamedTuple):
+    """A table of plates/, which lists what lies where."""
+
+    name: str
+    headings: Sequence[str]
+    rows: Sequence[Sequence[str]]
+
+
+def render(contents: Contents, version: str) -> bytes:
+    """The page as UTF-8; equal folders give equal bytes.
+
+    Raises InputError when the family's table or an STL file cannot be read.
+    """
+    made = members.of(contents)
+    manifest = contents.manifest
+    values: dict[str, Any] = {
+        "name": str(manifest.design.get("name", "walkers")),
+        "description": str(manifest.design.get("description", "")),
+        "version": version,
+        "contents": contents,
+        "members": made,
+        "parts": [_part(member) for member in made],
+        "table": table(made),
+        "chart": chart.speeds(made),
+        "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
+        "caption": caption(contents),
+        "pictures": {name: _picture(contents, name) for name in (SPEED, PREVIEW)},
+        "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
+        "maps": [_map(contents, name) for name in _plates(contents, ".csv")],
+        "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
+        "settings": settings(manifest.model_dump(exclude={"members", "files"})),
+        "references": references.cited(
+            {member.row["law"] for member in made},
+            {method for member in made if (method := member.row.get("sim_method"))},
+            list(manifest.files),
+        ),
+    }
+    scripts = {name: _asset(f"{name}.js") for name in ("viewer.min", "page")}
+    values |= {
+        "style": markupsafe.Markup(_asset("page.css")),
+        "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
+        "script_hashes": [_hash(text) for text in scripts.values()],
+    }
+    return _template().render(values).encode()
+
+
+def table(made: Sequence[Member]) -> Table:
+    """The family's table: numbers to four digits or to their errors; equal words said once."""
+    notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
+    columns = [column for column in made[0].row if column not in ERRORS.values()]
+    common = {
+        column: first
+        for column in columns
+        if (first := made[0].row[column]) == "" or (number(first) is None and column != NOTE)
+        if all(member.row[column] == first for member in made)
+    }
+    shown = [column for column in columns if column not in common]
+    return Table(
+        [HEADINGS.get(column, column) for column in shown],
+        [[_cell(member, column, notes) for column in shown] for member in made],
+        {HEADINGS.get(column, column): text for column, text in common.items() if text},
+        notes,
+    )
+
+
+def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """The manifest as groups of key and value: a group for every table of its top level."""
+    groups: dict[str, dict[str, str]] = {"run": {}}
+    for key, value in data.items():
+        if isinstance(value, Mapping):
+            groups[key] = dict(_flat(value))
+        else:
+            groups["run"][key] = _told(value)
+    return groups
+
+
+def caption(contents: Contents) -> str:
+    """What the speeds rest on: the first paragraph of family.md, as text."""
+    source = contents.files.get(TABLE_PAGE, b"").decode("utf-8", "replace")
+    tokens = MarkdownIt("js-default").parse(source)
+    following = (after for token, after in pairwise(tokens) if token.type == "paragraph_open")
+    first = next(following, None)
+    return first.content if first is not None else ""
+
+
+def markup(source: bytes) -> markupsafe.Markup:
+    """A Markdown file as HTML, without raw HTML and pictures."""
+    text = source.decode("utf-8", "replace")
+    return markupsafe.Markup(MarkdownIt("js-default").disable("image").render(text))
+
+
+def _is_sheet(name: str) -> bool:
+    """Print sheets: every Markdown file of the folder but the table's."""
+    return name.endswith(".md") and name != TABLE_PAGE
+
+
+def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
+    text = member.row[column]
+    value = number(text)
+    if column == NOTE and text:
+        return Cell(f"[{notes.index(text) + 1}]", text)
+    if value is None:
+        return Cell(text or ("" if column == NOTE else "-"), text)
+    if column in ERRORS and ERRORS[column] in member.row:
+        bar = member.number(ERRORS[column])
+        return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
+    exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
+    return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
+
+
+def _fixed(value: float) -> str:
+    """One decimal, without a minus on zero."""
+    return _minus(f"{round(value, 1) + 0.0:.1f}")
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+def _part(member: Member) -> dict[str, Any]:
+    """What the viewer needs of a member; corners are little-endian float32, exactly the STL's."""
+    mesh = member.corners
+    data = None if mesh is None else base64.b64encode(mesh.astype("<f4").tobytes()).decode()
+    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "corners": data}
+
+
+def _plates(contents: Contents, suffix: str) -> list[str]:
+    return [name for name in contents.files if name.startswith("plates/") and name.endswith(suffix)]
+
+
+def _picture(contents: Contents, name: str) -> str | None:
+    """A PNG file as a data URL; None when the folder has none."""
+    data = contents.files.get(name)
+    return None if data is None else f"data:image/png;base64,{base64.b64encode(data).decode()}"
+
+
+def _map(contents: Contents, name: str) -> Map:
+    headings, *rows = contents.rows(name)
+    return Map(name, headings, rows)
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in data.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", _told(value)
+
+
+def _told(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return ", ".join(map(_told, value)) if isinstance(value, list) else str(value)
+
+
+def _hash(script: str) -> str:
+    """A script's hash as a content security policy names it."""
+    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
+
+
+def _asset(name: str) -> str:
+    return (files("walkergen.report") / "assets" / name).read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(_asset("page.html.jinja"))

@@ -1,0 +1,1 @@
+"""The job `reproduce`: the paper beside our theory and simulations."""

@@ -1,0 +1,315 @@
+"""The paper's facts against our numbers: what was measured, and the verdict on each."""
+
+import math
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.jobs.paper.facts import FACTS, Verdict, judge
+from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value, mean
+from walkergen.prediction import Curve
+from walkergen.scene import Scene
+from walkergen.theory.impact import Kind, Law, impact
+from walkergen.theory.speed import Mode, factor, factors
+from walkergen.theory.tensors import feet
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+FITTED = "fitted"
+"""Name of the assumption whose contact is the paper's best fit."""
+
+TEN = 10.0
+"""deg"""
+
+COUNTED = (
+    *((counting, counting, "II+III", "III") for counting in COUNTINGS),
+    ("landings, rest as III", "landings", "II+III+rest", "III+rest"),
+)
+"""What is told, counted, and taken as types II and III, and as III."""
+
+RATIOS = {"15 below 10": (15.0, 10.0), "35 below 15": (35.0, 15.0)}
+"""Tilts of the larger and of the smaller speed of a fact, deg."""
+
+DRAWS, SEED = 2000, 2016
+"""Random draws of the measured speeds within their standard errors, for what is not linear in
+them (the place of a peak, a ratio): its spread is then known to 1.6 %."""
+
+RESTITUTIONS, FRICTIONS = np.linspace(0.5, 1.0, 11), np.linspace(0.05, 0.4, 15)
+"""Our reading of the paper's "wide range of realistic values"."""
+
+
+class Theory(NamedTuple):
+    """One predicted curve of speed against tilt."""
+
+    assumption: str
+    mode: Mode
+    curve: Curve
+    impact_speed_factor: float
+    """Impact speed over the plate's peak speed that the curve assumes."""
+    type_three: float | None
+    """Share of type III among impacts at the stationary speed, over tilts above 0 and both feet;
+    None in mode paper, which assumes it."""
+
+    @property
+    def label(self) -> str:
+        """As in tables and legends."""
+        return f"theory, {'eq. 15' if self.mode == 'paper' else 'feet may stick'}"
+
+
+class Range(NamedTuple):
+    """Where the theory's maximum lies over RESTITUTIONS x FRICTIONS, deg."""
+
+    mode: Mode
+    low_deg: float
+    high_deg: float
+
+
+class Findings(NamedTuple):
+    """All that the paper's facts are held against."""
+
+    assumptions: Sequence[Assumption]
+    theories: Sequence[Theory]
+    peaks: Sequence[Range]
+    tilts: Sequence[Point]
+    """Along the tilt; models relaxed, compliant, rigid (braced legs)."""
+    drives: Sequence[Point]
+    """Along the plate's speed."""
+
+
+class Row(NamedTuple):
+    """One fact under one assumption."""
+
+    fact: str
+    model: str
+    """What made our number."""
+    assumption: str
+    ours: float | None
+    se: float | None
+    """Standard error; of the theory one standard deviation (restitution, friction, masses)."""
+    verdict: Verdict
+
+
+class Peak(NamedTuple):
+    """Top of a curve of speed against tilt."""
+
+    tilt_deg: Value
+    speed: Value
+
+
+def rows(found: Findings) -> list[Row]:
+    """Every fact against everything that says something about it."""
+    listed = [*_stated(found)]
+    for theory in found.theories:
+        listed += _of_theory(theory)
+    for series in series_of(found.tilts):
+        listed += _of_tilts(series)
+    for series in series_of(found.drives):
+        value = proportionality(series)
+        listed.append(_row("proportional", series[0].model, series[0].assumption, value, 100.0))
+    order = list(FACTS)
+    return sorted(listed, key=lambda row: order.index(row.fact))
+
+
+def series_of(points: Sequence[Point]) -> list[list[Point]]:
+    """Points of one assumption and model, in the order of first appearance."""
+    keys = dict.fromkeys((point.assumption, point.model) for point in points)
+    return [[point for point in points if (point.assumption, point.model) == key] for key in keys]
+
+
+def _row(fact: str, model: str, assumption: str, value: Value | None, scale: float = 1.0) -> Row:
+    ours = None if value is None else scale * value.mean
+    se = None if value is None else scale * value.se
+    return Row(fact, model, assumption, ours, se, judge(FACTS[fact], ours, se))
+
+
+def _stated(found: Findings) -> Iterator[Row]:
+    """Facts that need no model: the drive, and the friction that fitted best."""
+    for one in found.assumptions:
+        speed = one.scene.drive.peak_speed
+        yield _row("plate speed", "sinusoidal drive", one.name, Value(speed, 0.0))
+        if one.name == FITTED:
+            friction = one.scene.contact.friction
+            yield _row("friction", "the paper's best fit", one.name, Value(friction, 0.0))
+
+
+def stationary_type_three(
+    design: Design, scene: Scene, tilts_deg: Sequence[float], mode: Mode
+) -> float | None:
+    """Share of type III among impacts at the stationary speed (see `Theory`)."""
+    if mode == "paper":
+        return None
+    e, mu, law = scene.contact.restitution, scene.contact.friction, Law[scene.contact.law.upper()]
+    kinds = []
+    for tilt in tilts_deg:
+        if tilt > 0.0:
+            variant = design.variant(tilt_deg=tilt)
+            for H in feet(solids.mass_of(variant)):
+                v_x = float(factor(H, e, mu, mode, scene.contact.law))
+                hit = impact(float(H.xx), float(H.xy), float(H.yy), v_x, -1.0, e, mu, law)
+                kinds.append(hit.kind)
+    return kinds.count(Kind.III) / len(kinds)
+
+
+def peak_range(design: Design, mode: Mode) -> Range:
+    """Tilts of the theory's largest speed over realistic contacts, to 0.25 deg within 0.25..25."""
+    tilts = np.arange(0.25, 25.1, 0.25)
+    e, mu = np.meshgrid(RESTITUTIONS, FRICTIONS)
+    found = []
+    for tilt in tilts:
+        variant = design.variant(tilt_deg=float(tilt))
+        found.append(factors(solids.mass_of(variant), e, mu, mode).mean)
+    tops = tilts[np.argmax(found, axis=0)]
+    return Range(mode, float(tops.min()), float(tops.max()))
+
+
+def _of_theory(theory: Theory) -> Iterator[Row]:
+    name, curve = theory.assumption, theory.curve
+    top = _predicted_peak(curve)
+    for fact in ("peak tilt", "maximum below"):
+        yield _row(fact, theory.label, name, None if top is None else top.tilt_deg)
+    yield _row("peak speed", theory.label, name, None if top is None else top.speed)
+    if theory.type_three is not None:
+        for fact in ("types II and III", "mostly type III"):
+            share = Value(theory.type_three, 0.0)
+            yield _row(fact, "theory, stationary impacts", name, share, 100.0)
+    if curve.tilt_deg[0] <= TEN <= curve.tilt_deg[-1]:
+        at = [float(np.interp(TEN, curve.tilt_deg, of)) for of in (curve.speed, curve.sd)]
+        yield _row("speed at 10 deg", theory.label, name, Value(*at))
+        needed = FACTS["speed at 10 deg"].value / at[0] * theory.impact_speed_factor
+        factor_needed = Value(needed, needed * at[1] / at[0])
+        yield _row("impact speed", f"{theory.label}: for 60 mm/s at 10 deg", name, factor_needed)
+    # Common errors of restitution and masses cancel in a ratio: its error is left out, not guessed.
+    for fact, (over, under) in RATIOS.items():
+        if curve.tilt_deg[0] <= under and over <= curve.tilt_deg[-1]:
+            ratio = np.interp([over, under], curve.tilt_deg, curve.speed)
+            yield _row(fact, theory.label, name, Value(float(ratio[0] / ratio[1]), 0.0))
+
+
+def _predicted_peak(curve: Curve) -> Peak | None:
+    """Top of a predicted curve; None at an end of it, beyond which it may rise on."""
+    at = int(curve.speed.argmax())
+    if at in (0, len(curve.speed) - 1):
+        return None
+    grid = float(curve.tilt_deg[1] - curve.tilt_deg[0]) / math.sqrt(12.0)
+    speed = Value(float(curve.speed[at]), float(curve.sd[at]))
+    return Peak(Value(float(curve.tilt_deg[at]), grid), speed)
+
+
+def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
+    model, name = series[0].model, series[0].assumption
+    if model == "rigid":
+        yield _row("braced", "rigid", name, _largest(series))
+        return
+    top = peak(series)
+    yield _row("peak tilt", model, name, None if top is None else top.tilt_deg)
+    yield _row("peak speed", model, name, None if top is None else top.speed)
+    for fact, (over, under) in RATIOS.items():
+        yield _row(fact, model, name, _ratio(series, over, under))
+    yield _row("impact speed", f"{model}, landings, over tilts", name, _impact_speed(series))
+    speed = {point.tilt_deg: point.speed for point in series}.get(TEN)
+    yield _row("speed at 10 deg", model, name, speed)
+    for told, counting, both, third in COUNTED:
+        for fact, kind in (("types II and III", both), ("mostly type III", third)):
+            share = _smallest(series, counting, kind)
+            yield _row(fact, f"{model}, {told}", name, share, 100.0)
+
+
+def _largest(series: Sequence[Point]) -> Value | None:
+    """Mean speed farthest from zero."""
+    speeds = [point.speed for point in series if point.speed is not None]
+    return max(speeds, key=lambda speed: abs(speed.mean)) if speeds else None
+
+
+def _smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None:
+    """Over tilts above 0: an upright walker slides backward as often as forward."""
+    shares = [
+        point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0
+    ]
+    return min(shares, key=lambda share: share.mean) if shares else None
+
+
+def _impact_speed(series: Sequence[Point]) -> Value | None:
+    """Impact speed over the plate's peak speed: mean and spread over the tilts."""
+    ratios = [
+        point.impact_speed.mean / point.plate_speed_mm_s
+        for point in series
+        if point.impact_speed is not None
+    ]
+    return mean(ratios) if len(ratios) > 1 else None
+
+
+def _drawn(series: Sequence[Point]) -> tuple[Array, Array]:
+    """Means of the known speeds, and random speeds within their errors (DRAWS, points)."""
+    known = np.array([point.speed for point in series if point.speed is not None])
+    means, errors = known.reshape(-1, 2).T
+    normal = np.random.default_rng(SEED).normal(size=(DRAWS, len(means)))
+    return means, np.asarray(means + errors * normal)
+
+
+def _ratio(series: Sequence[Point], over: float, under: float) -> Value | None:
+    """Speed at one tilt over that at another, with the spread that the errors give it."""
+    at = {point.tilt_deg: point.speed for point in series}
+    first, second = at.get(over), at.get(under)
+    if first is None or second is None or second.mean == 0.0:
+        return None
+    ratio = first.mean / second.mean
+    return Value(ratio, math.hypot(first.se, ratio * second.se) / abs(second.mean))
+
+
+def peak(series: Sequence[Point]) -> Peak | None:
+    """Top of the measured speeds, by a parabola through the largest and its two neighbours.
+
+    Its errors: those of the speeds, and for the tilt also a grid's (the spacing over sqrt 12).
+    Tilts without a speed are passed over; None where the largest speed lies at the first or last
+    of the others: the top may lie beyond.
+    """
+    tilts = np.array([point.tilt_deg for point in series if point.speed is not None])
+    means, drawn = _drawn(series)
+    if len(tilts) < 3 or int(means.argmax()) in (0, len(tilts) - 1):
+        return None
+    tops = np.array([_top(tilts, speeds) for speeds in drawn])
+    tilt, speed = _top(tilts, means)
+    at = int(means.argmax())
+    grid = float(tilts[at + 1] - tilts[at - 1]) / 2.0 / math.sqrt(12.0)
+    spread = tops.std(axis=0, ddof=1)
+    return Peak(Value(tilt, math.hypot(float(spread[0]), grid)), Value(speed, float(spread[1])))
+
+
+def _top(tilts: Array, speeds: Array) -> tuple[float, float]:
+    at = int(speeds.argmax())
+    if at in (0, len(tilts) - 1):
+        return float(tilts[at]), float(speeds[at])
+    a, b, c = np.polyfit(tilts[at - 1 : at + 2] - tilts[at], speeds[at - 1 : at + 2], 2)
+    return float(tilts[at] - b / (2.0 * a)), float(c - b * b / (4.0 * a))
+
+
+def through_zero(series: Sequence[Point]) -> Value | None:
+    """Slope of the least-squares line through zero of speed against plate speed."""
+    plate = np.array([point.plate_speed_mm_s for point in series if point.speed is not None])
+    if len(plate) < 2:
+        return None
+    means, drawn = _drawn(series)
+    slopes = drawn @ plate / (plate @ plate)
+    return Value(float(means @ plate / (plate @ plate)), float(slopes.std(ddof=1)))
+
+
+def proportionality(series: Sequence[Point]) -> Value | None:
+    """Rms distance from the line through zero over the mean |speed|; 0: proportional.
+
+    None with fewer than two speeds, or for a walker that always rests.
+    """
+    plate = np.array([point.plate_speed_mm_s for point in series if point.speed is not None])
+    means, drawn = _drawn(series)
+    if len(plate) < 2 or not means.any():
+        return None
+
+    def off(speeds: Array) -> Array:
+        slope = speeds @ plate / (plate @ plate)
+        rest = speeds - slope[:, None] * plate
+        return np.asarray(np.sqrt((rest**2).mean(axis=1)) / np.abs(speeds).mean(axis=1))
+
+    return Value(float(off(means[None])[0]), float(off(drawn).std(ddof=1)))

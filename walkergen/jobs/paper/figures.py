@@ -1,0 +1,189 @@
+"""The paper's figures 2, 3 and 5 with our curves and its statements on the same axes."""
+
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.jobs.paper.compare import FITTED, Findings, Theory, series_of, through_zero
+from walkergen.jobs.paper.facts import FACTS
+from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
+
+# Okabe and Ito's colours, each with a line and a marker of its own: readable in grey as well.
+MODELS = {
+    "relaxed": ("#009E73", "-.", "^", "simulated, relaxed legs (the paper's)"),
+    "compliant": ("#D55E00", "-", "o", "simulated, legs on springs"),
+    "rigid": ("#000000", ":", "s", "simulated, braced"),
+}
+THEORY = {"coulomb": ("#0072B2", "-"), "paper": ("#56B4E9", "--")}
+# From dark to light in the order of TYPES; hatches where greys come close.
+FILLS = (("#0072B2", ""), ("#56B4E9", ""), ("#E69F00", "//"), ("#F0E442", ".."), ("#FFFFFF", ""),
+         ("#FFFFFF", "xx"))  # fmt: skip
+STAR: Any = {"marker": "*", "color": "black", "markersize": 10, "linestyle": "none"}
+LABELS = {"from rest": "from rest", "mirrored": "backward before, then stops"}
+SETTINGS: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
+            "hatch.linewidth": 0.6}  # fmt: skip
+ROOM = 1.15
+"""Axes end this much above the largest simulated speed; the theory may leave them."""
+
+
+def figure2(found: Findings) -> Figure:
+    """Speed against tilt: a panel for each set of contact numbers."""
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+        panels = figure.subplots(1, len(found.assumptions), sharey=True)
+        for axes, one in zip(panels, found.assumptions, strict=True):
+            for theory in found.theories:
+                if theory.assumption == one.name:
+                    _draw_theory(axes, theory)
+            _draw_points(axes, [p for p in found.tilts if p.assumption == one.name], "tilt_deg")
+            _mark_facts(axes)
+            axes.set_xlabel("tilt of the legs (deg)")
+            axes.set_title(one.label, fontsize=9)
+        panels[0].set_ylim(-0.08 * _highest(found.tilts), _highest(found.tilts))
+        panels[0].set_ylabel("mean speed (mm/s)")
+        _legend(figure, panels[0])
+    return figure
+
+
+def _highest(points: Sequence[Point]) -> float:
+    speeds = [point.speed.mean for point in points if point.speed is not None]
+    return ROOM * max([FACTS["peak speed"].high, *speeds])
+
+
+def _legend(figure: Figure, axes: Axes, columns: int = 3) -> None:
+    handles, labels = axes.get_legend_handles_labels()
+    figure.legend(
+        handles, labels, loc="outside lower center", ncols=columns, frameon=False, fontsize=8
+    )
+
+
+def _draw_theory(axes: Axes, theory: Theory) -> None:
+    colour, line = THEORY[theory.mode]
+    tilt, speed, sd = theory.curve.tilt_deg, theory.curve.speed, theory.curve.sd
+    axes.plot(tilt, speed, line, color=colour, linewidth=1.2, label=theory.label)
+    axes.fill_between(tilt, speed - sd, speed + sd, color=colour, alpha=0.18, linewidth=0)
+
+
+def _draw_points(axes: Axes, points: Sequence[Point], along: str) -> None:
+    for series in series_of(points):
+        colour, line, marker, label = MODELS[series[0].model]
+        known = [(getattr(point, along), *point.speed) for point in series if point.speed]
+        if known:
+            x, speeds, errors = (np.array(column) for column in zip(*known, strict=True))
+            axes.errorbar(
+                x, speeds, 2.0 * errors, fmt=marker, linestyle=line, color=colour,
+                markerfacecolor="white", markersize=5, linewidth=0.9, capsize=2, label=label,
+            )  # fmt: skip
+
+
+def _mark_facts(axes: Axes) -> None:
+    """The paper's peak with its margins, and what it calls no significant speed."""
+    tilt, speed, braced = FACTS["peak tilt"], FACTS["peak speed"], FACTS["braced"]
+    axes.errorbar(
+        [tilt.value], [speed.value], xerr=[[tilt.value - tilt.low], [tilt.high - tilt.value]],
+        yerr=[[speed.value - speed.low], [speed.high - speed.value]], fmt="none", ecolor="black",
+        elinewidth=1.0, zorder=5,
+    )  # fmt: skip
+    axes.plot([tilt.value], [speed.value], label="the paper's stated peak", zorder=5, **STAR)
+    axes.axhspan(
+        braced.low, braced.high, color="0.8", linewidth=0, zorder=-1,
+        label="the paper's braced walkers: no significant speed",
+    )  # fmt: skip
+
+
+def figure3(found: Findings) -> Figure:
+    """Types of impacts against tilt with the fitted contact: models by rows, countings by columns.
+
+    Types II and III lie at the bottom, so that their common edge meets the paper's 95 %.
+    """
+    fitted = next(one for one in found.assumptions if one.name == FITTED)
+    models = ("relaxed", "compliant")
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(10.0, 5.4), layout="constrained")
+        grid = figure.subplots(len(models), len(COUNTINGS), sharex=True, sharey=True)
+        for row, model in zip(grid, models, strict=True):
+            series = [p for p in found.tilts if (p.assumption, p.model) == (fitted.name, model)]
+            for axes, counting in zip(row, COUNTINGS, strict=True):
+                _stack(axes, [point for point in series if point.shares], counting)
+                axes.set_title(f"{MODELS[model][3].removeprefix('simulated, ')}: {counting}",
+                               fontsize=9)  # fmt: skip
+            row[0].set_ylabel("share (%)")
+        for axes in grid[-1]:
+            axes.set_xlabel("tilt of the legs (deg)")
+        figure.suptitle(f"Types of impacts, {fitted.label}", fontsize=10)
+        _legend(figure, grid[0, 0], columns=4)
+    return figure
+
+
+def _stack(axes: Axes, series: Sequence[Point], counting: str) -> None:
+    places, ground = np.arange(len(series)), np.zeros(len(series))
+    for kind, (colour, hatch) in zip(TYPES, FILLS, strict=True):
+        shares = np.array([100.0 * point.shares[counting, kind].mean for point in series])
+        axes.bar(
+            places, shares, 0.9, bottom=ground, color=colour, hatch=hatch, edgecolor="0.25",
+            linewidth=0.4, label=LABELS.get(kind, f"type {kind}"),
+        )  # fmt: skip
+        ground += shares
+    bound = FACTS["types II and III"].value
+    axes.axhline(bound, color="black", linestyle="--", linewidth=1.2,
+                 label=f"the paper: types II and III make more than {bound:g} %")  # fmt: skip
+    axes.set_ylim(0.0, 100.0)
+    axes.set_xticks(places, [f"{point.tilt_deg:g}" for point in series], fontsize=7.5)
+
+
+def figure5(found: Findings) -> Figure:
+    """Speed against the plate's speed, with lines through zero."""
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+        panels = figure.subplots(1, len(found.assumptions), sharey=True)
+        for axes, one in zip(panels, found.assumptions, strict=True):
+            points = [point for point in found.drives if point.assumption == one.name]
+            _draw_lines(axes, points)
+            for theory in found.theories:
+                if theory.assumption == one.name and theory.mode == "coulomb":
+                    _draw_theory_line(axes, theory, one, points)
+            _draw_points(axes, points, "plate_speed_mm_s")
+            _mark_drive(axes, one)
+            axes.set_xlim(0.0, 1.05 * max(point.plate_speed_mm_s for point in points))
+            axes.set_xlabel("peak speed of the plate (mm/s)")
+            axes.set_title(one.label, fontsize=9)
+        panels[0].set_ylim(-0.08 * _highest(found.drives), _highest(found.drives))
+        panels[0].set_ylabel(f"mean speed at {found.drives[0].tilt_deg:g} deg (mm/s)")
+        _legend(figure, panels[0])
+    return figure
+
+
+def _draw_lines(axes: Axes, points: Sequence[Point]) -> None:
+    end = 1.05 * max(point.plate_speed_mm_s for point in points)
+    for series in series_of(points):
+        slope = through_zero(series)
+        if slope is not None:
+            colour, line, _, label = MODELS[series[0].model]
+            name = label.removeprefix("simulated, ").removesuffix(" (the paper's)")
+            axes.plot([0.0, end], [0.0, slope.mean * end], line, color=colour, alpha=0.5,
+                      linewidth=2.2, label=f"line through zero, {name}")  # fmt: skip
+
+
+def _draw_theory_line(axes: Axes, theory: Theory, one: Assumption, points: Sequence[Point]) -> None:
+    """The theory is proportional to the plate's speed by construction."""
+    colour, line = THEORY[theory.mode]
+    speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
+    peak, end = one.scene.drive.peak_speed, 1.05 * max(p.plate_speed_mm_s for p in points)
+    axes.plot([0.0, end], [0.0, speed * end / peak], line, color=colour, linewidth=1.2,
+              label=theory.label)  # fmt: skip
+
+
+def _mark_drive(axes: Axes, one: Assumption) -> None:
+    """The speed that the paper states for this drive, at its best tilt."""
+    peak, tilt = FACTS["peak speed"], FACTS["peak tilt"]
+    axes.plot(
+        [one.scene.drive.peak_speed], [peak.value], markerfacecolor="white", zorder=5,
+        label=f"the paper's stated peak (at {tilt.value:g} deg)", **STAR,
+    )  # fmt: skip
+
+
+FIGURES: dict[int, Callable[[Findings], Figure]] = {2: figure2, 3: figure3, 5: figure5}

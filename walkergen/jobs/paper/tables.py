@@ -1,0 +1,132 @@
+"""The paper, side by side, as tables: CSV with every digit, a page and a console table to read."""
+
+from collections.abc import Iterator, Sequence
+
+from rich import box
+from rich.table import Table
+
+from walkergen.files.tables import csv_text
+from walkergen.jobs.paper.compare import Row, Theory
+from walkergen.jobs.paper.facts import FACTS
+from walkergen.jobs.paper.sweeps import COUNTINGS, SUMS, TYPES, Assumption, Point
+
+POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
+
+
+def speeds_to_csv(points: Sequence[Point]) -> str:
+    """One line an ensemble: mean speed and impact speed with their standard errors."""
+    columns = (*POINT, "speed_mm_s", "speed_se_mm_s", "impact_speed_mm_s", "impact_speed_se_mm_s")
+    rows = (
+        [*_where(point), *(point.speed or ("", "")), *(point.impact_speed or ("", "")),
+         point.outcomes]
+        for point in points
+    )  # fmt: skip
+    return csv_text((*columns, "outcomes"), rows)
+
+
+def types_to_csv(points: Sequence[Point]) -> str:
+    """One line an ensemble and a way of counting: share of every type, and of II and III."""
+    kinds = (*TYPES, *SUMS)
+    shares = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
+    rows = (
+        [*_where(point), counting,
+         *(number for kind in kinds for number in point.shares[counting, kind])]
+        for point in points if point.shares
+        for counting in COUNTINGS
+    )  # fmt: skip
+    return csv_text((*POINT, "counting", *shares), rows)
+
+
+def theory_to_csv(theories: Sequence[Theory]) -> str:
+    """One line a tilt of each predicted curve."""
+    rows = (
+        [theory.assumption, theory.mode, *map(float, numbers), bool(sticks)]
+        for theory in theories
+        for *numbers, sticks in zip(*theory.curve, strict=True)
+    )
+    columns = ("contact", "mode", "tilt_deg", "speed_mm_s", "speed_sd_mm_s", "a_foot_can_stick")
+    return csv_text(columns, rows)
+
+
+def rows_to_csv(rows: Sequence[Row]) -> str:
+    """One line a comparison, the paper's words and place with it."""
+    columns = ("fact", "figure", "quote", "where", "quantity", "unit", "stated", "margin", "model",
+               "contact", "ours", "ours_se", "verdict", "by")  # fmt: skip
+    lines = []
+    for row in rows:
+        fact = FACTS[row.fact]
+        stated = (fact.key, fact.figure, fact.quote, fact.where, fact.quantity, fact.unit)
+        ours = (row.model, row.assumption, row.ours, row.se, row.verdict.word, row.verdict.by)
+        lines.append([*stated, fact.claim, fact.margin, *ours])
+    return csv_text(columns, lines)
+
+
+def _where(point: Point) -> tuple[str, str, float, float]:
+    return point.assumption, point.model, point.tilt_deg, point.plate_speed_mm_s
+
+
+def to_table(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
+    """For a page: a line a fact and a model, a column a set of contact numbers."""
+    table = Table(box=box.MARKDOWN)
+    for heading in ("", "the paper", "our number from", *(one.label for one in assumptions)):
+        table.add_column(heading, no_wrap=True)
+    for fact, model, first, cells in _lines(rows, assumptions):
+        start = (name(fact), FACTS[fact].claim) if first else ("", "")
+        table.add_row(*start, model, *(map(_told, cells)))
+    return table
+
+
+def to_console(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
+    """The same within 80 columns: = agrees, ! differs, ? undecided."""
+    table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in ("the paper", "our number from"):
+        table.add_column(heading)
+    for one in assumptions:
+        contact = one.scene.contact
+        heading = f"e {contact.restitution:g}\nμ {contact.friction:g}"
+        table.add_column(heading, justify="right", no_wrap=True)
+    for fact, model, first, cells in _lines(rows, assumptions):
+        start = f"{fact} {FACTS[fact].claim}" if first else ""
+        table.add_row(start, model, *(map(_marked, cells)))
+    return table
+
+
+def _lines(
+    rows: Sequence[Row], assumptions: Sequence[Assumption]
+) -> Iterator[tuple[str, str, bool, list[Row | None]]]:
+    """Fact, model, whether the fact's first line, and the rows by assumption."""
+    last = ""
+    for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
+        same = {row.assumption: row for row in rows if (row.fact, row.model) == (fact, model)}
+        yield fact, model, fact != last, [same.get(one.name) for one in assumptions]
+        last = fact
+
+
+def name(fact: str) -> str:
+    """Number and quantity of a fact."""
+    return f"{list(FACTS).index(fact) + 1}. {FACTS[fact].quantity}"
+
+
+def _told(row: Row | None) -> str:
+    if row is None:
+        return ""
+    if row.ours is None:
+        return str(row.verdict)
+    return f"{number(row.ours, row.se)}: {row.verdict}"
+
+
+def _marked(row: Row | None) -> str:
+    if row is None or row.ours is None:
+        return "-"
+    mark = {"agrees": "=", "agrees within": "=", "differs by": "!", "undecided": "?"}
+    return f"{number(row.ours, row.se)} {mark[row.verdict.word]}"
+
+
+def number(value: float, se: float | None) -> str:
+    """A number to the first digits that its error leaves, with twice the error (95 %)."""
+    wide = 2.0 * (se or 0.0)
+    if wide < 0.005:
+        return f"{value:.3g}"
+    digits = max(0, -int(f"{wide:e}".split("e")[1]) + (f"{wide:e}"[0] in "12"))
+    digits = min(digits, 2)
+    return f"{round(value, digits) + 0.0:.{digits}f} ± {wide:.{digits}f}"

@@ -1,0 +1,1 @@
+"""The job `selftest`: hard cases with exact outcomes or invariants."""

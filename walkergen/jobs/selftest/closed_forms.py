@@ -1,0 +1,61 @@
+"""Closed forms of a walker's parts: areas, centres and second moments from the design alone.
+
+Coordinates along (u, from the anchor to the foot) and across (v) a leg of length l and thickness s:
+the leg is the strip |v| <= s/2 from the body's bottom face, u = -v tan(tilt), to its foot.
+"""
+
+import math
+from typing import NamedTuple
+
+from walkergen.walker.design import Design
+
+
+class Shape(NamedTuple):
+    """Of a plane figure: area (mm^2), centre (mm), polar second moment about it (mm^4)."""
+
+    area: float
+    x: float
+    y: float
+    second: float
+
+
+def rectangle(length: float, height: float) -> Shape:
+    """Centred at the origin."""
+    area = length * height
+    return Shape(area, 0.0, 0.0, area * (length**2 + height**2) / 12.0)
+
+
+def leg(design: Design) -> Shape:
+    """A leg without its brace, its anchor at the origin; its round foot a true half circle."""
+    s, foot = design.leg_thickness, design.legs.foot
+    k, r = -math.tan(design.tilt), 0.5 * s
+    side = design.legs.length_mm - (r if foot == "round" else 0.0)
+    # Integrals of 1, u, v, u^2 + v^2 over the strip up to a straight end at u = side ...
+    area, along, across = side * s, 0.5 * side**2 * s - k**2 * s**3 / 24.0, -k * s**3 / 12.0
+    second = side**3 * s / 3.0 + side * s**3 / 12.0
+    if foot == "flat":  # ... or parallel to the plate, at u = side + k v,
+        along, across = 0.5 * side**2 * s, 0.0
+        second += side * k**2 * s**3 / 12.0
+    elif foot == "round":  # ... and with the half circle's.
+        disc = 0.5 * math.pi * r**2
+        area, along = area + disc, along + disc * side + 2.0 / 3.0 * r**3
+        second += disc * (side**2 + 0.5 * r**2) + 4.0 / 3.0 * side * r**3
+    u, v = along / area, across / area
+    sin, cos = math.sin(design.tilt), math.cos(design.tilt)
+    return Shape(area, cos * v - sin * u, -sin * v - cos * u, second - area * (u**2 + v**2))
+
+
+def brace_outside(design: Design) -> float:
+    """Area (mm^2) by which a flat-footed leg's brace adds to the leg.
+
+    Where their centre lines are d apart the brace is within the leg up to d = (w - b) / 2 and clear
+    of it from d = (w + b) / 2 on, w and b their widths; d falls evenly from the brace's offset at
+    the body to 0 at the foot.
+    """
+    cos, brace = math.cos(design.tilt), design.legs.brace_thickness_mm
+    height, offset = design.legs.length_mm * cos, abs(design.brace_offset)
+    within = 0.5 * (design.leg_thickness / cos - brace)
+    if offset <= within:
+        return 0.0
+    partly = min(offset - within, brace)
+    return height * (0.5 * partly**2 + brace * (offset - within - partly)) / offset

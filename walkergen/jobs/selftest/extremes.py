@@ -1,0 +1,241 @@
+"""Hard cases at the ends of the ranges: friction, drive, masses, stiffness, angles, starts."""
+
+import itertools
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.jobs.selftest.case import COMPLIANT, EVERY, GEOMETRY, RIGID, Case, Check, exactly
+from walkergen.jobs.selftest.scenes import (
+    ANGLE_BACK,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    SPIN,
+    STILL,
+    V_Y,
+    Array,
+    X,
+    Y,
+    advance,
+    engine_of,
+    feet,
+    lift,
+    shaken,
+    with_legs,
+)
+from walkergen.jobs.selftest.survival import survives
+from walkergen.scene import GRAVITY
+from walkergen.simulation import drive as plate
+from walkergen.simulation import record
+from walkergen.simulation.run import Outcome
+from walkergen.walker.design import Design
+
+
+def _below_one_g(model: str, method: str) -> Iterator[Check]:
+    engine = engine_of(
+        model, method, 10.0, drive=shaken(0.999), contact={"restitution": 0.8, "friction": 0.25}
+    )
+    if model == "compliant":  # critically damped, or legs that are let go bounce for long
+        engine = with_legs(engine, 1.0, 1.0)
+    seconds = 1e4 if method == "event" and model != "compliant" else 0.1
+    state = engine.start(0.0, 0.0, 0.5 * math.pi)
+    shaker = engine.arguments[1]
+    state[V_Y] = plate.velocity(shaker, state[PHASE])
+    advance(engine, state, 0.3)
+    place = state[X]
+    outcome, tally = advance(engine, state, seconds)
+    yield exactly("no impact", outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0)
+    yield Check(
+        "time out of contact, s",
+        abs(seconds - tally.sums[record.CONTACT_TIME]),
+        1e-12 * seconds + 1e-12,
+        "rounding of the time",
+    )
+    off = float(np.abs(feet(engine, state)[:, 1]).max())
+    yield Check("feet off the plate, mm", off, 1e-13, "rounding: drift is taken back each step")
+    if model != "compliant":  # whose legs let go of the plate's friction once a period, and creep
+        yield Check("way, mm", abs(state[X] - place), 1e-12, "held by friction; rounding")
+
+
+def _drives(model: str, method: str) -> Iterator[Check]:
+    for gamma in (1.0, 1.0 + 1e-9, 50.0):
+        for mu in (0.0, 0.25, 1e3):
+            engine = engine_of(model, method, drive=shaken(gamma), contact={"friction": mu})
+            yield from survives(engine, (model, method), 0.1, f"{gamma:.10g} g, mu = {mu:g}")
+
+
+def _steep(model: str, method: str) -> Iterator[Check]:
+    for tilt in (60.0, -60.0):
+        engine = engine_of(model, method, tilt, drive=shaken(1.8))
+        yield from survives(engine, (model, method), 0.1, f"tilt {tilt:g} deg")
+
+
+def _laws(model: str, method: str) -> Iterator[Check]:
+    for law in ("poisson", "newton", "stronge"):
+        for e in (0.0, 1.0):
+            contact = {"restitution": e, "friction": 0.25, "law": law}
+            engine = engine_of(model, method, drive=shaken(1.8), contact=contact)
+            yield from survives(engine, (model, method), 0.1, f"{law}, e = {e:g}")
+
+
+def _never_gains(model: str, method: str) -> Iterator[Check]:
+    worst = math.inf
+    for e in (0.0, 0.8, 1.0):
+        contact = {"restitution": e, "friction": 0.25, "law": "stronge"}
+        engine = engine_of(model, method, drive=shaken(1.8), contact=contact)
+        state = engine.start(0.03, 0.0, 1.0)
+        state[PITCH] += 2e-3
+        lift(engine, state, 0.03)
+        _, tally = advance(engine, state, 0.1)
+        worst = min(worst, tally.sums[record.IMPACT_LOSS] / tally.sums[record.PLATE_WORK])
+    yield Check(
+        "energy gained in impacts, over the plate's work",
+        max(0.0, -worst),
+        1e-9,
+        "rounding of the sum over a hundred impacts",
+    )
+
+
+def _any_mass(model: str, method: str) -> Iterator[Check]:
+    for ratio in (1e-9, 1e-3, 1.0, 1e3):
+        if (method, ratio, model) == ("event", 1e-9, "compliant"):
+            continue  # a leg that swings at 20 MHz: no explicit method follows it
+        engine = engine_of(model, method, leg_mass=0.833 * ratio, drive=shaken(1.8))
+        limit = (5e-2, "steps of 30 us against legs of any frequency") if method == "step" else None
+        yield from survives(engine, (model, method), 0.05, f"m/M = {ratio:g}", limit)
+
+
+def _topples(model: str, method: str) -> Iterator[Check]:
+    falls = (("over a foot", 0.5, 0.5, 20.0), ("in flight", 4.0, 0.0, 50.0))
+    for (way, gap, pitch, spin), side in itertools.product(falls, (1.0, -1.0)):
+        engine = engine_of(
+            model, method, drive=STILL, contact={"restitution": 0.0, "friction": 1.0}
+        )
+        state = engine.start(gap, 0.0, 0.5 * math.pi)
+        state[PITCH], state[SPIN] = side * pitch, side * spin
+        lift(engine, state, gap)
+        outcome, tally = advance(engine, state, 2.0)
+        yield exactly(f"{way}: reported as toppled", outcome is Outcome.TOPPLED)
+        yield exactly(f"{way}: before the end", 0.0 < tally.sums[record.ELAPSED] < 1.0)
+        limit = 1e-9 if model != "compliant" and method == "event" else 0.8
+        yield Check(
+            f"{way}: height of the corner then, mm",
+            abs(_corner(state)),
+            limit,
+            "located; by steps and on springs, seen after the step: 500 mm/s x 1.5 ms",
+        )
+        yield Check(
+            f"{way}: 44.6 deg less the pitch then",
+            44.6 - math.degrees(abs(state[PITCH])),
+            2.0 if model == "compliant" else 0.1,
+            "physics.md gives three digits; bent legs let it down earlier",
+        )
+
+
+def _corner(state: Array) -> float:
+    """Height of the lowest corner of the paper's body over a plate at rest, mm."""
+    cos, sin = math.cos(state[PITCH]), math.sin(state[PITCH])
+    return float(state[Y]) - 14.0 * abs(sin) - 1.5 * cos
+
+
+def _stiff(model: str, method: str) -> Iterator[Check]:
+    """k_t -> infinity: the legs of a resting walker bend in proportion to 1 / k_t."""
+    sunk = []
+    for factor in (1e2, 1e4):
+        engine = engine_of(
+            model, method, 20.0, drive=STILL, contact={"restitution": 0.0, "friction": 0.0}
+        )
+        engine = with_legs(engine, factor, 1.0)
+        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        height = float(state[Y])
+        advance(engine, state, 0.03)
+        sunk.append(height - float(state[Y]))
+    walker = engine.arguments[0]
+    load = 0.5 * walker.mass * GRAVITY
+    bent = load * walker.reach_x**2 * 1e2 / walker.legs.stiffness
+    yield Check(
+        "depth against load x lever^2 / k_t, relative",
+        abs(sunk[0] / bent - 1),
+        0.2,
+        "both feet alike up to the legs' weight and the shift of the load",
+    )
+    yield Check(
+        "a hundredfold stiffness, a hundredth: relative",
+        abs(sunk[0] / sunk[1] / 100 - 1),
+        1e-2,
+        "finite angles of the softer legs",
+    )
+
+
+def _soft(model: str, method: str) -> Iterator[Check]:
+    engine = engine_of(
+        model, method, 35.0, drive=STILL, contact={"restitution": 0.0, "friction": 0.25}
+    )
+    engine = with_legs(engine, 1e-5, 1.0)
+    outcome, tally = advance(engine, engine.start(0.0, 0.0, 0.5 * math.pi), 0.5)
+    yield exactly(
+        "reported as folded or toppled, before the end",
+        outcome in (Outcome.FOLDED, Outcome.TOPPLED) and tally.sums[record.ELAPSED] < 0.5,
+    )
+
+
+def _damping(model: str, method: str) -> Iterator[Check]:
+    """In flight: without damping energy stays; critical and beyond, a leg does not swing back."""
+    for ratio in (0.0, 1.0, 3.0):
+        engine = with_legs(engine_of(model, method, drive=STILL), 1.0, ratio)
+        state = engine.start(50.0, 0.0, 0.5 * math.pi)
+        state[ANGLE_BACK] = 0.05
+        before = engine.energy(state)
+        lowest = math.inf
+        total = record.new(len(state))
+        for _ in range(20):
+            _, tally = advance(engine, state, 1e-4)
+            total.sums[:] += tally.sums
+            lowest = min(lowest, float(state[ANGLE_BACK]))
+        swing = 0.5 * engine.arguments[0].legs.stiffness * 0.05**2
+        off = abs(engine.energy(state) - before + total.sums[record.DAMPING_LOSS]) / swing
+        limit = 1e-6 if method == "event" else 1e-2
+        yield Check(
+            f"ratio {ratio:g}: energy unaccounted for, over the swing's",
+            off,
+            limit,
+            "tolerance of 1e-10 a step; by steps, a kick of second order",
+        )
+        if ratio >= 1.0:
+            yield exactly(
+                f"ratio {ratio:g}: no swing back beyond the body's own",
+                lowest > -1e-3 * 0.05 and abs(state[RATE_BACK]) < 1e3,
+            )
+
+
+def _laid_flat(model: str, method: str) -> Iterator[Check]:
+    """Tilt towards 90 deg: refused with the limit, up to which it can be built."""
+    for tilt in (90.0, 89.999, -90.0, math.nan, 80.0, -70.0):
+        try:
+            Design.model_validate({"legs": {"tilt_deg": tilt}})
+            told = ""
+        except (InputError, ValueError) as refusal:
+            told = str(refusal)
+        limit = "finite" if math.isnan(tilt) else "85" if abs(tilt) > 85.0 else "is possible"
+        yield exactly(f"tilt {tilt:g} deg: refused with the limit", limit in told)
+    for tilt in (68.16, -68.16):
+        design = Design.model_validate({"legs": {"tilt_deg": tilt}})
+        yield exactly(f"tilt {tilt:g} deg, the limit told: accepted", design.legs.tilt_deg == tilt)
+
+
+CASES = [
+    Case("steep legs", "6.1", EVERY, _steep),
+    Case("legs laid flat", "6.1", GEOMETRY, _laid_flat),
+    Case("every law at e = 0 and 1", "6.4", EVERY, _laws),
+    Case("stronge: impacts never gain energy", "6.4", (*RIGID, *COMPLIANT), _never_gains),
+    Case("legs of any mass", "6.5", (("relaxed", "event"), *COMPLIANT), _any_mass),
+    Case("below one g: never leaves", "6.6", EVERY, _below_one_g),
+    Case("just at one g, and fifty", "6.6", EVERY, _drives),
+    Case("falling over", "6.11", EVERY, _topples),
+    Case("stiff legs: towards the braced walker", "6.14", COMPLIANT, _stiff),
+    Case("soft legs fold", "6.14", COMPLIANT, _soft),
+    Case("damping 0, critical and beyond", "6.14", COMPLIANT, _damping),
+]

@@ -1,0 +1,326 @@
+"""Hard cases of one impact, and of the cascade that one landing on relaxed legs is."""
+
+import math
+from collections.abc import Iterator
+from fractions import Fraction
+
+import numpy as np
+
+from walkergen.jobs.selftest import exact
+from walkergen.jobs.selftest.case import CASCADE, IMPACT_LAW, Case, Check, exactly
+from walkergen.jobs.selftest.scenes import LEG, design_of, masses
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import Contact
+from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
+from walkergen.simulation.relaxed.walker import Tensor
+from walkergen.theory import speed
+from walkergen.theory.impact import Impact, Kind, Law, determinant, energy_change, impact, resolve
+from walkergen.theory.tensors import InverseMass, feet, rigid
+
+ROUNDING = "rounding of some ten operations, times the tensor's condition (up to 1e4)"
+
+
+def _random_impacts(
+    count: int, seed: int
+) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
+    """Tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
+    rng = np.random.default_rng(seed)
+    for _ in range(count):
+        root = rng.normal(size=(2, 2))
+        h = root @ root.T
+        h += 1e-4 * np.trace(h) * np.eye(2)
+        v_x = float(rng.choice([0.0, rng.normal(), 0.05 * rng.normal()]))
+        e = float(rng.choice([0.0, 1.0, rng.uniform()]))
+        mu = float(rng.choice([0.0, 5.0, 1e3, 10 ** rng.uniform(-2, 1)]))
+        H = (float(h[0, 0]), float(h[0, 1]), float(h[1, 1]))
+        yield H, (v_x, -float(rng.uniform(0.1, 1.0))), e, mu
+
+
+def _distance(found: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
+    """Largest difference from the exact impact, relative to impulse and speed."""
+    F_x, F_y, v_x, v_y = expected
+    impulse = float(max(abs(F_x), F_y))
+    return max(
+        float(abs(Fraction(found.F_x) - F_x)) / impulse,
+        float(abs(Fraction(found.F_y) - F_y)) / impulse,
+        float(abs(Fraction(found.v_x) - v_x)) / speed_before,
+        float(abs(Fraction(found.v_y) - v_y)) / speed_before,
+    )
+
+
+def _agrees_with_exact(model: str, method: str) -> Iterator[Check]:
+    for law in (Law.POISSON, Law.NEWTON):
+        worst, kinds = 0.0, set()
+        for H, v, e, mu in _random_impacts(400, seed=int(law) + 1):
+            found = resolve(H, v, e, mu, law)
+            expected = exact.follow(H, v, e, mu, law)
+            worst = max(worst, _distance(found, expected, math.hypot(*v)))
+            kinds.add((found.kind, found.sticks))
+        yield Check(f"{law.name.lower()}: 400 impacts in exact fractions", worst, 1e-9, ROUNDING)
+        yield exactly(
+            f"{law.name.lower()}: every type of impact met, stuck and slipping",
+            {kind for kind, _ in kinds} >= {*Kind} - {Kind.NONE} and len(kinds) >= 10,
+        )
+
+
+def _no_friction(model: str, method: str) -> Iterator[Check]:
+    sideways = 0.0
+    for H, v, e, _ in _random_impacts(200, seed=5):
+        for law in Law:
+            sideways = max(sideways, abs(resolve(H, v, e, 0.0, law).F_x))
+    yield Check("horizontal impulse", sideways, 0.0, "exact: 0 times the normal impulse")
+
+
+def _jamming(model: str, method: str) -> Iterator[Check]:
+    """Sliding that presses the foot ever harder down, until it stops and sticks."""
+    H, mu, e = (1.0, -0.9, 1.0), 2.0, 0.5
+    out = resolve(H, (-0.5, -1.0), e, mu)
+    stop = 0.5 / (mu * H[0] + H[1])
+    v_stop = -1.0 + (H[2] + mu * H[1]) * stop
+    stuck = (H[0] * H[2] - H[1] ** 2) / H[0]
+    expected = (1 + e) * (stop - v_stop / stuck)
+    yield exactly(
+        "slip stops while pressed, then sticks",
+        out.kind == Kind.III_MIRRORED and bool(out.sticks) and out.v_x == 0.0,
+    )
+    yield Check(
+        "normal impulse against the closed form",
+        abs(out.F_y / expected - 1),
+        1e-13,
+        "rounding of some ten operations",
+    )
+    just_out = resolve(H, (-0.5, -1.0), e, H[2] / -H[1] * (1 - 1e-12))
+    yield exactly("finite at the border of jamming", math.isfinite(just_out.F_y))
+
+
+def _singular(model: str, method: str) -> Iterator[Check]:
+    """Tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
+    worst = det = 0.0
+    for condition in (1e8, 1e10, 1e12):
+        x = 1.0 / 3.0
+        H = (x, x, x * (1 + 4 / condition))
+        xx, xy, yy = (Fraction(entry) for entry in H)
+        true = float(xx * yy - xy * xy)
+        det = max(det, abs(determinant(*H) / true - 1))
+        out = resolve(H, (0.1, -1.0), 0.0, 1e15)
+        left_x = 0.1 + float(xx * Fraction(out.F_x) + xy * Fraction(out.F_y))
+        left_y = -1.0 + float(xy * Fraction(out.F_x) + yy * Fraction(out.F_y))
+        worst = max(worst, math.hypot(left_x, left_y) / (abs(out.F_y) * x))
+    yield Check("determinant against exact fractions", det, 1e-14, "rounding of the result")
+    yield Check("speed left, over H F", worst, 1e-15, "rounding of the impulse itself")
+
+
+def _energy(model: str, method: str) -> Iterator[Check]:
+    gains = dict.fromkeys(Law, 0.0)
+    for H, v, _, mu in _random_impacts(600, seed=3):
+        for law in Law:
+            out = resolve(H, v, 1.0, mu, law)
+            gains[law] = max(gains[law], energy_change(v, out) / (math.hypot(*v) * out.F_y))
+    for law in (Law.STRONGE, Law.POISSON):
+        yield Check(
+            f"{law.name.lower()}: energy gained at e = 1",
+            gains[law],
+            1e-12,
+            "rounding of the works' sum",
+        )
+    yield exactly("newton's gain is seen and reported", gains[Law.NEWTON] > 0.1)
+    plastic = 0.0
+    for H, v, _, mu in _random_impacts(200, seed=4):
+        for law in Law:
+            out = resolve(H, v, 0.0, mu, law)
+            plastic = max(plastic, energy_change(v, out) / (math.hypot(*v) * out.F_y))
+    yield Check("any law: energy gained at e = 0", plastic, 1e-12, "rounding of the works' sum")
+
+
+def _stationary(model: str, method: str) -> Iterator[Check]:
+    """At the closed form's speed an impact gives no horizontal impulse."""
+    for name in speed.LAWS:
+        law, worst, third = Law[name.upper()], 0.0, True
+        for H, _, e, mu in _random_impacts(400, seed=9):
+            if mu == 0.0:
+                continue
+            v_x = float(speed.factor(InverseMass(*H), e, mu, "coulomb", name))
+            out = resolve(H, (v_x, -1.0), e, mu, law)
+            # what the rounding of v_x alone moves F_x by is mu F_y eps v_x / v_x
+            worst = max(worst, abs(out.F_x) / (out.F_y * max(mu, 1.0)))
+            third = third and (abs(out.kind) in (3, 5) or e == 1.0)  # e = 1: a tie with II
+        yield Check(f"{name}: horizontal over normal impulse", worst, 1e-10, ROUNDING)
+        if name == "poisson":
+            yield exactly("poisson: always type III", third)
+
+
+def _upright_factors(model: str, method: str) -> Iterator[Check]:
+    """By symmetry the feet of an upright walker push in opposite directions."""
+
+    def factors(tilt: float, e: float, mu: float) -> speed.Factors:
+        return speed.factors(masses(design_of("relaxed", tilt)), e, mu)
+
+    mean = odd = jump = 0.0
+    for e in (0.0, 0.8, 1.0):
+        for mu in (0.0, 0.1, 5.0, 1e3):
+            at_zero = factors(0.0, e, mu)
+            mean = max(mean, abs(float(at_zero.mean)))
+            right, left = factors(1e-12, e, mu), factors(-1e-12, e, mu)
+            odd = max(odd, abs(float(right.mean + left.mean)))
+            if mu > 0.0:
+                jump = max(jump, abs(float(right.mean)) / (1.0 + abs(float(at_zero.back))))
+    yield Check("mean speed of the feet at tilt 0, over w", mean, 0.0, "exact: mirror images")
+    yield Check("mean at +-1e-12 deg, summed", odd, 0.0, "exact: mirror images")
+    yield Check(
+        "mean at 1e-12 deg, over w",
+        jump,
+        1e-9,
+        "speed grows by at most 1e3 per degree below 0.05 deg",
+    )
+
+
+def _mirror(model: str, method: str) -> Iterator[Check]:
+    worst = 0.0
+    for (xx, xy, yy), (v_x, v_y), e, mu in _random_impacts(300, seed=6):
+        for law in Law:
+            out = resolve((xx, xy, yy), (v_x, v_y), e, mu, law)
+            image = resolve((xx, -xy, yy), (-v_x, v_y), e, mu, law)
+            worst = max(
+                worst,
+                abs(image.F_x + out.F_x),
+                abs(image.F_y - out.F_y),
+                abs(image.v_x + out.v_x),
+                abs(image.v_y - out.v_y),
+            )
+    yield Check("impulse and velocity of the mirror image", worst, 0.0, "exact: only signs differ")
+
+
+def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
+    """Light legs: H m / 3 -> P(c) / |c|^2 (physics.md section 2); heavy: positive definite."""
+    design = design_of("relaxed", 10.0)
+    reach = np.array(design.anchor_to_foot)
+    worst, least = 0.0, math.inf
+    for ratio in (1e-9, 1e-6, 1e-3, 1.0, 1e3):
+        loose = masses(design, leg_mass=0.833 * ratio)
+        H = feet(loose)[0]
+        least = min(least, determinant(float(H.xx), float(H.xy), float(H.yy)))
+        if ratio <= 1e-6:
+            m, M = float(loose.m), float(loose.M)
+            found = np.array([H.xx, H.xy, H.yy]) * m / 3.0
+            limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG**2
+            worst = max(worst, float(abs(found - limit).max()) * M / m)
+    yield Check(
+        "distance from the light leg's limit, over m/M",
+        worst,
+        2.0,
+        "the next order of the limit is m/M times the body's own mobility",
+    )
+    yield exactly("positive definite for m/M of 1e-9 to 1e3", least > 0.0)
+
+
+def _tensors(tilt_deg: float, leg_mass: float) -> list[tuple[Tensor, Tensor]]:
+    """(flexible, rigid) of the back and of the front foot."""
+    mass = masses(design_of("relaxed", tilt_deg), leg_mass)
+    pairs = []
+    for own, anchor in zip(feet(mass), (mass.a, mass.b), strict=True):
+        H = rigid(mass.M, mass.J, anchor + mass.c_A + mass.c_T)
+        pairs.append((Tensor(*(float(v) for v in own)), Tensor(*(float(v) for v in H))))
+    return pairs
+
+
+def _landed(own: Tensor, H: Tensor, v_x: float, contact: Contact) -> tuple[Landing, int]:
+    counts = np.zeros(9, np.int64)
+    landing: Landing = cascade(own, H, v_x, -1.0, contact, counts)  # type: ignore[no-untyped-call]
+    return landing, int(counts[0])
+
+
+@kernel
+def _one_by_one(own: Tensor, H: Tensor, v_x: float, contact: Contact) -> tuple[float, float]:
+    """The landing's impulse summed impact by impact, until the approach is below 1e-14."""
+    e, mu, law = contact
+    v_y, F_x, F_y = -1.0, 0.0, 0.0
+    for _ in range(3_000_000):
+        hit = impact(own.xx, own.xy, own.yy, v_x, v_y, e, mu, law)
+        F_x, F_y = F_x + hit.F_x, F_y + hit.F_y
+        v_x += H.xx * hit.F_x + H.xy * hit.F_y
+        v_y += H.xy * hit.F_x + H.yy * hit.F_y
+        if v_y >= -1e-14:
+            return F_x, F_y
+    return math.nan, math.nan
+
+
+def _sum_of_impacts(model: str, method: str) -> Iterator[Check]:
+    for law in Law:
+        rng, worst = np.random.default_rng(int(law)), 0.0
+        for _ in range(1500):
+            own, H = _tensors(rng.uniform(-60, 60), 10 ** rng.uniform(-3, 0))[rng.integers(2)]
+            mu = float(rng.choice([0.0, 10 ** rng.uniform(-2, 3)]))
+            contact = Contact(float(rng.choice([0.0, 1.0, rng.uniform()])), mu, int(law))
+            v_x = float(rng.choice([0.0, rng.normal() * 10 ** rng.uniform(-2, 2)]))
+            landing, _ = _landed(own, H, v_x, contact)
+            F_x, F_y = _one_by_one(own, H, v_x, contact)
+            gap = math.hypot(landing.F_x - F_x, landing.F_y - F_y) / math.hypot(F_x, F_y)
+            worst = math.nan if math.isnan(gap) else max(worst, gap)
+        yield Check(
+            f"{law.name.lower()}: impulse of 1500 landings, impact by impact",
+            worst,
+            1e-9,
+            "the sum is cut at an approach of 1e-14; 1e5 roundings",
+        )
+
+
+def _finite_work(model: str, method: str) -> Iterator[Check]:
+    rng = np.random.default_rng(7)
+    most, cone, finished, mirror = 0, 0.0, True, 0.0
+    for _ in range(6000):
+        own, H = _tensors(rng.uniform(-65, 65), 10 ** rng.uniform(-10, 3))[rng.integers(2)]
+        mu = float(rng.choice([0.0, 5.0, 1e3, rng.uniform(0, 1)]))
+        contact = Contact(float(rng.choice([0.0, 1.0, 0.8])), mu, 0)
+        v_x = float(rng.choice([0.0, rng.normal() * 10 ** rng.uniform(-3, 3)]))
+        landing, impacts = _landed(own, H, v_x, contact)
+        finished = finished and bool(landing.finished) and landing.v_y >= 0.0
+        most = max(most, impacts)
+        cone = max(cone, abs(landing.F_x) - mu * landing.F_y * (1 + 1e-9))
+        image, _ = _landed(own._replace(xy=-own.xy), H._replace(xy=-H.xy), -v_x, contact)
+        mirror = max(mirror, abs(image.F_x + landing.F_x), abs(image.F_y - landing.F_y))
+    yield exactly("every landing ends without approach", finished)
+    yield Check(
+        "impacts computed in one landing",
+        most,
+        10_000,
+        "legs of 1e-10 g make 1e10 impacts; runs of one type are raised to powers",
+    )
+    yield Check("impulse outside the friction cone", cone, 0.0, "1e-9: rounding of H^-1")
+    yield Check("impulse of the mirror image", mirror, 0.0, "exact: only signs differ")
+
+
+def _closed_form(model: str, method: str) -> Iterator[Check]:
+    """Sliding throughout: a plastic rigid impact, in which e and the flexible tensor drop out."""
+    worst = held = 0.0
+    tails, mu = 0, 0.1
+    for tilt in (3.0, 10.0, 20.0, 35.0):
+        for e in (0.0, 0.5, 0.9):
+            for own, H in _tensors(tilt, 0.02976):
+                normal = 1.0 / (H.yy - mu * H.xy)
+                if (1 + e) / normal < own.yy - mu * own.xy:  # else the first impact separates
+                    landing, _ = _landed(own, H, 1e3, Contact(e, mu, 0))
+                    off = math.hypot(landing.F_x + mu * normal, landing.F_y - normal)
+                    worst, tails = max(worst, off / normal), tails + 1
+                stop = stopping_impulse(H, 0.1, -1.0)
+                landing, _ = _landed(own, H, 0.1, Contact(0.0, 1e3, 0))
+                if landing.v_x == 0.0 and landing.v_y == 0.0:
+                    held = max(held, math.hypot(landing.F_x - stop[0], landing.F_y - stop[1]))
+    yield exactly("most landings at 3 to 35 deg have such a tail", tails >= 15)
+    yield Check("fast slip: (w / k_r) (-mu, 1)", worst, 1e-12, "rounding of some ten operations")
+    yield Check("held by friction: -H^-1 v, g mm/s", held, 1e-9, "an approach cut at 1e-13")
+
+
+CASES = [
+    Case("upright walker: closed-form speeds", "6.1", IMPACT_LAW, _upright_factors),
+    Case("no friction: one impact", "6.2", IMPACT_LAW, _no_friction),
+    Case("jamming: one impact", "6.2", IMPACT_LAW, _jamming),
+    Case("impact law in exact fractions", "6.3", IMPACT_LAW, _agrees_with_exact),
+    Case("nearly singular tensor", "6.3", IMPACT_LAW, _singular),
+    Case("stationary speed at any e and friction", "6.3", IMPACT_LAW, _stationary),
+    Case("energy in one impact", "6.4", IMPACT_LAW, _energy),
+    Case("legs of any mass: tensor", "6.5", IMPACT_LAW, _light_and_heavy_legs),
+    Case("chatter: sum of the impacts", "6.10", CASCADE, _sum_of_impacts),
+    Case("chatter: finite work", "6.10", CASCADE, _finite_work),
+    Case("chatter: closed form of the tail", "6.10", CASCADE, _closed_form),
+    Case("mirror image: one impact", "6.13", IMPACT_LAW, _mirror),
+]

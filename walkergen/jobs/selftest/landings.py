@@ -1,0 +1,189 @@
+"""Hard cases of landings: both feet in one instant, feet that swing, starts in or on the plate."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.jobs.selftest.case import (
+    COMPLIANT,
+    EVERY,
+    RIGID,
+    THREE_COORDINATES,
+    Case,
+    Check,
+    exactly,
+)
+from walkergen.jobs.selftest.scenes import (
+    ANGLE_BACK,
+    MODE_BACK,
+    MODE_FRONT,
+    OPEN,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    STILL,
+    V_X,
+    V_Y,
+    Array,
+    X,
+    Y,
+    advance,
+    engine_of,
+    fall_time,
+    feet,
+    lift,
+    mirrored,
+    shaken,
+    with_legs,
+)
+from walkergen.simulation.compliant.chain import chain_of
+from walkergen.simulation.compliant.flight import clear_time
+from walkergen.simulation.run import Engine, Outcome
+
+INSTANT = 1e-12
+"""s: what happens at once, and nothing else."""
+
+
+def _both_feet(model: str, method: str) -> Iterator[Check]:
+    """Level landings with any spin, at any tilt and friction, by Stronge's law."""
+    rng = np.random.default_rng(11)
+    approach = gain = image = 0.0
+    finished = True
+    for _ in range(80):
+        tilt = float(rng.choice([0.0, 5.0, 10.0, 20.0, 35.0]))
+        contact = {
+            "restitution": float(rng.choice([0.0, 0.8, 1.0])),
+            "friction": float(rng.choice([0.0, 0.1, 0.25, 5.0, 1e3])),
+            "law": "stronge",
+        }
+        engine = engine_of(model, method, tilt, drive=STILL, contact=contact)
+        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state[V_X], state[V_Y] = 30.0 * rng.normal(), -30.0 * rng.uniform()
+        state[SPIN] = 3.0 * rng.normal()
+        other, before = mirrored(state), engine.energy(state)
+        kinetic = before - engine.energy(engine.start(0.0, 0.0, 0.5 * math.pi))
+        for _ in range(3):  # the impact of one foot may bring down the other, left to the next step
+            outcome, _ = advance(engine, state, INSTANT)
+            finished = finished and outcome is Outcome.OK
+        approach = max(approach, -float(feet(engine, state)[:, 3].min()))
+        gain = max(gain, (engine.energy(state) - before) / kinetic)
+        image_engine = engine_of(model, method, -tilt, drive=STILL, contact=contact)
+        for _ in range(3):
+            advance(image_engine, other, INSTANT)
+        image = max(image, float(np.abs(mirrored(other) - state)[[V_X, V_Y, SPIN]].max()))
+    yield exactly("every landing ends", finished)
+    limit = 0.5 if method == "step" else 1e-2
+    reason = "resting speed: the event's snap of 1e-3; g h and more on springs for steps of 30 us"
+    yield Check("approach left, mm/s", approach, limit, reason)
+    if model != "relaxed":  # whose scheme may gain where H_rigid > H_flexible
+        yield Check("energy gained, over the kinetic", gain, 1e-9, "rounding of the sums")
+    exact = (model, method) in THREE_COORDINATES
+    yield Check(
+        "velocities of the mirror image, mm/s",
+        image,
+        0.0 if exact else 1e-9,
+        "exact: only signs differ" if exact else "rounding of the hinged chain's inverse",
+    )
+
+
+def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
+    """Upright, pitched by 1e-13 rad: one foot is 1e-12 mm lower, and yet both land as one."""
+    for pitch in (1e-13, -1e-13):
+        engine = engine_of(
+            model,
+            method,
+            0.0,
+            drive=STILL,
+            run={"step_us": 10.0},
+            contact={"restitution": 0.5, "friction": 0.25},
+        )
+        state = engine.start(0.03, 0.0, 0.5 * math.pi)
+        state[PITCH], state[V_Y] = pitch, 0.0
+        lift(engine, state, 0.03)
+        advance(engine, state, 1.2 * fall_time(0.03))
+        yield exactly(f"pitch {pitch:g}: in the air again", state[V_Y] > 0.0)
+        yield Check(
+            f"pitch {pitch:g}: spin after, rad/s",
+            abs(state[SPIN]),
+            1e-6,
+            "rounding, grown by an impact; one foot at a time would make some 1 rad/s",
+        )
+
+
+def _swinging(model: str, method: str) -> Iterator[Check]:
+    """The time for which a long step of flight is told to be clear of the plate, looked through.
+
+    Hardest: upright legs on their fastest swing, which turn the body, while the plate rises at its
+    largest acceleration.
+    """
+    rng, raised = np.random.default_rng(1), 100.0
+    deepest, used = 0.0, 0
+    for _ in range(250):
+        tilt = float(rng.choice([0.0, 0.0, 2.0, 5.0, 20.0]))
+        engine = engine_of(model, method, tilt, drive=shaken(1.8))
+        flow = engine_of(model, "event", tilt, drive=shaken(1.8))
+        state = engine.start(0.0, 0.0, rng.uniform(3.8, 4.7))
+        state[SPIN] = 0.3 * rng.normal()
+        if len(state) > 9:  # up to 6 degrees, and the spin that keeps the whole from turning
+            swing = engine.arguments[0].legs.swing
+            size = 10 ** rng.uniform(-2.5, -1.0)
+            state[ANGLE_BACK:] = size * rng.normal(size=4) * (0.1, 0.1, 1e4, 1e4)
+            state[SPIN] -= swing.share_back * state[RATE_BACK]
+            state[SPIN] -= swing.share_front * state[RATE_FRONT]
+        lift(engine, state, 10 ** rng.uniform(-3.0, -0.5))
+        state[V_Y] += 2.0 * rng.normal() - float(feet(engine, state)[:, 3].mean())
+        clear = _clear_time(engine, state)
+        used += clear > 0.0
+        state[Y] += raised
+        for _ in range(16):
+            advance(flow, state, min(clear, 1.5e-3) / 16.0)
+            deepest = max(deepest, raised - float(feet(flow, state)[:, 1].min()))
+    yield exactly("many of 250 flights have such a time", used > 60)
+    yield Check("foot below the plate within it, mm", deepest, 1e-9, "error of the flow")
+
+
+def _clear_time(engine: Engine, state: Array) -> float:
+    walker, shaker = engine.arguments[:2]
+    chain: Any = chain_of(walker, state, 0.0)  # type: ignore[no-untyped-call]
+    gaps = tuple(float(height) for height in feet(engine, state)[:, 1])
+    return float(clear_time(walker, shaker, state, chain, gaps))  # type: ignore[no-untyped-call]
+
+
+def _starts(model: str, method: str) -> Iterator[Check]:
+    engine = engine_of(model, method, drive=STILL, contact={"restitution": 0.8, "friction": 0.25})
+    if model == "compliant":
+        engine = with_legs(engine, 1.0, 1.0)
+    ends = []
+    deeper = (-1e-9, -1e-7) if (model, method) in THREE_COORDINATES else ()
+    for gap in (0.0, -1e-12, -1e-15, *deeper):
+        state = engine.start(gap, 0.0, 0.5 * math.pi)
+        state[V_Y] = 0.0
+        outcome, _ = advance(engine, state, 0.1)
+        ends.append(state)
+        yield exactly(
+            f"gap {gap:g} mm: rests on both feet",
+            outcome is Outcome.OK and OPEN not in (state[MODE_BACK], state[MODE_FRONT]),
+        )
+        lowest = float(np.abs(feet(engine, state)[:, 1]).max())
+        yield Check(f"gap {gap:g} mm: feet off the plate, mm", lowest, 1e-11, "rounding of heights")
+    apart = max(float(np.abs(ends[0] - end)[[X, Y, PITCH]].max()) for end in ends[1:])
+    yield Check(
+        "end of the run against a start in touch, mm",
+        apart,
+        1e-4 if model == "compliant" else 1e-9,
+        "1e-12 mm of fall; legs that are let go may bounce otherwise",
+    )
+    if (model, method) in THREE_COORDINATES:
+        outcome, _ = advance(engine, engine.start(-0.1, 0.0, 0.0), 0.1)
+        yield exactly("0.1 mm inside: refused", outcome is Outcome.FAILED)
+
+
+CASES = [
+    Case("start in touch and 1e-12 mm inside", "6.9", EVERY, _starts),
+    Case("feet a rounding apart land as one", "6.8", EVERY, _a_rounding_apart),
+    Case("landing on both feet", "6.10", EVERY, _both_feet),
+    Case("long flights pass over no touch", "6.8", (RIGID[1], COMPLIANT[1]), _swinging),
+]

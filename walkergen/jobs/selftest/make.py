@@ -1,0 +1,145 @@
+"""Run the hard cases: on every processor, each case on its own, none able to stop the others.
+
+Processes and not threads, because the first run compiles the simulators and the compiler works on
+one thread at a time.
+"""
+
+import multiprocessing
+import os
+import signal
+import time
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
+from typing import NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress
+from walkergen.jobs.selftest import catalogue
+from walkergen.jobs.selftest.case import Case, Check
+
+
+class Job(NamedTuple):
+    """One case on one model and method."""
+
+    case: Case
+    model: str
+    method: str
+
+
+class Result(NamedTuple):
+    """What came of a job."""
+
+    section: str
+    case: str
+    model: str
+    method: str
+    checks: tuple[Check, ...]
+    """As many as were made before an error, if any."""
+    error: str
+    """What a case raised, in one line; empty when it ran to its end."""
+    seconds: float
+
+    @property
+    def holds(self) -> bool:
+        """True when the case ran to its end and all that it checked holds."""
+        return not self.error and all(check.holds for check in self.checks)
+
+
+def choose(only: str | None) -> list[Job]:
+    """The jobs whose section is `only` or lies below it, or whose case's name contains it.
+
+    All of them for None. Raises InputError when there is none.
+    """
+    cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
+    if not cases:
+        sections = ", ".join(dict.fromkeys(case.section for case in catalogue.CASES))
+        names = "; ".join(case.name for case in catalogue.CASES)
+        raise InputError(
+            f"--only {str(only)[:60]!r}: no hard case has this section or name; "
+            f"sections: {sections}; names: {names}"
+        )
+    return [Job(case, *pair) for case in cases for pair in case.runs_on]
+
+
+def _named(case: Case, only: str) -> bool:
+    wanted = only.strip().lower()
+    below = case.section == wanted or case.section.startswith(f"{wanted}.")
+    return bool(wanted) and (below or wanted in case.name.lower())
+
+
+def run_job(job: Job) -> Result:
+    """Run one case; what it raises is its failure, not ours."""
+    started, checks, error = time.perf_counter(), list[Check](), ""
+    try:
+        checks.extend(job.case.check(job.model, job.method))
+    except Exception as raised:  # whatever it is, the table is to name it
+        error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
+    if not (checks or error):
+        error = "it checked nothing"
+    return _result(job, tuple(checks), error, time.perf_counter() - started)
+
+
+def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> Result:
+    case = job.case
+    return Result(case.section, case.name, job.model, job.method, checks, error, seconds)
+
+
+def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
+    """Results in the order of the jobs, and whether all were run: Ctrl-C keeps those done."""
+    done: dict[int, Result] = {}
+    progress("compiling (slow the first time only)", 0, len(jobs))
+    workers = min(os.cpu_count() or 1, len(jobs))
+    try:
+        for index, result in _in_process(jobs) if workers == 1 else _in_processes(jobs, workers):
+            done[index] = result
+            progress(f"{result.case}, {result.model} {result.method}", len(done), len(jobs))
+    except KeyboardInterrupt:
+        pass  # told by the second value
+    return [done[index] for index in sorted(done)], len(done) == len(jobs)
+
+
+def _in_process(jobs: Sequence[Job]) -> Iterator[tuple[int, Result]]:
+    for index, job in enumerate(jobs):
+        yield index, run_job(job)
+
+
+def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Result]]:
+    pool = ProcessPoolExecutor(
+        workers, mp_context=multiprocessing.get_context("spawn"), initializer=_ignore_interrupts
+    )
+    try:
+        futures: dict[Future[Result], int] = {}
+        for index in _compilers_first(jobs):
+            job = jobs[index]
+            futures[pool.submit(_run_named, job.case.name, job.model, job.method)] = index
+        for future in as_completed(futures):
+            index = futures[future]
+            try:
+                yield index, future.result()
+            except BrokenProcessPool:
+                yield index, _result(jobs[index], (), "its process, or one beside it, died", 0.0)
+    finally:
+        pool.shutdown(wait=False, cancel_futures=True)
+        for child in multiprocessing.active_children():
+            child.terminate()
+
+
+def _compilers_first(jobs: Sequence[Job]) -> list[int]:
+    """Indices, the first job of each model and method in front: no two compile the same at once."""
+    seen = set[tuple[str, str]]()
+    first, rest = list[int](), list[int]()
+    for index, job in enumerate(jobs):
+        pair = job.model, job.method
+        (rest if pair in seen else first).append(index)
+        seen.add(pair)
+    return first + rest
+
+
+def _ignore_interrupts() -> None:
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
+
+
+def _run_named(name: str, model: str, method: str) -> Result:
+    (case,) = [case for case in catalogue.CASES if case.name == name]
+    return run_job(Job(case, model, method))

@@ -1,0 +1,64 @@
+"""What any run must do, however extreme its scene: end as physics may, and account for itself."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from walkergen.jobs.selftest.case import Check, Pair, exactly
+from walkergen.jobs.selftest.scenes import PHASE, PITCH, V_X, advance, energy_error, feet, lift
+from walkergen.simulation import drive as plate
+from walkergen.simulation import record
+from walkergen.simulation.run import Engine, Outcome
+
+ENDINGS = (Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED)
+"""Physical ends of a run; no convergence, and energy from nowhere, are none."""
+
+ENERGY = {
+    ("relaxed", "event"): (1e-9, "rounding and the rocking integrator's 1e-11 a step"),
+    ("rigid", "event"): (1e-9, "rounding and the rocking integrator's 1e-11 a step"),
+    ("rigid", "step"): (2e-2, "steps of 30 us: second order, of impacts and friction"),
+    ("compliant", "event"): (1e-4, "rebounds below 1e-3 mm/s are left out; drift is taken back"),
+    ("compliant", "step"): (2e-2, "steps of 30 us: second order, of impacts and friction"),
+}
+"""Energy that may go unaccounted for, over that exchanged."""
+
+DEEPEST = {"event": 1e-9, "step": 4e-3}
+"""mm below the plate: rounding; by steps, what a foot travels in one of 30 us at 130 mm/s, where
+legs lighter by 1e-9 swing back many times within it."""
+
+
+def survives(
+    engine: Engine, pair: Pair, seconds: float, about: str, limit: tuple[float, str] | None = None
+) -> Iterator[Check]:
+    """A tilted drop: a physical end, finite, over the plate, every energy accounted for."""
+    state = engine.start(0.03, 0.0, 1.0)
+    state[PITCH] += 2e-3
+    state[V_X] = 5.0
+    lift(engine, state, 0.03)
+    before, lowest, outcome = engine.energy(state), 0.0, Outcome.OK
+    total, turned = record.new(len(state)), True
+    for _ in range(40):
+        outcome, tally = advance(engine, state, seconds / 40)
+        total.sums[:] += tally.sums
+        turned = turned and 0.0 <= state[PHASE] < plate.TWO_PI
+        lowest = min(lowest, float(feet(engine, state)[:, 1].min()))
+        if outcome is not Outcome.OK:
+            break
+    finite = bool(np.isfinite(state).all() and np.isfinite(total.sums).all())
+    yield exactly(
+        f"{about}: a physical end ({outcome.value}), finite", outcome in ENDINGS and finite
+    )
+    yield exactly(f"{about}: phase stays in one turn", turned)
+    allowed, reason = limit or ENERGY[pair]
+    yield Check(
+        f"{about}: energy unaccounted for",
+        energy_error(engine, before, state, total),
+        allowed,
+        reason,
+    )
+    yield Check(
+        f"{about}: foot below the plate, mm",
+        -lowest,
+        DEEPEST[pair[1]],
+        "rounding; by steps, a dip within a step",
+    )

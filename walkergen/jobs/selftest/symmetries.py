@@ -1,0 +1,226 @@
+"""Hard cases of symmetry: mirror images, shifts of the phase, scaled walkers, a moving plate."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.jobs.selftest.case import COMPLIANT, EVERY, THREE_COORDINATES, Case, Check
+from walkergen.jobs.selftest.scenes import (
+    PHASE,
+    PITCH,
+    SPIN,
+    STILL,
+    V_X,
+    V_Y,
+    Array,
+    X,
+    Y,
+    advance,
+    design_of,
+    engine_of,
+    feet,
+    lift,
+    mirrored,
+    scene_of,
+    shaken,
+)
+from walkergen.jobs.selftest.scenes import masses as masses_of
+from walkergen.simulation import engines
+from walkergen.simulation.compliant.chain import chain_of, mobility_of
+from walkergen.simulation.run import Engine
+from walkergen.walker import mass as masses
+
+SHORT = 0.012
+"""s: two landings, before chaos (an e-fold within 4 to 13 ms) has grown what rounding began."""
+
+GROWN = "rounding, grown tenfold by each of a few impacts"
+
+
+def _dropped(engine: Engine, side: float = 1.0, phase: float = 1.0, gap: float = 0.05) -> Array:
+    """A drop with everything moving; side -1 is the mirror image."""
+    state = engine.start(gap, 0.0, phase)
+    state[PITCH] += side * 4e-3
+    state[SPIN], state[V_X] = side * 0.7, side * 12.0
+    lift(engine, state, gap)
+    return state
+
+
+def _apart(one: Array, other: Array) -> float:
+    """Largest difference of place (mm) and pitch (rad)."""
+    return float(np.abs(one - other)[[X, Y, PITCH]].max())
+
+
+def _mirror(model: str, method: str) -> Iterator[Check]:
+    exact = (model, method) in THREE_COORDINATES
+    reason = "exact: only signs differ" if exact else GROWN
+    for e, mu, law in ((0.9, 0.1, "poisson"), (0.5, 2.0, "stronge"), (0.0, 0.25, "newton")):
+        contact = {"restitution": e, "friction": mu, "law": law}
+        right = engine_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
+        left = engine_of(model, method, -10.0, drive=shaken(1.8), contact=contact)
+        one, other = _dropped(right), _dropped(left, -1.0)
+        seconds = 0.4 if exact else SHORT
+        advance(right, one, seconds)
+        advance(left, other, seconds)
+        yield Check(
+            f"{law}, mu = {mu:g}: image after {seconds:g} s, mm",
+            _apart(mirrored(other), one),
+            0.0 if exact else 1e-8,
+            reason,
+        )
+
+
+def _upright(model: str, method: str) -> Iterator[Check]:
+    exact = (model, method) in THREE_COORDINATES
+    seconds = 2.0 if exact else 0.05
+    reason = "exact: no preference" if exact else "rounding, grown over four landings"
+    for e in (0.0, 0.6):
+        for mu in (0.25, 5.0):
+            contact = {"restitution": e, "friction": mu}
+            engine = engine_of(model, method, 0.0, drive=shaken(1.8), contact=contact)
+            state = engine.start(0.03, 0.0, 1.0)
+            advance(engine, state, seconds)
+            drift = max(abs(state[X]), abs(state[PITCH]))
+            yield Check(
+                f"e = {e:g}, mu = {mu:g}: drift or pitch after {seconds:g} s",
+                drift,
+                0.0 if exact else 1e-9,
+                reason,
+            )
+
+
+def _almost_upright(model: str, method: str) -> Iterator[Check]:
+    ends = []
+    for tilt in (0.0, 1e-12, -1e-12):
+        engine = engine_of(model, method, tilt, drive=shaken(1.8))
+        state = _dropped(engine)
+        advance(engine, state, SHORT)
+        ends.append(state)
+    apart = max(_apart(ends[0], ends[1]), _apart(ends[0], ends[2]))
+    yield Check("end of the run at +-1e-12 deg against 0, mm", apart, 1e-8, GROWN)
+
+
+def _shift(model: str, method: str) -> Iterator[Check]:
+    for turns, limit in ((1, 1e-8), (1_000_000, 1e-4)):
+        engine = engine_of(model, method, 10.0, drive=shaken(1.8))
+        one, other = _dropped(engine), _dropped(engine)
+        other[PHASE] += 2.0 * math.pi * turns
+        advance(engine, one, SHORT)
+        advance(engine, other, SHORT)
+        yield Check(
+            f"{turns} periods later, mm",
+            _apart(one, other),
+            limit,
+            f"rounding of a phase of {turns} turns, grown tenfold by each impact",
+        )
+
+
+def _moving_plate(model: str, method: str) -> Iterator[Check]:
+    """At phase 0 the plate moves at A omega, without acceleration: only relative speeds count."""
+    instant = 1e-11
+    contact = {"restitution": 0.5, "friction": 0.25}
+    for both in (True, False):
+        ends = []
+        for drive in (STILL, shaken(1.8)):
+            engine = engine_of(model, method, 10.0, drive=drive, contact=contact)
+            state = engine.start(0.0, 0.0, 0.0)
+            if not both:
+                state[PITCH] += 0.01
+                lift(engine, state, 0.0)
+            state[V_X] = 15.0
+            state[V_Y] += -25.0 - float(feet(engine, state)[0, 3])
+            advance(engine, state, instant)
+            ends.append(feet(engine, state)[:, 2:])
+        apart = float(np.abs(ends[0] - ends[1]).max())
+        yield Check(
+            f"{'both feet' if both else 'one foot'}: velocities after a landing, mm/s",
+            apart,
+            1e-6,
+            "the plate's acceleration in 1e-11 s, 1e-7 mm/s; rounding",
+        )
+
+
+def _scaled(model: str, method: str, scale: float) -> Engine:
+    """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
+    one = design_of(model, 10.0)
+    tables = {
+        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.model_dump().items()}
+        for name, section in (("body", one.body), ("legs", one.legs))
+    }
+    design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
+    scene = scene_of(
+        model,
+        method,
+        drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8},
+        run={"step_us": 10.0 * math.sqrt(scale)},
+    )
+    return engines.prepare(scene, design, masses_of(design)).engine
+
+
+def _scales(model: str, method: str) -> Iterator[Check]:
+    ends = {}
+    for scale in (1.0, 1e-3, 1e3):
+        engine = _scaled(model, method, scale)
+        state = engine.start(0.05 * scale, 0.0, 1.0)
+        state[PITCH] += 4e-3
+        state[V_X] = 12.0 * math.sqrt(scale)
+        lift(engine, state, 0.05 * scale)
+        advance(engine, state, SHORT * math.sqrt(scale))
+        ends[scale] = state[[X, Y, PITCH]] / (scale, scale, 1.0)
+    exact = (model, method) in THREE_COORDINATES
+    limit, reason = 1e-8, GROWN
+    if not exact:
+        limit, reason = 1e-4, "contact tolerances of the hinged chain are in mm and do not scale"
+    for scale in (1e-3, 1e3):
+        apart = float(np.abs(ends[scale] - ends[1.0]).max())
+        yield Check(f"lengths x {scale:g}: end of the run, scaled", apart, limit, reason)
+
+
+def _tolerance(model: str, method: str) -> Iterator[Check]:
+    """Coarser contact tolerances by 16, and the snap speed that belongs to them by 4."""
+    for mu in (0.0, 0.1, 5.0):
+        contact = {"restitution": 0.8, "friction": mu}
+        engine = engine_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
+        one, other = _dropped(engine), _dropped(engine)
+        advance(engine, one, 2.0 * SHORT)
+        *rest, options = engine.arguments
+        coarse = options._replace(
+            gap_tolerance=16.0 * options.gap_tolerance, snap_speed=4.0 * options.snap_speed
+        )
+        advance(engine._replace(arguments=(*rest, coarse)), other, 2.0 * SHORT)
+        yield Check(
+            f"mu = {mu:g}: end of the run, mm",
+            _apart(one, other),
+            1e-5,
+            "integration of rocking goes with the tolerance; grown by impacts",
+        )
+
+
+def _frozen_joints(model: str, method: str) -> Iterator[Check]:
+    """Legs on springs without end stiffness: the braced walker's inverse mass at the feet."""
+    engine = engine_of(model, method, 20.0)
+    walker, state = engine.arguments[0], engine.start(1.0, 0.0, 0.0)
+    frozen: Any = chain_of(walker, state, 1e12 * walker.legs.inertia)  # type: ignore[no-untyped-call]
+    stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
+    whole = masses.as_rigid(masses_of(design_of(model, 20.0)))
+    d = whole.a + whole.c_A + whole.c_T
+    braced = 1.0 / whole.M + float(d[0]) ** 2 / whole.J
+    yield Check(
+        "mobility of the back foot, relative",
+        abs(stiff.bb_yy / braced - 1.0),
+        1e-9,
+        "1e-12 of give in the hinges, times H_flexible / H_rigid of some hundred",
+    )
+
+
+CASES = [
+    Case("upright walker, level drop: no drift", "6.1", EVERY, _upright),
+    Case("almost upright", "6.1", EVERY, _almost_upright),
+    Case("lengths x 1e-3 and x 1e3", "6.5", EVERY, _scales),
+    Case("contact tolerances change nothing", "6.10", THREE_COORDINATES, _tolerance),
+    Case("mirror image runs backwards", "6.13", EVERY, _mirror),
+    Case("shift by whole periods", "6.13", EVERY, _shift),
+    Case("landing on a moving plate", "6.13", EVERY, _moving_plate),
+    Case("stiff hinges: inverse mass of the braced walker", "6.14", COMPLIANT, _frozen_joints),
+]

@@ -1,0 +1,1 @@
+"""Numerics that know no physics: compiled kernels, statistics, a Runge-Kutta pair."""

@@ -1,0 +1,147 @@
+"""Plates of walkers as files: 3MF with a thumbnail, a picture that names every part, a CSV map."""
+
+from collections.abc import Iterator, Sequence
+from typing import NamedTuple
+
+from walkergen.files.tables import csv_text
+from walkergen.printing import checks, export, sheet, slicer
+from walkergen.printing import packing as plate
+from walkergen.printing.checks import Finding
+from walkergen.printing.printers import Printer
+from walkergen.walker import names
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
+from walkergen.walker.solids import Solids
+
+COMMON_FILES = 3
+"""Of a layout, beside those of each plate."""
+
+
+class Place(NamedTuple):
+    """Where one copy lies; the field names are the columns of a map."""
+
+    printer: str
+    plate: int
+    """From 1."""
+    item: str
+    """The copy's name, as in the 3MF file."""
+    name: str
+    """The part's name, as in stl/."""
+    tilt_deg: float
+    legs: str
+    mark: str
+    copy: int
+    x_mm: float
+    """Left of the bounding box, from the left edge of the bed."""
+    y_mm: float
+    """Front of the bounding box, from the front edge of the bed."""
+    width_mm: float
+    depth_mm: float
+
+
+class Layout(NamedTuple):
+    """Copies of walkers, arranged for one printer."""
+
+    printer: Printer
+    members: Sequence[Design]
+    built: Sequence[Solids]
+    """Of the members, in their order."""
+    parts: Sequence[plate.Part]
+    """Of the members, in their order."""
+    plates: Sequence[plate.Plate]
+    findings: Sequence[Finding]
+    """Of the printability checks, of parts and of plates."""
+
+    @property
+    def meshes(self) -> list[Mesh]:
+        """Of the members, in their order."""
+        return [one.walker for one in self.built]
+
+
+def arrange(
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    copies: Sequence[int],
+    printer: Printer,
+    max_plates: int | None = None,
+    max_parts: int = plate.MOST_PARTS,
+) -> Layout:
+    """Arrange the copies wanted of each member. Raises PlateError when they do not fit."""
+    parts = [
+        plate.Part.of(names.part(design), one.walker, count)
+        for design, one, count in zip(members, built, copies, strict=True)
+    ]
+    return checked(
+        printer, members, built, parts, plate.pack(parts, printer, max_plates, max_parts)
+    )
+
+
+def checked(
+    printer: Printer,
+    members: Sequence[Design],
+    built: Sequence[Solids],
+    parts: Sequence[plate.Part],
+    plates: Sequence[plate.Plate],
+) -> Layout:
+    """A layout with what the printability checks find in it."""
+    findings = checks.of_batch(members, [one.walker for one in built], parts, plates, printer)
+    return Layout(printer, members, built, parts, plates, findings)
+
+
+def places(layout: Layout) -> list[Place]:
+    """The map: a row for every copy, plate by plate."""
+    rows = []
+    for number, one in enumerate(layout.plates, start=1):
+        for placed in one.placements:
+            design, part = layout.members[placed.part], layout.parts[placed.part]
+            item = plate.item_name(part, placed.copy)
+            lengths = (placed.x, placed.y, part.width, part.depth)
+            row = Place(
+                layout.printer.name, number, item, part.name, design.legs.tilt_deg,
+                design.legs.kind, design.mark, placed.copy,
+                *(round(length, 6) for length in lengths),
+            )  # fmt: skip
+            rows.append(row)
+    return rows
+
+
+def files(
+    layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
+) -> Iterator[tuple[str, bytes]]:
+    """Names and bytes of a layout's files, words first (COMMON_FILES), then the plates one by one.
+
+    STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
+    PrusaSlicer; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
+    plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
+    """
+    start = f"{stem}_{layout.printer.name}"
+    meshes = layout.meshes
+    yield f"{start}.csv", to_csv(places(layout)).encode()
+    yield f"{start}.md", _print_sheet(layout, start).encode()
+    yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
+    for number, one in enumerate(layout.plates, start=1):
+        name = f"{start}_{number}"
+        thumbnail = None
+        if pictures:
+            from walkergen.printing import plate_map
+
+            view = layout.printer, layout.members, meshes, one
+            yield f"{name}.png", plate_map.png(*view, name)
+            thumbnail = plate_map.thumbnail(*view)
+        data = plate.plate_3mf(one, layout.parts, meshes, layout.printer, name, thumbnail)
+        yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
+
+
+def _print_sheet(layout: Layout, stem: str) -> str:
+    weights = [
+        sheet.weigh(part.name, design, one, layout.printer)
+        for part, design, one in zip(layout.parts, layout.members, layout.built, strict=True)
+    ]
+    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts)
+    legend = names.legend(layout.members)
+    return sheet.to_markdown(printed, weights, layout.findings, legend)
+
+
+def to_csv(rows: Sequence[Place]) -> str:
+    """The map as CSV; lengths are exact to a nanometre."""
+    return csv_text(Place._fields, rows)

@@ -1,0 +1,186 @@
+"""Plates: copies of parts in rows on a printer's bed, on as many plates as they need.
+
+Parts lie as they are given, profile on the bed, and are not turned: rows of a family stay in the
+order of its members. Lengths in mm; the packing itself is in whole micrometres, so that no
+rounding brings two parts closer than the gap.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from walkergen.errors import PlateError
+from walkergen.printing import export
+from walkergen.printing.printers import Printer
+from walkergen.walker.mass import Mesh
+
+MOST_PARTS = 5000
+
+
+class Part(NamedTuple):
+    """The bounding box of a shape, and how many to print."""
+
+    name: str
+    width: float
+    """Along x, mm."""
+    depth: float
+    """Along y, mm."""
+    height: float
+    """Along z, mm."""
+    copies: int
+
+    @classmethod
+    def of(cls, name: str, mesh: Mesh, copies: int = 1) -> "Part":
+        """The part that a mesh makes."""
+        width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
+        return cls(name, width, depth, height, copies)
+
+
+class Placement(NamedTuple):
+    """Where one copy lies: the lower left corner of its bounding box."""
+
+    part: int
+    """Index into the parts."""
+    copy: int
+    """From 1."""
+    x: float
+    """From the left edge of the bed, mm."""
+    y: float
+    """From the front edge of the bed, mm."""
+
+
+class Plate(NamedTuple):
+    """What is printed at once, in the order of the parts."""
+
+    placements: tuple[Placement, ...]
+
+
+def border(printer: Printer) -> float:
+    """From the edge of the bed to the first part, mm: its margin, and brim and skirt inside it."""
+    # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
+    skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
+    return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
+
+
+def spacing(printer: Printer) -> float:
+    """Between the bounding boxes of two parts, mm: the gap, and a brim on either side of it."""
+    return printer.gap_mm + 2.0 * printer.brim_width_mm
+
+
+def capacity(part: Part, printer: Printer) -> int:
+    """How many copies of one part fit on one plate: a plain grid; 0 when it is too large."""
+    if _micrometres(part.height) > _micrometres(printer.height_mm):
+        return 0
+    (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)
+    return max(0, bed_width // width) * max(0, bed_depth // depth)
+
+
+def pack(
+    parts: Sequence[Part],
+    printer: Printer,
+    max_plates: int | None = None,
+    max_parts: int = MOST_PARTS,
+) -> list[Plate]:
+    """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
+
+    Raises PlateError when a part is larger than the usable bed or taller than the printer, when
+    more than `max_plates` are needed, and for more than MOST_PARTS copies.
+    """
+    total = sum(part.copies for part in parts)
+    if total > MOST_PARTS:
+        raise PlateError(f"{total} parts: at most {MOST_PARTS} are arranged at once; make fewer")
+    _check_sizes(parts, printer)
+    plates = _packed(parts, printer, max_parts)
+    if max_plates is not None and len(plates) > max_plates:
+        placed = sum(len(plate.placements) for plate in plates[:max_plates])
+        raise PlateError(
+            f"{total} parts need {len(plates)} plates of {printer.name}, {max_plates} allowed "
+            f"(room for {placed} parts): allow more plates or print fewer parts"
+        )
+    return plates
+
+
+def plate_3mf(
+    plate: Plate,
+    parts: Sequence[Part],
+    meshes: Sequence[Mesh],
+    printer: Printer,
+    title: str,
+    thumbnail: bytes | None = None,
+) -> bytes:
+    """3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts.
+
+    `thumbnail` is a PNG that file managers show.
+    """
+    used = sorted({placement.part for placement in plate.placements})
+    solid_of = {part: number for number, part in enumerate(used)}
+    solids = [export.Solid(parts[part].name, meshes[part]) for part in used]
+    left, front = printer.bed_corner
+    items = [
+        export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)
+        for part, copy, x, y in plate.placements
+    ]
+    return export.threemf_bytes(solids, items, title, thumbnail)
+
+
+def item_name(part: Part, copy: int) -> str:
+    """Name of one printed copy, such as walker_t10.0_flexible_s0.40-3."""
+    return f"{part.name}-{copy}"
+
+
+def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
+    """Rows from left to right and from front to back, each as deep as its deepest part."""
+    (bed_width, bed_depth), edge = _bed(printer), border(printer)
+    plates: list[Plate] = []
+    placed: list[Placement] = []
+    x = y = row_depth = 0
+    for index, part in enumerate(parts):
+        width, depth = _cell(part, printer)
+        for copy in range(1, part.copies + 1):
+            if x + width > bed_width:
+                x, y, row_depth = 0, y + row_depth, 0
+            if y + depth > bed_depth or len(placed) == max_parts:
+                plates.append(Plate(tuple(placed)))
+                placed, x, y, row_depth = [], 0, 0, 0
+            placed.append(Placement(index, copy, edge + 1e-3 * x, edge + 1e-3 * y))
+            x, row_depth = x + width, max(row_depth, depth)
+    return [*plates, Plate(tuple(placed))] if placed else plates
+
+
+def _free(printer: Printer) -> tuple[float, float]:
+    """Width and depth of the bed inside its border, mm."""
+    return (
+        printer.bed_width_mm - 2.0 * border(printer),
+        printer.bed_depth_mm - 2.0 * border(printer),
+    )
+
+
+def _bed(printer: Printer) -> tuple[int, int]:
+    """The free bed in micrometres, larger by the gap that the last cell of a row carries."""
+    width, depth = (math.floor(round(1e3 * length, 6)) for length in _free(printer))
+    gap = _micrometres(spacing(printer))
+    return width + gap, depth + gap
+
+
+def _cell(part: Part, printer: Printer) -> tuple[int, int]:
+    gap = _micrometres(spacing(printer))
+    return _micrometres(part.width) + gap, _micrometres(part.depth) + gap
+
+
+def _micrometres(length: float) -> int:
+    """Rounded up, unless it is the noise of a sum: less than a picometre above the micrometre."""
+    return math.ceil(round(1e3 * length, 6))
+
+
+def _check_sizes(parts: Sequence[Part], printer: Printer) -> None:
+    too_large = [part for part in parts if capacity(part, printer) == 0]
+    if not too_large:
+        return
+    part, others = too_large[0], len(too_large) - 1
+    width, depth = _free(printer)
+    raise PlateError(
+        f"{part.name}: {part.width:.7g} x {part.depth:.7g} x {part.height:.7g} mm (width x depth x "
+        f"height) does not fit {printer.name}: {width:g} x {depth:g} mm inside margins of "
+        f"{border(printer):g} mm, {printer.height_mm:g} mm high"
+        + (f"; neither do {others} more" if others else "")
+    )

@@ -1,0 +1,97 @@
+"""Plate map: every part where it lies on the bed, seen from above, with its tilt and copy."""
+
+from collections.abc import Sequence
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+from matplotlib.patches import Rectangle
+
+from walkergen.files import figures
+from walkergen.printing.packing import Plate
+from walkergen.printing.printers import Printer
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
+
+Array = npt.NDArray[np.float64]
+
+INCHES = 10.0
+"""Longer side of the bed in the picture."""
+THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
+
+
+def png(
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, title: str
+) -> bytes:
+    """The map of one plate; a part's label is its tilt in degrees and the number of its copy."""
+    scale = INCHES / max(printer.bed_width_mm, printer.bed_depth_mm)
+    size = scale * printer.bed_width_mm + 0.8, scale * printer.bed_depth_mm + 0.9
+    figure = Figure(figsize=size, layout="constrained")
+    axes = figure.add_subplot()
+    _draw_parts(axes, printer, members, meshes, one)
+    _label_parts(axes, members, meshes, one, scale)
+    axes.set_xlabel("x (mm), front")
+    axes.set_ylabel("y (mm)")
+    axes.set_title(f"{title}: {len(one.placements)} parts; tilt (deg) - copy", fontsize=10)
+    figure.legend(loc="outside upper right", ncols=2, frameon=False, fontsize=9)
+    return figures.png(figure, 130)
+
+
+def thumbnail(
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
+) -> bytes:
+    """A small picture of the plate without words: PNG, 256 pixels wide."""
+    size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
+    figure = Figure(figsize=size)
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
+    _draw_parts(axes, printer, members, meshes, one)
+    axes.set_axis_off()
+    return figures.png(figure, THUMBNAIL_DPI)
+
+
+def _draw_parts(
+    axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
+) -> None:
+    undersides = {part: _underside(meshes[part]) for part in {p.part for p in one.placements}}
+    for kind, colour in figures.COLOURS.items():
+        triangles = [
+            undersides[placed.part] + (placed.x, placed.y)
+            for placed in one.placements
+            if members[placed.part].legs.kind == kind
+        ]
+        if triangles:
+            faces = PolyCollection(
+                list(np.concatenate(triangles)),
+                facecolors=[colour], edgecolors=[colour], linewidths=0.3, label=f"{kind} legs",
+            )  # fmt: skip
+            axes.add_collection(faces)
+    bed = printer.bed_width_mm, printer.bed_depth_mm
+    axes.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
+    axes.set_xlim(-0.01 * bed[0], 1.01 * bed[0])
+    axes.set_ylim(-0.01 * bed[1], 1.01 * bed[1])
+    axes.set_aspect("equal")
+
+
+def _underside(mesh: Mesh) -> Array:
+    """Triangles that lie on the bed, shape (k, 3, 2), from the corner of the bounding box."""
+    corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.triangles]
+    lying: Array = corners[(corners[:, :, 2] == 0.0).all(axis=1)][:, :, :2]
+    return lying
+
+
+def _label_parts(
+    axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, scale: float
+) -> None:
+    """One label a part, in the room between its legs, as large as that allows."""
+    for placed in one.placements:
+        design, mesh = members[placed.part], meshes[placed.part]
+        left, bottom = mesh.vertices[:, :2].min(axis=0)
+        below = 0.5 * (-bottom - 0.5 * design.body.thickness_mm)
+        label = f"{design.legs.tilt_deg:g}-{placed.copy}"
+        width = 0.8 * design.legs.contact_spacing_mm / (0.65 * len(label))
+        axes.text(
+            placed.x - left, placed.y + below, label,
+            ha="center", va="center", fontsize=min(72.0 * scale * min(below, width), 9.0),
+        )  # fmt: skip

@@ -1,1 +1,0 @@
-"""What accuracy costs in time: measured ladders, and the choice of the cheapest setting."""

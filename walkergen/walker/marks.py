@@ -1,0 +1,202 @@
+"""Marks that tell printed parts apart: notches or digits, as rectangles on the body's profile.
+
+Frame: the middle of the body at the origin, x to the front, y up. Both kinds print without
+supports, because the part lies on its side: notches are grooves of the profile and run through the
+whole print, digits are engraved into the flat side that prints last.
+
+Notches count in base two. Every place has its notch, narrow for 0 and wide for 1, so that no place
+has to be guessed from an empty stretch, as it has with notches that are there or not; and the mass
+hardly depends on the number, as it does with a tally. The start, wider than both, is the frontmost:
+read from there towards the back, highest place first, legs down; a part seen from its other side
+has its start on the left and is not misread.
+"""
+
+from collections.abc import Sequence
+from decimal import Decimal
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field
+
+from walkergen.files.config import Section
+
+NARROW, WIDE, START = 1, 2, 3
+"""Widths of notches, in units of two lines; one unit of body stands between two notches."""
+
+SEGMENTS = {
+    "0": "abcdef", "1": "bc", "2": "abdeg", "3": "abcdg", "4": "bcfg", "5": "acdfg",
+    "6": "acdefg", "7": "abc", "8": "abcdefg", "9": "abcdfg", "-": "g", ".": "h",
+}  # fmt: skip
+"""Lit segments of a seven-segment display, clockwise from the top (a), g the middle; h a point."""
+
+SHORTEST_DIGIT = 5.0
+"""Height of a digit in lines: three strokes and two gaps of a line, below which it closes up."""
+
+
+class Marks(Section):
+    """Whether and how a part shows its tilt."""
+
+    kind: Literal["none", "notches", "digits"] = "none"
+    line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
+    depth_mm: Annotated[float, Field(gt=0, le=1e4)] = 0.4
+
+
+class Rectangle(NamedTuple):
+    """An axis-parallel rectangle of the x-y plane, mm."""
+
+    left: float
+    bottom: float
+    right: float
+    top: float
+
+
+def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
+    """What the part of a tilt shows: "" or its tilt in digits, or its notches drawn with #.
+
+    A drawing such as "### # ## ##" shows the notches from the start on, one # a unit wide.
+    """
+    if marks.kind == "none":
+        return ""
+    if marks.kind == "digits":
+        return digits_of(tilt_deg)
+    return " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
+
+
+def digits_of(tilt_deg: float) -> str:
+    """The tilt with every digit and no exponent: 10, -7.5."""
+    return format(Decimal(repr(tilt_deg + 0.0)).normalize(), "f")
+
+
+def notches(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
+) -> list[Rectangle]:
+    """Grooves in the upper edge of a body, from the front to the back; none of another kind.
+
+    The start lies one unit from the front end. Valid when `problems` finds none.
+    """
+    if marks.kind != "notches":
+        return []
+    unit, top = 2.0 * marks.line_mm, 0.5 * thickness
+    found, right = [], 0.5 * length - unit
+    for width in _widths(tilts_deg, tilt_deg):
+        found.append(Rectangle(right - width * unit, top - marks.depth_mm, right, top))
+        right -= (width + 1) * unit
+    return found
+
+
+def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
+    """Strokes of the tilt's digits about the middle of the body, overlapping where they meet.
+
+    One line wide; the digits are as high as leaves a line above and below, 0.6 of it wide.
+    """
+    if marks.kind != "digits":
+        return []
+    line, text = marks.line_mm, digits_of(tilt_deg)
+    height = thickness - 2.0 * line
+    width = 0.6 * height
+    left = -0.5 * _text_length(text, height, line)
+    found = []
+    for glyph in text:
+        drawn = _segments(left, height, width, line)
+        found += [drawn[segment] for segment in SEGMENTS[glyph]]
+        left += _advance(glyph, height, line)
+    return found
+
+
+def problems(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]
+) -> list[str]:
+    """Why a body of length, thickness, depth (mm) cannot bear its marks; one line each."""
+    length, thickness, depth = body
+    if marks.kind == "notches":
+        return _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
+    if marks.kind == "digits":
+        return _unfit_digits(marks, tilt_deg, length, thickness, depth)
+    return []
+
+
+def _unfit_notches(
+    marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
+) -> list[str]:
+    if tilt_deg not in tilts_deg:
+        return [
+            f"marks.kind = 'notches': they count the tilts in family.tilt_deg, which lack "
+            f"{tilt_deg:g}: add it there, so that its notches never mean another tilt"
+        ]
+    found = []
+    widths = [START] + [WIDE] * _places(tilts_deg)
+    room = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
+    if room > length:
+        found.append(
+            f"marks.line_mm = {marks.line_mm:g}: notches for {len(tilts_deg)} tilts need "
+            f"{room:.2f} mm, the body is {length:g} mm long: make the line at most "
+            f"{marks.line_mm * length / room:.3f} mm, the family smaller, or use kind = 'digits'"
+        )
+    if marks.depth_mm > thickness / 3.0:
+        found.append(
+            f"marks.depth_mm = {marks.depth_mm:g}: must be at most a third of the body's "
+            f"thickness, {thickness / 3.0:.3f} mm, for notches"
+        )
+    return found
+
+
+def _unfit_digits(
+    marks: Marks, tilt_deg: float, length: float, thickness: float, depth: float
+) -> list[str]:
+    found = []
+    line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
+    if height < SHORTEST_DIGIT * line:
+        found.append(
+            f"marks.line_mm = {line:g}: digits are at least {SHORTEST_DIGIT:g} lines high with "
+            f"one free above and below, {(SHORTEST_DIGIT + 2) * line:.2f} mm; the body is "
+            f"{thickness:g} mm thick: make the line at most "
+            f"{thickness / (SHORTEST_DIGIT + 2):.3f} mm or use kind = 'notches'"
+        )
+    else:
+        text = digits_of(tilt_deg)
+        room = _text_length(text, height, line) + 2.0 * line
+        if room > length:
+            found.append(
+                f"marks.kind = 'digits': {text[:40]!r} needs {room:.2f} mm, the body is "
+                f"{length:g} mm long: round the tilt, lengthen the body, or use 'notches'"
+            )
+    if marks.depth_mm > depth / 2.0:
+        found.append(
+            f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of the body's depth, "
+            f"{depth / 2.0:g} mm, for digits"
+        )
+    return found
+
+
+def _places(tilts_deg: Sequence[float]) -> int:
+    """Places in base two that number all tilts from 1."""
+    return len(tilts_deg).bit_length()
+
+
+def _widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
+    """Widths of a tilt's notches from the start on, in units."""
+    number = list(tilts_deg).index(tilt_deg) + 1
+    return [START] + [WIDE if bit == "1" else NARROW for bit in f"{number:0{_places(tilts_deg)}b}"]
+
+
+def _advance(glyph: str, height: float, line: float) -> float:
+    """From the left of a glyph to the left of the next: two lines lie between them."""
+    return (line if glyph == "." else 0.6 * height) + 2.0 * line
+
+
+def _text_length(text: str, height: float, line: float) -> float:
+    return sum(_advance(glyph, height, line) for glyph in text) - 2.0 * line
+
+
+def _segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
+    """The segments of a glyph; neighbours share the square where they meet."""
+    right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
+    return {
+        "a": Rectangle(left, high - line, right, high),
+        "b": Rectangle(right - line, -half, right, high),
+        "c": Rectangle(right - line, low, right, half),
+        "d": Rectangle(left, low, right, low + line),
+        "e": Rectangle(left, low, left + line, half),
+        "f": Rectangle(left, -half, left + line, high),
+        "g": Rectangle(left, -half, right, half),
+        "h": Rectangle(left, low, left + line, low + line),
+    }

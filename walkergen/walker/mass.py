@@ -1,0 +1,127 @@
+"""Mass properties: from closed triangle meshes to M, J, m, j and the walker's vectors.
+
+A mesh is weighed by the divergence theorem about a local origin (the middle of its bounding box),
+so that a part far from the coordinates' origin loses no digits to it. Frame: x along the run,
+y up, z along the extrusion; O is the centre of mass of the body.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+Values = float | Array
+
+
+class Mesh(NamedTuple):
+    """A closed triangle mesh, counter-clockwise seen from outside."""
+
+    vertices: Array
+    """Shape (n, 3), mm."""
+    triangles: npt.NDArray[np.int64]
+    """Shape (k, 3), indices into the vertices."""
+
+
+class SolidMass(NamedTuple):
+    """Mass properties of one solid of uniform density."""
+
+    mass: float
+    """g"""
+    centre: Array
+    """Centre of mass, shape (3,), mm."""
+    inertia: float
+    """About the z axis through the centre of mass, g mm^2."""
+    volume: float
+    """mm^3"""
+
+
+class MassProperties(NamedTuple):
+    """What the mechanics needs to know of a walker (paper, figure 1); vectors (2,) in mm, x-y.
+
+    Flexible legs: M, J, O of the body alone and m, j of one leg. Braced: M, J, O of the whole
+    rigid solid and m = j = 0. The foot lies at O + a + c_A + c_T (back), O + b + c_A + c_T
+    (front). Every field may carry leading batch axes.
+    """
+
+    M: Values
+    """Mass of the body, g."""
+    J: Values
+    """Moment of inertia of the body about O, g mm^2."""
+    m: Values
+    """Mass of one leg, g; 0 when braced."""
+    j: Values
+    """Moment of inertia of a leg about its own centre of mass, g mm^2; 0 when braced."""
+    a: Array
+    """O -> anchor of the back leg."""
+    b: Array
+    """O -> anchor of the front leg."""
+    c_A: Array
+    """Anchor -> centre of mass of a leg."""
+    c_T: Array
+    """Centre of mass of a leg -> foot (the point that touches the plate)."""
+    rigid: bool
+    """True when the legs are braced."""
+
+
+def weigh(mesh: Mesh, density: float) -> SolidMass:
+    """Mass (g), centre (mm) and inertia about z (g mm^2) of a closed mesh; density in g/mm^3.
+
+    Exact for polyhedra up to rounding. Source: the divergence theorem summed over the tetrahedra
+    between the local origin and each triangle.
+    """
+    origin = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
+    corners = (mesh.vertices - origin)[mesh.triangles]
+    p, q, r = corners[:, 0], corners[:, 1], corners[:, 2]
+    x, y, z = corners.transpose(2, 1, 0)
+    six_volumes = (
+        x[0] * (y[1] * z[2] - z[1] * y[2])
+        + y[0] * (z[1] * x[2] - x[1] * z[2])
+        + z[0] * (x[1] * y[2] - y[1] * x[2])
+    )
+    volume = six_volumes.sum() / 6.0
+    total = p + q + r
+    centre = (six_volumes[:, None] * total).sum(axis=0) / (24.0 * volume)
+    squares = (p * p + q * q + r * r + total * total)[:, :2].sum(axis=1)
+    second_moment = (six_volumes * squares).sum() / 120.0
+    inertia = second_moment - volume * (centre[0] ** 2 + centre[1] ** 2)
+    return SolidMass(density * volume, origin + centre, density * inertia, volume)
+
+
+def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
+    """Mass properties of a walker from the meshes of its body and of one leg outside the body.
+
+    The body's mesh lies in the design's frame, the leg's has its anchor at the origin; a braced
+    leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
+    the inertias with them: the shape is trusted, the density is not.
+    """
+    density = 1e-3 * design.material.density_g_cm3
+    top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
+    limb = _rescaled(weigh(leg, density), design.weighed.leg_mass_g)
+    O, c_A = top.centre[:2], limb.centre[:2]  # noqa: E741  (the paper's name)
+    anchors, foot = np.array(design.anchors), np.array(design.anchor_to_foot)
+    a, b = anchors - O
+    loose = MassProperties(
+        top.mass, top.inertia, limb.mass, limb.inertia, a, b, c_A, foot - c_A, rigid=False
+    )
+    return as_rigid(loose) if design.braced else loose
+
+
+def as_rigid(mass: MassProperties) -> MassProperties:
+    """The same walker with its joints frozen: body and both legs as one rigid solid."""
+    if mass.rigid:
+        return mass
+    masses = np.array([mass.M, mass.m, mass.m])
+    centres = np.array([(0.0, 0.0), mass.a + mass.c_A, mass.b + mass.c_A])
+    M = float(masses.sum())
+    O = masses @ centres / M  # noqa: E741  (the paper's name)
+    J = mass.J + 2 * mass.j + float(masses @ np.sum((centres - O) ** 2, axis=1))
+    return mass._replace(M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True)
+
+
+def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:
+    if weighed_mass is None:
+        return part
+    return part._replace(mass=weighed_mass, inertia=part.inertia * weighed_mass / part.mass)

@@ -1,0 +1,42 @@
+"""Names of parts and the legend of their marks: both say what varies within a family."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from walkergen.walker.design import Design
+from walkergen.walker.marks import Marks
+
+
+def part(design: Design) -> str:
+    """Name of one walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
+    tilt = _decimal(design.legs.tilt_deg, 1)
+    return f"walker_t{tilt}_{design.legs.kind}_s{_decimal(design.leg_thickness, 2)}"
+
+
+def legend(members: Sequence[Design]) -> str:
+    """Which mark means which tilt, as a Markdown table; "" without marks."""
+    marks = {design.legs.tilt_deg: design.mark for design in members if design.mark}
+    if not marks:
+        return ""
+    lines = [f"| {tilt:g} | `{mark}` |" for tilt, mark in sorted(marks.items())]
+    head = "| tilt (deg) | mark |\n|-----------:|:-----|"
+    return f"{how_to_read(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
+
+
+def how_to_read(marks: Marks) -> str:
+    """How a person reads the marks of a printed part; "" without any."""
+    if marks.kind == "none":
+        return ""
+    if marks.kind == "digits":
+        return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+    unit = 2.0 * marks.line_mm
+    return (
+        f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
+        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm)."
+    )
+
+
+def _decimal(value: float, digits: int) -> str:
+    """All digits of a number, at least `digits` after the point, never an exponent."""
+    return np.format_float_positional(value + 0.0, unique=True, min_digits=digits)

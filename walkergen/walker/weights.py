@@ -1,0 +1,220 @@
+"""Weighed masses of printed walkers: weights.csv in, masses of body and leg in the design out.
+
+Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg; braced:
+with its brace). Two of them give the third. Grams alone scale body and legs alike: the masses
+follow the balance, but not the predicted speed, which depends on their ratios only.
+"""
+
+import csv
+import difflib
+import io
+import math
+import re
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError, OutputError
+from walkergen.files import output
+from walkergen.walker import mass, names
+from walkergen.walker.design import Design, Weighed
+from walkergen.walker.mass import MassProperties
+from walkergen.walker.solids import Solids
+
+FILE = "weights.csv"
+QUANTITIES = ("grams", "body_g", "leg_g")
+HEADER = ",".join(("part", *QUANTITIES))
+LARGEST_FILE_BYTES = 10_000_000
+FACTOR = 10.0
+"""A mass this many times the mesh's, or its fraction, is taken for a wrong unit or part."""
+
+COPY = re.compile(r"-[1-9][0-9]*$")
+SEPARATOR = re.compile(r"[,;\t]")
+
+
+class Mean(NamedTuple):
+    """Repeated weighings of one quantity."""
+
+    mean: float
+    """g"""
+    error: float | None
+    """Standard error of the mean, g; None for a single weighing."""
+    weighings: int
+
+
+class Weighings(NamedTuple):
+    """What was weighed of one part, over all its copies."""
+
+    grams: Mean | None = None
+    body_g: Mean | None = None
+    leg_g: Mean | None = None
+
+
+def template(parts: Iterable[str]) -> str:
+    """A weights.csv to fill in: a line for every part, without numbers."""
+    return "\n".join([HEADER, *(part + "," * len(QUANTITIES) for part in parts)]) + "\n"
+
+
+def filled(path: Path) -> bool:
+    """True when a file exists that holds more than names: somebody's work, to be kept."""
+    if not path.is_file():
+        return False
+    try:
+        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
+    except OSError as error:
+        raise OutputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
+    header, *rows = [line.rstrip(",;\t ") for line in lines] or [HEADER]
+    return header != HEADER or any(SEPARATOR.search(row) for row in rows)
+
+
+def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
+    """Mean masses by the names of members, copies (NAME-3) taken together.
+
+    Raises InputError that names every bad line, and every unknown part with its near matches.
+    """
+    rows, parts = _rows(path), [names.part(design) for design in members]
+    found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    problems = []
+    for line, row in rows:
+        try:
+            values = _values(row)
+            if values:
+                part = _known(row["part"].strip(), parts)
+                for quantity, value in values.items():
+                    found[part][quantity].append(value)
+        except InputError as error:
+            problems.append(f"{path}:{line}: {error}")
+    if problems:
+        raise InputError("\n".join(problems))
+    if not found:
+        raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
+    return {
+        part: Weighings(**{quantity: _mean(values) for quantity, values in quantities.items()})
+        for part, quantities in found.items()
+    }
+
+
+def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
+    """The design with weighed masses in place of the mesh's.
+
+    Raises InputError when the masses contradict each other or are far from the mesh's.
+    """
+    density = 1e-3 * design.material.density_g_cm3
+    body, leg = (mass.weigh(mesh, density).mass for mesh in (parts.body, parts.leg))
+    grams, body_g, leg_g = (None if one is None else one.mean for one in weighed)
+    if grams is not None and body_g is not None and leg_g is not None:
+        raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
+    if grams is not None:
+        if leg_g is not None:
+            body_g = grams - 2.0 * leg_g
+        elif body_g is not None:
+            leg_g = 0.5 * (grams - body_g)
+        else:
+            scale = grams / (body + 2.0 * leg)
+            body_g, leg_g = scale * body, scale * leg
+    for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
+        if value is not None and not meshed / FACTOR <= value <= meshed * FACTOR:
+            raise InputError(
+                f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
+                f"more than {FACTOR:g} times apart; are these grams, and of this part?"
+            )
+    known = {"body_mass_g": body_g, "leg_mass_g": leg_g}
+    own = {key: value for key, value in known.items() if value is not None}
+    return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
+
+
+def meshed(design: Design) -> Design:
+    """The design with its mesh's masses, whatever was weighed."""
+    plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
+    return design.model_copy(update={"weighed": plain})
+
+
+def total(masses: MassProperties) -> float:
+    """Mass of a whole walker, g."""
+    return float(masses.M) + 2.0 * float(masses.m)
+
+
+def total_error(weighed: Weighings) -> float | None:
+    """Standard error of a whole walker's mass, g; None when it is not known."""
+    if weighed.grams is not None:
+        return weighed.grams.error
+    body, leg = (one and one.error for one in (weighed.body_g, weighed.leg_g))
+    return None if body is None or leg is None else math.hypot(body, 2.0 * leg)
+
+
+def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+    """Lines of the file by their numbers, cells by column; lines without any cell left out."""
+    reader = csv.reader(io.StringIO(_text(path), newline=""))
+    header = [cell.strip() for cell in next(reader, [])]
+    wrong = [cell for cell in header if cell not in ("part", *QUANTITIES)]
+    repeated = len(set(header)) < len(header)
+    if wrong or repeated or "part" not in header or len(header) < 2:
+        raise InputError(
+            f"{path}:1: columns {', '.join(header)[:80]!r}: must be part and any of "
+            f"{', '.join(QUANTITIES)}, separated by commas"
+        )
+    rows = []
+    for cells in reader:
+        if not any(cell.strip() for cell in cells):
+            continue
+        if len(cells) != len(header):
+            raise InputError(
+                f"{path}:{reader.line_num}: {len(cells)} cells, the header has {len(header)}: "
+                "write numbers with a decimal point"
+            )
+        rows.append((reader.line_num, dict(zip(header, cells, strict=True))))
+    return rows
+
+
+def _text(path: Path) -> str:
+    try:
+        if path.stat().st_size > LARGEST_FILE_BYTES:
+            raise InputError(f"{path}: more than {LARGEST_FILE_BYTES} bytes: is it the right file?")
+        return path.read_text(encoding="utf-8-sig")
+    except UnicodeDecodeError:
+        raise InputError(f"{path}: not a text file in UTF-8; give a CSV file") from None
+    except (OSError, ValueError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+        raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
+
+
+def _values(row: Mapping[str, str]) -> dict[str, float]:
+    found = {}
+    for quantity in QUANTITIES:
+        cell = row.get(quantity, "").strip()
+        if not cell:
+            continue
+        try:
+            value = float(cell)
+        except ValueError:
+            value = math.nan
+        if not 0.0 < value < math.inf:
+            raise InputError(f"{quantity} = {cell[:30]!r}: must be a number > 0, in grams")
+        found[quantity] = value
+    return found
+
+
+def _known(name: str, parts: Sequence[str]) -> str:
+    """The part of a name as in stl/ or, with the number of its copy, as on a plate map."""
+    for candidate in (name, COPY.sub("", name)):
+        if candidate in parts:
+            return candidate
+    near = difflib.get_close_matches(name, parts, n=3, cutoff=0.6)
+    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(parts[:3])} ..."
+    raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
+
+
+def _mean(values: Sequence[float]) -> Mean:
+    count = len(values)
+    error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
+    return Mean(float(np.mean(values)), error, count)
+
+
+def write_template(folder: Path, parts: Iterable[str]) -> None:
+    """Write folder/weights.csv to fill in, unless somebody has."""
+    path = folder / FILE
+    if not filled(path):
+        output.write(path, template(parts).encode())
