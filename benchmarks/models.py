@@ -11,7 +11,8 @@ import argparse
 import platform
 
 from walkergen.scene import Scene
-from walkergen.simulation import engines, ensemble
+from walkergen.simulation import ensemble
+from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -54,8 +55,8 @@ def main() -> None:
                     "run": {"method": method, "seconds": chosen.seconds, "runs": chosen.runs},
                 }
             )
-            engine = engines.prepare(scene, design, mass).engine
-            found, _ = ensemble.measure(engine, scene, silent, threads=1)
+            plan = prepare(scene, design, mass)
+            found, _ = ensemble.measure(plan, silent, threads=1)
             speed = "none" if found.speed_mm_s is None else f"{found.speed_mm_s:8.2f}"
             error = "?" if found.speed_se_mm_s is None else f"{found.speed_se_mm_s:.2f}"
             rate = found.simulated_s / found.cpu_s

@@ -33,8 +33,9 @@ from predictions import machine
 
 from walkergen.files import templates
 from walkergen.scene import GRAVITY, Scene
-from walkergen.simulation import engines, ensemble
-from walkergen.simulation.compliant import legs
+from walkergen.simulation import ensemble
+from walkergen.simulation.compliant.state import walker_of
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import FIRST_PITCH, Outcome
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -131,8 +132,8 @@ def scene_of(case: Case, method: str, step_us: float, runs: int, seconds: float)
 def with_walkergen(case: Case, method: str, step_us: float, runs: int, seconds: float) -> Measured:
     scene = scene_of(case, method, step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
-    plan = engines.prepare(scene, design, solids.mass_of(design))
-    summary, results = ensemble.measure(plan.engine, scene, lambda *_: None, threads=1)
+    plan = prepare(scene, design, solids.mass_of(design))
+    summary, results = ensemble.measure(plan, lambda *_: None, threads=1)
     good = [result for result in results if result.outcome is Outcome.OK]
     if len(good) < runs:
         print(f"walkergen, {case}, {method} {step_us:g} us: {summary.outcomes}")
@@ -146,7 +147,7 @@ def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str
     scene = scene_of(case, "step", setting.step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
     mass = solids.mass_of(design)
-    walker = legs.walker_of(design, mass, damping_ratio=scene.legs.damping_ratio)
+    walker = walker_of(design, mass, damping_ratio=scene.legs.damping_ratio)
     assert walker.legs is not None
     limbs = {name: value for name, value in walker.legs._asdict().items() if name != "swing"}
     drive = scene.drive

@@ -9,7 +9,7 @@ import math
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
     PHASE,
@@ -34,8 +34,9 @@ def perp(u):
 
 
 class Rival:
-    def __init__(self, walker, plate):
-        self.plate, self.walker, legs = plate, walker, walker.legs
+    def __init__(self, world):
+        self.plate, self.gravity = world.drive, world.acting.gravity
+        self.walker, walker, legs = world.walker, world.walker, world.walker.legs
         self.anchors = np.array([[walker.back_x, walker.back_y], [walker.front_x, walker.front_y]])
         self.centre = np.array([legs.centre_x, legs.centre_y])
         self.tip = np.array([walker.reach_x, walker.reach_y]) - self.centre
@@ -78,8 +79,8 @@ class Rival:
         return p[k : k + 2] + T, rows, -T * v[k + 2] ** 2
 
     def forces(self, p, v):
-        legs, w = self.walker.legs, self.walker
-        f = self.masses * np.array([w.gravity_x or 0.0, w.gravity_y, 0.0] * 3)
+        legs, g = self.walker.legs, self.gravity
+        f = self.masses * np.array([g.along or 0.0, -g.into, 0.0] * 3)
         for k in (5, 8):
             torque = -legs.stiffness * (p[k] - p[2]) - legs.damping * (v[k] - v[2])
             f[k] += torque

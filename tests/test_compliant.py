@@ -1,13 +1,15 @@
-"""Model B: laws that hold for both methods and both walkers (physics.md sections 5 and 6)."""
+"""Model B: laws that hold for both methods and both walkers (docs/physics.md sections 5 and 6)."""
 
 import math
 
 import numpy as np
 import pytest
 from compliant_rival import Rival
+from worlds import SHAKEN, hinged_state, hinged_walker, shaken, world_of
 
+from walkergen.jobs.selftest.scenes import masses
 from walkergen.simulation import record
-from walkergen.simulation.compliant import event_driven, time_stepping
+from walkergen.simulation.compliant import events, steps
 from walkergen.simulation.compliant.chain import (
     chain_of,
     energy,
@@ -15,7 +17,8 @@ from walkergen.simulation.compliant.chain import (
     gaps,
     mobility_of,
 )
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.compliant.state import walker_of
+from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
     OK,
@@ -26,58 +29,31 @@ from walkergen.simulation.compliant.legs import (
     SPIN,
     V_X,
     V_Y,
+    Contact,
     X,
     Y,
-    new_state,
-    walker_of,
 )
-from walkergen.simulation.drive import Contact, Plate
 from walkergen.theory import tensors
 from walkergen.theory.impact import Law, impact
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
 
-OMEGA = 2.0 * math.pi * 90.0
-G = 9806.65
 METHODS = {
-    "events": (event_driven.advance, event_driven.Options()),
-    "steps": (time_stepping.advance, time_stepping.Options(1e-5)),
+    "events": (events.advance, events.Options()),
+    "steps": (steps.advance, steps.Options(1e-5)),
 }
 both = pytest.mark.parametrize("method", METHODS)
 
 
-def plate_of(gamma):
-    return Plate(gamma * G / OMEGA**2, OMEGA, None)
-
-
-PLATE = plate_of(1.8)
-
-
-def masses(design):
-    """Body 28 x 8 x 3, thin uniform legs; braced legs without mass."""
-    M = 28.0 * 8.0 * 3.0 * 1.24e-3
-    m = 0.0 if design.braced else 7.5 * 0.4 * 8.0 * 1.24e-3
-    c = 0.5 * np.array(design.anchor_to_foot)
-    a, b = (np.array(anchor) for anchor in design.anchors)
-    J = M * (28.0**2 + 3.0**2) / 12.0
-    return MassProperties(M, J, m, m * 7.5**2 / 12.0, a, b, c, c, design.braced)
-
-
-def walker_at(tilt, kind="flexible", **options):
-    design = Design().variant(tilt_deg=float(tilt), kind=kind)
-    return walker_of(design, masses(design), **options)
-
-
-def run(method, walker, contact, state, duration, plate=PLATE, **keep):
+def run(method, walker, contact, state, duration, drive=SHAKEN, **keep):
     advance, options = METHODS[method]
     tally = record.new(state.size, duration, **keep)
-    return advance(walker, plate, contact, options, state, duration, tally), tally
+    return advance(world_of(walker, drive, contact, options), state, duration, tally), tally
 
 
 def tilted_state(walker, seed=3):
     """Somewhere in the air, everything moving."""
     rng = np.random.default_rng(seed)
-    state = new_state(walker, PLATE, 0.02, 0.3, 1.0)
+    state = hinged_state(walker, 0.02, 0.3, 1.0)
     state[[V_X, V_Y, SPIN]] = rng.normal(size=3) * (20.0, 20.0, 3.0)
     if walker.legs is not None:
         state[ANGLE_BACK:] = rng.normal(size=4) * (0.2, 0.2, 9.0, 9.0)
@@ -85,7 +61,7 @@ def tilted_state(walker, seed=3):
 
 
 def test_inverse_mass_at_the_feet_is_that_of_three_bodies_on_hinges():
-    walker = walker_at(10)
+    walker = hinged_walker(10)
     state = tilted_state(walker)
     W = mobility_of(chain_of(walker, state, 0.0))
     chain = np.array(
@@ -98,16 +74,17 @@ def test_inverse_mass_at_the_feet_is_that_of_three_bodies_on_hinges():
     )
     # 1e-11: rounding of the rival's 13 x 13 system
     np.testing.assert_allclose(
-        chain, Rival(walker, PLATE).mobility(state), rtol=0, atol=1e-11 * W.bb_xx
+        chain, Rival(world_of(walker)).mobility(state), rtol=0, atol=1e-11 * W.bb_xx
     )
 
 
 def test_free_acceleration_is_that_of_three_bodies_on_hinges():
-    walker = walker_at(20, slope=0.1)
-    state, rival = tilted_state(walker), Rival(walker, PLATE)
+    walker = hinged_walker(20)
+    world = world_of(walker, slope=0.1)
+    state, rival = tilted_state(walker), Rival(world)
     rival.start = state[PHASE]
     a, _ = rival.acceleration(*rival.coordinates(state), 0.0)
-    found = free_acceleration(walker, state, chain_of(walker, state, 0.0), 0.0)
+    found = free_acceleration(world, state, chain_of(walker, state, 0.0), 0.0)
     expected = a[[0, 1, 2, 5, 8]]
     # 1e-10: rounding of the rival, whose largest entry (a leg's) is 1e7 rad/s^2
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
@@ -121,7 +98,7 @@ def test_chain_differs_from_the_papers_tensor_by_the_other_leg(tilt):
         mass = masses(design)
         mass = mass._replace(m=mass.m * lightness, j=mass.j * lightness)
         walker = walker_of(design, mass)
-        W = mobility_of(chain_of(walker, new_state(walker, PLATE, 1.0), 0.0))
+        W = mobility_of(chain_of(walker, hinged_state(walker, 1.0), 0.0))
         paper = tensors.feet(mass)[0]
         differences.append(abs(W.bb_yy - paper.yy) / (1.0 / mass.M))
     assert 0.0 < differences[0] < 2.0 * 0.0298 / 0.833  # order m/M of the body's own 1/M
@@ -134,10 +111,10 @@ def test_free_leg_swings_with_the_frequency_and_decay_of_an_oscillator(method, r
     mass = masses(Design())._replace(M=1e9, J=1e11)
     held = walker_of(Design(), mass, damping_ratio=ratio)  # a body too heavy to follow
     legs = held.legs
-    state = new_state(held, plate_of(0.0), 50.0)
+    state = hinged_state(held, 50.0, drive=shaken(0.0))
     state[ANGLE_BACK], state[RATE_FRONT] = 1e-3, 2.0
     duration = 1.7e-3
-    status, _ = run(method, held, Contact(0.5, 0.2, 0), state, duration, plate_of(0.0))
+    status, _ = run(method, held, Contact(0.5, 0.2, 0), state, duration, shaken(0.0))
     A = np.array([[0.0, 1.0], [-legs.stiffness / legs.inertia, -legs.damping / legs.inertia]])
     values, vectors = np.linalg.eig(A + np.diag([0.0, -1e-3 if ratio == 1.0 else 0.0]))
     flow = (vectors * np.exp(values * duration)) @ np.linalg.inv(vectors)
@@ -154,7 +131,7 @@ def _impulse(rival, p, v, t, e, mu):
     rows = rival.foot(p, v, 0)[1]
     H = np.column_stack([rows @ rival.solve(hinges, np.zeros(4), row, hinges)[0] for row in rows])
     u = rows @ v
-    u[1] -= PLATE.amplitude * OMEGA * math.cos(rival.phase(t))
+    u[1] -= SHAKEN.amplitude * SHAKEN.omega * math.cos(rival.phase(t))
     hit = impact(H[0, 0], H[0, 1], H[1, 1], u[0], u[1], e, mu, 0)
     return np.array([hit.F_x, hit.F_y])
 
@@ -202,14 +179,14 @@ LANDINGS = {
 @pytest.mark.parametrize("name", LANDINGS)
 def test_single_landing_is_that_of_an_independent_integration(name):
     contact, script = LANDINGS[name]
-    walker = walker_at(20)
-    state = new_state(walker, PLATE, 0.01, 0.05, 0.3)
+    walker = hinged_walker(20)
+    state = hinged_state(walker, 0.01, 0.05, 0.3)
     state[V_Y], state[V_X] = -20.0, 150.0 if name == "slides" else 10.0
     duration = 5.2e-4 if name.startswith("bounces") else 1.2e-3
-    p, v = Rival(walker, PLATE).landing(state.copy(), duration, 0, script)
-    advance, options = event_driven.advance, event_driven.Options(tolerance=1e-13)
+    p, v = Rival(world_of(walker)).landing(state.copy(), duration, 0, script)
     tally = record.new(state.size)
-    assert advance(walker, PLATE, contact, options, state, duration, tally) == OK
+    world = world_of(walker, contact=contact, options=events.Options(tolerance=1e-13))
+    assert events.advance(world, state, duration, tally) == OK
     assert tally.counts[0] == (3 if name.startswith("bounces") else 1)
     found = state[[X, Y, PITCH]]
     # 1e-9 mm and rad; rates carry the legs' frequency of 1e4 rad/s
@@ -230,9 +207,9 @@ def test_single_landing_is_that_of_an_independent_integration(name):
     ],
 )
 def test_energy_balance_closes(method, tilt, kind, contact):
-    walker = walker_at(tilt, kind)
-    state = new_state(walker, PLATE, 0.05, 0.002, 1.0)
-    before = energy(walker, state)
+    walker = hinged_walker(tilt, kind)
+    state = hinged_state(walker, 0.05, 0.002, 1.0)
+    before = energy(world_of(walker), state)
     status, tally = run(method, walker, contact, state, 0.1)
     sums = tally.sums
     lost = sums[record.IMPACT_LOSS] + sums[record.FRICTION_LOSS] + sums[record.DAMPING_LOSS]
@@ -240,7 +217,7 @@ def test_energy_balance_closes(method, tilt, kind, contact):
     assert sums[record.PLATE_WORK] > 100.0
     # events: the snap of 1e-3 mm/s and the projection; steps: second order in h
     share = 1e-5 if method == "events" else 2e-2
-    assert energy(walker, state) - before == pytest.approx(
+    assert energy(world_of(walker), state) - before == pytest.approx(
         sums[record.PLATE_WORK] - lost, abs=share * sums[record.PLATE_WORK]
     )
 
@@ -248,8 +225,8 @@ def test_energy_balance_closes(method, tilt, kind, contact):
 @both
 @pytest.mark.parametrize(("friction", "law"), [(0.25, 0), (1e3, 0), (0.25, 1), (0.25, 2)])
 def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction, law):
-    walker = walker_at(10)
-    state = new_state(walker, PLATE, 0.05, 0.002, 1.0)
+    walker = hinged_walker(10)
+    state = hinged_state(walker, 0.05, 0.002, 1.0)
     status, tally = run(
         method, walker, Contact(0.5, friction, law), state, 0.06,
         sample_interval=5e-4, event_room=4000,
@@ -257,7 +234,7 @@ def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction
     assert status == OK
     depth = 0.0
     for row in tally.samples.rows[: tally.samples.cursor[0]]:
-        depth = min(depth, *gaps(PLATE, row[1:], chain_of(walker, row[1:], 0.0)))
+        depth = min(depth, *gaps(SHAKEN, row[1:], chain_of(walker, row[1:], 0.0)))
     # events: rounding; steps: a dip within one step, a h^2 / 8 with a up to 1e6 mm/s^2
     assert depth > (-1e-11 if method == "events" else -2e-5)
     impacts = tally.events.rows[: tally.events.cursor[0]]
@@ -267,8 +244,8 @@ def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction
 
 @both
 def test_two_halves_make_a_whole(method):
-    walker, contact = walker_at(10), Contact(0.3, 0.25, 0)
-    whole = new_state(walker, PLATE, 0.01, 0.002, 1.0)
+    walker, contact = hinged_walker(10), Contact(0.3, 0.25, 0)
+    whole = hinged_state(walker, 0.01, 0.002, 1.0)
     halves = whole.copy()
     run(method, walker, contact, whole, 8e-3)
     for _ in range(2):

@@ -18,6 +18,9 @@ SCENES = {
     "relaxed, slope": {"legs": {"model": "relaxed"}, "plate": {"slope_deg": 3.0}},
     "rigid": {"legs": {"model": "rigid"}},
     "rigid, steps": {"legs": {"model": "rigid"}, "run": {"method": "step"}},
+    "rigid, steps, air": {
+        "legs": {"model": "rigid"}, "run": {"method": "step"}, "effects": {"air_drag": True},
+    },
     "compliant, steps": {"legs": {"model": "compliant"}},
 }  # fmt: skip
 
@@ -35,7 +38,7 @@ def compiled(scene, cache):
 
 @pytest.mark.slow
 def test_an_effect_that_is_off_calls_no_function_of_its_own(tmp_path):
-    """Harmonic, slope and leg angles each need their own sines, which must not be there.
+    """Harmonic, slope, air drag and leg angles each need their own sines, which must not be there.
 
     One test, as the scenes are compiled but once.
     """
@@ -44,7 +47,7 @@ def test_an_effect_that_is_off_calls_no_function_of_its_own(tmp_path):
         found = dict(zip(SCENES, pool.map(compiled, SCENES.values(), caches), strict=True))
     for without, having in (
         ("relaxed", "relaxed, harmonic"), ("relaxed", "relaxed, slope"),
-        ("rigid, steps", "compliant, steps"),
+        ("rigid, steps", "compliant, steps"), ("rigid, steps", "rigid, steps, air"),
     ):  # fmt: skip
         assert found[without][0] < found[having][0], (without, having)
         assert found[without][1] < found[having][1], (without, having)

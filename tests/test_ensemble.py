@@ -1,4 +1,4 @@
-"""Ensembles: statistics against closed forms, and engines that misbehave."""
+"""Ensembles: statistics against closed forms, and models that misbehave."""
 
 import time
 
@@ -7,7 +7,10 @@ import pytest
 
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record
-from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
+from walkergen.simulation.drive import Drive
+from walkergen.simulation.model import Model, Plan
+from walkergen.simulation.run import Outcome, RunResult, simulate
+from walkergen.simulation.world import OK, TOPPLED, World
 
 PERIOD = 1.0 / 90.0
 
@@ -16,14 +19,17 @@ def scene_of(**run):
     return Scene.model_validate({"run": {"seconds": 4.0, "discard_seconds": 0.0} | run})
 
 
-def fake_engine(advance):
-    """An engine whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
-    return Engine(
-        model="fake", method="none", advance=advance, arguments=(),
-        start=lambda clearance, pitch, phase: np.array([0.0, 0.0, 0.0, clearance + phase]),
-        energy=lambda state: 0.0, failures={1: Outcome.TOPPLED, 2: Outcome.FAILED},
-        columns=("x_mm", "y_mm", "pitch_rad", "seed"), period=PERIOD, drop=1.0,
+def fake_plan(advance, scene=None):
+    """A plan whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
+    model = Model(
+        start=lambda world, clearance, pitch, phase: np.array([0.0, 0.0, 0.0, clearance + phase]),
+        advance=lambda world, state, duration, tally: advance(state, duration, tally),
+        energy=lambda world, state: 0.0, feet=None, momentum=None, mirrored=None,
+        pose=lambda state: (float(state[0]), 0.0, 0.0), coarser=None, resting=None,
+        columns=("x_mm", "y_mm", "pitch_rad", "seed"),
     )  # fmt: skip
+    world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD, None), None, None, None)
+    return Plan(scene or scene_of(), None, model, world)
 
 
 def steady(state, duration, tally):
@@ -80,15 +86,15 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
 
 def test_too_few_data_is_said_instead_of_an_error_bar():
     scene = scene_of(runs=1, seconds=0.1)
-    summary, _ = ensemble.measure(fake_engine(steady), scene, silent)
+    summary, _ = ensemble.measure(fake_plan(steady, scene), silent)
     assert summary.speed_mm_s is not None
     assert summary.speed_se_mm_s is None
     assert summary.outcomes["too few data for an error bar"] == 1
 
 
 def test_first_runs_of_many_equal_few_and_threads_change_nothing():
-    few = ensemble.run(fake_engine(steady), scene_of(runs=3), silent, threads=1)
-    many = ensemble.run(fake_engine(steady), scene_of(runs=9), silent, threads=4)
+    few = ensemble.run(fake_plan(steady, scene_of(runs=3)), silent, threads=1)
+    many = ensemble.run(fake_plan(steady, scene_of(runs=9)), silent, threads=4)
     assert [r.number for r in many] == list(range(9))
     for a, b in zip(few, many, strict=False):
         np.testing.assert_array_equal(a.block_speeds, b.block_speeds)
@@ -96,17 +102,17 @@ def test_first_runs_of_many_equal_few_and_threads_change_nothing():
 
 
 def test_seed_changes_the_runs():
-    one = ensemble.run(fake_engine(steady), scene_of(runs=1, seed=1), silent)
-    two = ensemble.run(fake_engine(steady), scene_of(runs=1, seed=2), silent)
+    one = ensemble.run(fake_plan(steady, scene_of(runs=1, seed=1)), silent)
+    two = ensemble.run(fake_plan(steady, scene_of(runs=1, seed=2)), silent)
     assert one[0].speed != two[0].speed
 
 
 def test_failures_are_named_and_left_out_of_the_mean():
     def topples(state, duration, tally):
         steady(state, duration, tally)
-        return 1 if state[3] > 4.0 else 0
+        return TOPPLED if state[3] > 4.0 else OK
 
-    summary, results = ensemble.measure(fake_engine(topples), scene_of(runs=32), silent)
+    summary, results = ensemble.measure(fake_plan(topples, scene_of(runs=32)), silent)
     good = [r.speed for r in results if r.outcome is Outcome.OK]
     assert 0 < len(good) < 32
     assert summary.outcomes == {"ok": len(good), "toppled": 32 - len(good)}
@@ -115,13 +121,13 @@ def test_failures_are_named_and_left_out_of_the_mean():
 
 def test_leaving_the_lane_and_energy_errors_are_outcomes():
     scene = Scene.model_validate({"run": {"seconds": 4.0}, "arena": {"length_mm": 1.0}})
-    assert simulate(fake_engine(steady), scene, 0).outcome is Outcome.LEFT
+    assert simulate(fake_plan(steady, scene), 0).outcome is Outcome.LEFT
 
     def leaky(state, duration, tally):
         tally.sums[record.PLATE_WORK] += 1.0
         return steady(state, duration, tally)
 
-    assert simulate(fake_engine(leaky), scene_of(), 0).outcome is Outcome.ENERGY
+    assert simulate(fake_plan(leaky, scene_of()), 0).outcome is Outcome.ENERGY
 
 
 def test_no_impact_and_no_motion_is_stuck():
@@ -129,7 +135,7 @@ def test_no_impact_and_no_motion_is_stuck():
         tally.sums[record.ELAPSED] += duration
         return 0
 
-    result = simulate(fake_engine(rests), scene_of(), 0)
+    result = simulate(fake_plan(rests, scene_of()), 0)
     assert (result.outcome, result.speed) == (Outcome.STUCK, 0.0)
 
 
@@ -145,7 +151,7 @@ def test_ctrl_c_keeps_the_finished_runs():
         time.sleep(1e-3)
         return steady(state, duration, tally)
 
-    results = ensemble.run(fake_engine(slow), scene_of(runs=50), interrupted, threads=1)
+    results = ensemble.run(fake_plan(slow, scene_of(runs=50)), interrupted, threads=1)
     assert 2 <= len(results) < 50
 
 
@@ -154,4 +160,4 @@ def test_ctrl_c_before_any_run_has_finished_is_passed_on():
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        ensemble.run(fake_engine(interrupted), scene_of(runs=2), silent, threads=1)
+        ensemble.run(fake_plan(interrupted, scene_of(runs=2)), silent, threads=1)

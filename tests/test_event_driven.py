@@ -5,54 +5,21 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from level_walker import level_state
+from worlds import go, level_state, relaxed_walker, relaxed_world, shaken
 
-from walkergen.simulation import drive as drive
-from walkergen.simulation import record
-from walkergen.simulation.drive import Contact, Plate
-from walkergen.simulation.relaxed import walker as walkers
-from walkergen.simulation.relaxed.event_driven import FAILED, OK, advance
-from walkergen.simulation.relaxed.walker import OMEGA, PHASE, PITCH, V_X, V_Y, Walker, X, Y
-from walkergen.theory.tensors import feet
-from walkergen.walker.mass import MassProperties
-
-GRAVITY = 9806.65
-BODY = 28.0 * 8.0 * 3.0 * 1.24e-3
-INERTIA = BODY * (28.0**2 + 9.0) / 12
-CORNERS = ((-14.0, -1.5), (14.0, -1.5), (-14.0, 1.5), (14.0, 1.5))
-LEVEL = Plate(0.0, 2 * math.pi * 90, None)
-
-
-def shaken(gamma: float, frequency: float = 90.0) -> Plate:
-    omega = 2 * math.pi * frequency
-    return Plate(gamma * GRAVITY / omega**2, omega, None)
-
-
-def walker(tilt_deg: float = 0.0, flexible: bool = False) -> Walker:
-    tilt = math.radians(tilt_deg)
-    c = 3.75 * np.array([-math.sin(tilt), -math.cos(tilt)])
-    a = np.array([-6.5 + 7.5 * math.sin(tilt), -1.5])
-    leg = 0.02976
-    mass = MassProperties(
-        BODY, INERTIA, leg, leg * 7.5**2 / 12, a, a + np.array([13.0, 0.0]), c, c, not flexible
-    )
-    d_y = float(a[1] + 2 * c[1])
-    return walkers.new(
-        BODY, INERTIA, (-6.5, d_y), (6.5, d_y), CORNERS, feet(mass) if flexible else None
-    )
-
-
-def go(w, plate, contact, state, duration, slope=None, tally=None):
-    tally = record.new(9) if tally is None else tally
-    options = walkers.options_for(w, plate, GRAVITY, slope)
-    status = advance(w, plate, contact, options, state, duration, tally)
-    return status, tally
-
-
-def energy(w, state):
-    return 0.5 * (w.M * (state[V_X] ** 2 + state[V_Y] ** 2) + w.J * state[OMEGA] ** 2) + (
-        w.M * GRAVITY * state[Y]
-    )
+from walkergen.scene import GRAVITY
+from walkergen.simulation import drive, record
+from walkergen.simulation.world import (
+    FAILED,
+    OK,
+    PHASE,
+    PITCH,
+    SPIN,
+    V_Y,
+    Contact,
+    X,
+    Y,
+)
 
 
 def gaps(w, plate, state):
@@ -87,7 +54,7 @@ def reference_ball(gamma, e, gap, phase, duration):
 
 
 def test_ball_on_a_moving_plate_follows_thirty_digits():
-    w, plate = walker(), shaken(3.0)
+    w, plate = relaxed_walker(), shaken(3.0)
     state = level_state(w, plate, phase=0.7, gap=0.3)
     go(w, plate, Contact(0.8, 0.0, 0), state, 0.08)
     y, v, bounces = reference_ball(3, mpmath.mpf(0.8), mpmath.mpf(0.3), mpmath.mpf(0.7), 0.08)
@@ -98,9 +65,9 @@ def test_ball_on_a_moving_plate_follows_thirty_digits():
 
 
 def test_two_calls_agree_with_one():
-    w, plate = walker(10.0, flexible=True), shaken(1.8)
+    w, plate = relaxed_walker(10.0, flexible=True), shaken(1.8)
     one = level_state(w, plate, 1.0, gap=0.05)
-    one[OMEGA] = 0.7
+    one[SPIN] = 0.7
     two = one.copy()
     go(w, plate, Contact(0.9, 0.1, 0), one, 0.02)
     for part in (0.0071, 0.0029, 0.01):
@@ -109,9 +76,9 @@ def test_two_calls_agree_with_one():
 
 
 def test_samples_and_events_do_not_disturb_and_obey_the_laws():
-    w, plate, contact = walker(10.0, flexible=True), shaken(1.8), Contact(0.9, 0.1, 0)
+    w, plate, contact = relaxed_walker(10.0, flexible=True), shaken(1.8), Contact(0.9, 0.1, 0)
     plain = level_state(w, plate, 1.0, gap=0.05)
-    plain[OMEGA] = 0.7
+    plain[SPIN] = 0.7
     state = plain.copy()
     go(w, plate, contact, plain, 0.5)
     tally = record.new(9, 0.5, 1e-4, 4000)
@@ -120,7 +87,7 @@ def test_samples_and_events_do_not_disturb_and_obey_the_laws():
     rows = tally.samples.rows[: tally.samples.cursor[0]]
     assert len(rows) == 5001
     lowest = min(min(gaps(w, plate, row[1:])) for row in rows)
-    assert lowest >= -20 * walkers.options_for(w, plate).gap_tolerance
+    assert lowest >= -20 * relaxed_world(w, plate, contact).options.gap_tolerance
     events = tally.events.rows[: tally.events.cursor[0]]
     assert len(events) > 50
     assert np.all(events[:, 3] > 0)
@@ -131,9 +98,9 @@ def test_samples_and_events_do_not_disturb_and_obey_the_laws():
 
 def test_braced_walker_makes_no_way():
     """physics.md section 5: below 2 mm/s always."""
-    w, plate = walker(10.0), shaken(1.8)
+    w, plate = relaxed_walker(10.0), shaken(1.8)
     state = level_state(w, plate, 1.0, gap=0.05)
-    state[OMEGA] = 0.7
+    state[SPIN] = 0.7
     status, tally = go(w, plate, Contact(0.8, 0.25, 0), state, 500.0)
     assert status == OK
     assert abs(state[X] / 500.0) < 2.0

@@ -4,36 +4,19 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from walkergen.simulation.drive import Contact
+from walkergen.jobs.selftest.scenes import design_of, masses
 from walkergen.simulation.relaxed.cascade import cascade
-from walkergen.simulation.relaxed.walker import Tensor
+from walkergen.simulation.relaxed.state import Tensor
+from walkergen.simulation.world import Contact
 from walkergen.theory.tensors import feet, rigid
-from walkergen.walker.mass import MassProperties
-
-BODY = 28.0 * 8.0 * 3.0 * 1.24e-3
 
 
-def masses(tilt_deg: float, leg: float = 0.02976) -> MassProperties:
-    tilt = np.radians(tilt_deg)
-    c = 3.75 * np.array([-np.sin(tilt), -np.cos(tilt)])
-    a = np.array([-6.5 + 7.5 * np.sin(tilt), -1.5])
-    J = BODY * (28.0**2 + 9.0) / 12
-    return MassProperties(
-        BODY, J, leg, leg * 7.5**2 / 12, a, a + np.array([13.0, 0.0]), c, c, False
-    )
-
-
-def tensors(tilt_deg: float, leg: float = 0.02976) -> list[tuple[Tensor, Tensor]]:
+def tensors(tilt_deg):
     """(flexible, rigid) of the back and of the front foot."""
-    mass, pairs = masses(tilt_deg, leg), []
+    mass, pairs = masses(design_of("relaxed", tilt_deg)), []
     for own, anchor in zip(feet(mass), (mass.a, mass.b), strict=True):
         H = rigid(mass.M, mass.J, anchor + 2 * mass.c_A)
-        pairs.append(
-            (
-                Tensor(float(own.xx), float(own.xy), float(own.yy)),
-                Tensor(float(H.xx), float(H.xy), float(H.yy)),
-            )
-        )
+        pairs.append((Tensor(*map(float, own)), Tensor(*map(float, H))))
     return pairs
 
 

@@ -18,7 +18,8 @@ from walkergen.files import templates
 from walkergen.jobs.movie import bounce, footage, impacts
 from walkergen.jobs.movie import make as movie
 from walkergen.scene import Scene
-from walkergen.simulation import engines, record
+from walkergen.simulation import record
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, RunResult
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -48,8 +49,8 @@ def still(design, model, pitch):
     """Footage of one pose: at rest, the lower foot 0.1 mm over the plate."""
     legs = SCENE.legs.model_copy(update={"model": model})
     mass = solids.mass_of(design)
-    plan = engines.prepare(SCENE.model_copy(update={"legs": legs}), design, mass)
-    state = plan.engine.start(0.1, pitch, 1.0)
+    plan = prepare(SCENE.model_copy(update={"legs": legs}), design, mass)
+    state = plan.start(0.1, pitch, 1.0)
     tally = record.new(len(state), 0.0, 1.0, 1)
     tally.samples.rows[0, 1:], tally.samples.cursor[0] = state, 1
     run = RunResult(0, Outcome.OK, 0.0, 0.0, 0.0, np.zeros(0), 0.0, tally, 0.0)

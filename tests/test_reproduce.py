@@ -16,9 +16,9 @@ from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
 from walkergen.jobs.paper.tables import number
 from walkergen.scene import Scene
-from walkergen.simulation import engines, ensemble
-from walkergen.simulation.run import Outcome
-from walkergen.walker import solids
+from walkergen.simulation import ensemble
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, impacts_of
 from walkergen.walker.design import Design
 
 FILES = {
@@ -258,12 +258,18 @@ def case(design):
     return Case(Assumption("measured", scene), "compliant", design)
 
 
+def silent(what, done, total):
+    pass
+
+
+def simulated(case):
+    scene, design, mass = sweeps._asked(case)
+    return ensemble.measure(prepare(scene, design, mass), silent, impacts=True)
+
+
 def test_every_impact_of_the_tally_is_an_event(case):
     # Of the compliant walker; relaxed legs make one event of a whole cascade.
-    mass = solids.mass_of(case.design)
-    scene = case.assumption.scene
-    engine = engines.prepare(scene, case.design, mass).engine
-    _, results = ensemble.measure(engine, scene, lambda *_: None, event_room=5000)
+    _, results = simulated(case)
     for result in results:
         kinds = sweeps._impacts(result).kind
         assert len(kinds) > 100
@@ -272,11 +278,8 @@ def test_every_impact_of_the_tally_is_an_event(case):
 
 
 def test_landings_are_fewer_than_impacts_and_no_foot_lands_twice_within_the_quiet_time(case):
-    mass = solids.mass_of(case.design)
-    scene = case.assumption.scene
-    engine = engines.prepare(scene, case.design, mass).engine
-    _, (result, _) = ensemble.measure(engine, scene, lambda *_: None, event_room=5000)
-    impacts, rows = sweeps._impacts(result), sweeps._rows(result)
+    _, (result, _) = simulated(case)
+    impacts, rows = sweeps._impacts(result), impacts_of(result)
     assert 0 < impacts.landing.sum() < len(rows)
     for foot in (0, 1):
         times = rows[impacts.landing & (rows[:, 1] == foot), 0]
@@ -284,9 +287,10 @@ def test_landings_are_fewer_than_impacts_and_no_foot_lands_twice_within_the_quie
 
 
 def test_room_for_impacts_grows_until_it_holds_them_all(case, monkeypatch):
-    whole = sweeps.measure(case, lambda *_: None)
-    monkeypatch.setattr(sweeps, "EVENTS_PER_S", 100.0)
-    assert sweeps.measure(case, lambda *_: None) == whole
+    (whole,) = sweeps.along_tilts([case], [10.0], silent)
+    monkeypatch.setattr("walkergen.simulation.run.FIRST_ROOM", -8.5)  # 26 impacts' room at first
+    (grown,) = sweeps.along_tilts([case], [10.0], silent)
+    assert grown == whole
     assert whole.lost == 0
 
 
@@ -306,7 +310,7 @@ def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost
         ]
 
     monkeypatch.setattr(ensemble, "measure", bad)
-    found = sweeps.measure(asked, lambda *_: None)
+    (found,) = sweeps.along_tilts([asked], [asked.design.legs.tilt_deg], silent)
     assert found.lost == lost
     assert found.speed == (sweeps.mean(kept) if known else None)
 

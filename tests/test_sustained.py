@@ -4,26 +4,27 @@ import math
 
 import numpy as np
 import pytest
-from level_walker import level_state
 from scipy.integrate import solve_ivp
-from test_event_driven import GRAVITY, go, shaken, walker
+from worlds import go, level_state, relaxed_walker, shaken
 
-from walkergen.simulation import drive as drive
-from walkergen.simulation import record
-from walkergen.simulation.drive import Contact, Harmonic, Plate
-from walkergen.simulation.relaxed import walker as walkers
-from walkergen.simulation.relaxed.event_driven import OK
-from walkergen.simulation.relaxed.walker import (
+from walkergen.scene import GRAVITY
+from walkergen.simulation import drive, record
+from walkergen.simulation.drive import Drive
+from walkergen.simulation.effects.harmonic import Harmonic
+from walkergen.simulation.relaxed.state import lever
+from walkergen.simulation.world import (
+    BACKWARD,
     MODE_BACK,
     MODE_FRONT,
-    OMEGA,
+    OK,
     OPEN,
     PHASE,
     PITCH,
-    SLIP_BACKWARD,
+    SPIN,
     STICK,
     V_X,
     V_Y,
+    Contact,
     X,
     Y,
 )
@@ -41,10 +42,10 @@ def independent_motion(w, plate, friction, slip):
         # unknowns a_x, a_y, alpha, F_x, N
         system = np.zeros((5, 5))
         right = np.zeros(5)
-        system[0, [0, 3]] = w.M, -1.0
-        system[1, [1, 4]] = w.M, -1.0
-        right[1] = -w.M * GRAVITY
-        system[2, [2, 3, 4]] = w.J, r_y, -r_x
+        system[0, [0, 3]] = w.mass, -1.0
+        system[1, [1, 4]] = w.mass, -1.0
+        right[1] = -w.mass * GRAVITY
+        system[2, [2, 3, 4]] = w.inertia, r_y, -r_x
         system[3, [1, 2]] = 1.0, r_x
         right[3] = a_p + Omega**2 * r_y
         if slip == 0:
@@ -62,16 +63,16 @@ def independent_motion(w, plate, friction, slip):
 @pytest.mark.parametrize(("friction", "slip"), [(3.0, 0), (0.1, -1)])
 @pytest.mark.parametrize("gamma", [0.0, 0.5])
 def test_rocking_block_follows_an_independent_integration(gamma, friction, slip):
-    w = walker()
+    w = relaxed_walker()
     plate = shaken(gamma)
     state = level_state(w, plate, phase=0.4)
     state[PITCH] = 0.3
-    r = walkers.lever(w.d_back, math.sin(0.3), math.cos(0.3))
-    state[OMEGA] = -3.0
+    r = lever(w.d_back, math.sin(0.3), math.cos(0.3))
+    state[SPIN] = -3.0
     state[Y] = drive.height(plate, 0.4) - r[1]
-    state[V_Y] -= state[OMEGA] * r[0]
-    state[V_X] = state[OMEGA] * r[1] + slip * 60.0
-    state[MODE_BACK] = STICK if slip == 0 else SLIP_BACKWARD
+    state[V_Y] -= state[SPIN] * r[0]
+    state[V_X] = state[SPIN] * r[1] + slip * 60.0
+    state[MODE_BACK] = STICK if slip == 0 else BACKWARD
     start = state[:6].copy()
     assert go(w, plate, Contact(0.5, friction, 0), state, 0.03)[0] == OK
     assert (state[MODE_BACK] != OPEN) & (state[MODE_FRONT] == OPEN)
@@ -89,8 +90,8 @@ def test_rocking_block_follows_an_independent_integration(gamma, friction, slip)
 @pytest.mark.slow  # compiles
 def test_block_slides_down_a_slope_as_coulomb_says():
     """On both feet of a tilted plate; with a second harmonic, to cover both effects at once."""
-    w, slope, mu = walker(), 0.4, 0.2
-    plate = Plate(shaken(0.4).amplitude, 2 * math.pi * 90, Harmonic(0.1, 0.3))
+    w, slope, mu = relaxed_walker(), 0.4, 0.2
+    plate = Drive(shaken(0.4).amplitude, 2 * math.pi * 90, Harmonic(0.1, 0.3))
     state = level_state(w, plate)
     tally = record.new(9)
     assert go(w, plate, Contact(0.0, mu, 0), state, 0.5, slope, tally)[0] == OK

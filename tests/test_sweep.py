@@ -17,7 +17,8 @@ from hypothesis import strategies as st
 from walkergen.errors import InputError
 from walkergen.files import config
 from walkergen.scene import Scene
-from walkergen.simulation import engines, record
+from walkergen.simulation import record
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
 from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
@@ -147,7 +148,7 @@ def walks(draw, model, method, effects):
 
 def fastest_swing(plan):
     """Frequency (Hz) of the faster mode of both legs on the free body, which a heavy leg turns."""
-    legs = plan.engine.arguments[0].legs
+    legs = plan.world.walker.legs
     fastest = max(legs.swing.mobility_1, legs.swing.mobility_2)
     return math.sqrt(legs.stiffness * fastest) / (2.0 * math.pi)
 
@@ -166,7 +167,7 @@ def built(tables):
     weighed = solids.weigh(design, shape)
     if scene.legs.model == "compliant":
         seconds, step_us = scene.run.seconds, scene.run.step_us
-        frequency = fastest_swing(engines.prepare(scene, design, weighed))
+        frequency = fastest_swing(prepare(scene, design, weighed))
         if scene.run.method == "event":
             seconds = min(seconds, EXPLICIT_OSCILLATIONS / frequency)
         else:
@@ -174,7 +175,7 @@ def built(tables):
             step_us = min(step_us, max(0.8e6 * RESOLVED / frequency, finest))
         run = scene.run.model_copy(update={"seconds": seconds, "step_us": step_us})
         scene = scene.model_copy(update={"run": run})
-    return design, scene, shape, weighed, engines.prepare(scene, design, weighed)
+    return design, scene, shape, weighed, prepare(scene, design, weighed)
 
 
 def check_refusal(error, tables):
@@ -222,10 +223,10 @@ def impacts_may_gain(plan):
     """True where relaxed legs may gain energy: H of the body exceeds that of a foot for some F."""
     if plan.resolved.model != "relaxed":
         return False
-    walker = plan.engine.arguments[0]
+    walker = plan.world.walker
     excess = [
-        [1 / walker.M + y * y / walker.J - foot.xx, -x * y / walker.J - foot.xy,
-         1 / walker.M + x * x / walker.J - foot.yy]
+        [1 / walker.mass + y * y / walker.inertia - foot.xx, -x * y / walker.inertia - foot.xy,
+         1 / walker.mass + x * x / walker.inertia - foot.yy]
         for (x, y), foot in ((walker.d_back, walker.flexible.back),
                              (walker.d_front, walker.flexible.front))
     ]  # fmt: skip
@@ -273,7 +274,7 @@ def check_motion(design, scene, weighed, plan, result):
     # Losses are losses, to the accuracy of the balance: by time steps that of all the energy a
     # walker has (RunResult.energy_error), by events 1 % of what is exchanged, as slips below the
     # snap speed may be counted with either loss; and a billionth of its energy is rounding.
-    whole = abs(plan.engine.energy(rows[0, 1:]))
+    whole = abs(plan.energy(rows[0, 1:]))
     exchanged = np.abs(sums[record.PLATE_WORK :]).max()
     step = scene.run.method == "step"
     allowed = 0.05 * max(exchanged, whole) if step else max(1e-2 * exchanged, 1e-9 * whole)
@@ -294,13 +295,13 @@ def check(tables):
         return "refused: " + type(error).__name__
     check_solid(design, shape)
     interval = scene.run.seconds / 200.0
-    result = simulate(plan.engine, scene, 0, sample_interval=interval, event_room=MOST_EVENTS)
+    result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
     if result.outcome is Outcome.ENERGY and scene.run.method == "step":
         # The outcome tells the user to take a smaller step, which then has to do.
         run = scene.run.model_copy(update={"step_us": max(scene.run.step_us / FINER, 0.01)})
         scene = scene.model_copy(update={"run": run})
-        plan = engines.prepare(scene, design, weighed)
-        result = simulate(plan.engine, scene, 0, sample_interval=interval, event_room=MOST_EVENTS)
+        plan = prepare(scene, design, weighed)
+        result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
     check_motion(design, scene, weighed, plan, result)
     return result.outcome.value
 

@@ -4,22 +4,21 @@ import math
 
 import numpy as np
 import pytest
-from test_compliant import OMEGA, PLATE, plate_of, walker_at
+from worlds import OMEGA, hinged_state, hinged_walker, shaken, world_of
 
 from walkergen.simulation import record
-from walkergen.simulation.compliant import event_driven, time_stepping
-from walkergen.simulation.compliant.legs import OK, PITCH, V_X, V_Y, X, Y, new_state
-from walkergen.simulation.drive import Contact
+from walkergen.simulation.compliant import events, steps
 from walkergen.simulation.record import CONTACT_TIME
+from walkergen.simulation.world import OK, PITCH, V_X, V_Y, Contact, X, Y
 from walkergen.theory.impact import Law
 
 
 def landed(advance, options, tilt, contact, v_x, pitch, duration, kind="flexible"):
-    walker = walker_at(tilt, kind)
-    state = new_state(walker, PLATE, 0.01, pitch, 0.3)
+    walker = hinged_walker(tilt, kind)
+    state = hinged_state(walker, 0.01, pitch, 0.3)
     state[V_Y], state[V_X] = -20.0, v_x
-    tally = record.new(state.size)
-    assert advance(walker, PLATE, contact, options, state, duration, tally) == OK
+    world = world_of(walker, contact=contact, options=options)
+    assert advance(world, state, duration, record.new(state.size)) == OK
     return state
 
 
@@ -33,11 +32,11 @@ SCENES = {
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_error_falls_with_the_square_of_the_step(scene):
-    exact = event_driven.Options(1e-13, 1e-4, 1e-5)
-    reference = landed(event_driven.advance, exact, *SCENES[scene])
+    exact = events.Options(1e-13, 1e-4, 1e-5)
+    reference = landed(events.advance, exact, *SCENES[scene])
     errors = []
     for h in (2e-5, 1.25e-6):
-        found = landed(time_stepping.advance, time_stepping.Options(h), *SCENES[scene])
+        found = landed(steps.advance, steps.Options(h), *SCENES[scene])
         errors.append(np.abs(found - reference)[[X, Y, PITCH]].max())
     # four halvings; seen 1.64 (slides back, leaves) to 1.97: events lie anywhere in a step
     assert math.log2(errors[0] / errors[1]) / 4.0 > 1.5
@@ -46,22 +45,20 @@ def test_error_falls_with_the_square_of_the_step(scene):
 
 def test_flight_of_a_braced_walker_is_exact():
     contact = Contact(0.3, 0.25, 0)
-    one = landed(
-        time_stepping.advance, time_stepping.Options(1e-5), 10, contact, 5.0, 0.01, 6e-3, "braced"
-    )
-    exact = event_driven.Options(1e-13)
-    other = landed(event_driven.advance, exact, 10, contact, 5.0, 0.01, 6e-3, "braced")
+    one = landed(steps.advance, steps.Options(1e-5), 10, contact, 5.0, 0.01, 6e-3, "braced")
+    exact = events.Options(1e-13)
+    other = landed(events.advance, exact, 10, contact, 5.0, 0.01, 6e-3, "braced")
     # 1e-9: the landing's place on the cubic through its step
     np.testing.assert_allclose(one[[X, Y, PITCH]], other[[X, Y, PITCH]], rtol=0, atol=1e-9)
 
 
 def mean_speed(tilt, contact, duration, kind="flexible", h=3e-5):
-    walker = walker_at(tilt, kind)
-    state = new_state(walker, PLATE, 0.05, 0.002, 1.0)
-    tally, options = record.new(state.size), time_stepping.Options(h)
-    assert time_stepping.advance(walker, PLATE, contact, options, state, 0.5, tally) == OK
+    walker = hinged_walker(tilt, kind)
+    state, world = hinged_state(walker, 0.05, 0.002, 1.0), world_of(walker, contact=contact)
+    tally, world = record.new(state.size), world._replace(options=steps.Options(h))
+    assert steps.advance(world, state, 0.5, tally) == OK
     before = state[X]
-    assert time_stepping.advance(walker, PLATE, contact, options, state, duration, tally) == OK
+    assert steps.advance(world, state, duration, tally) == OK
     return (state[X] - before) / duration
 
 
@@ -88,16 +85,16 @@ def test_braced_walker_goes_nowhere(tilt):
 
 def test_step_may_be_long_where_nothing_happens():
     """A walker at rest on legs of any stiffness: the springs are implicit."""
-    walker = walker_at(10)
+    walker = hinged_walker(10)
     legs = walker.legs
     walker = walker._replace(legs=legs._replace(stiffness=1e6 * legs.stiffness, damping=0.0))
-    plate = plate_of(0.5)
-    state = new_state(walker, plate, 0.0)
-    tally, options = record.new(state.size), time_stepping.Options(1e-4)
+    drive, options = shaken(0.5), steps.Options(1e-4)
+    world = world_of(walker, drive, Contact(0.0, 0.25, 0), options)
+    state = hinged_state(walker, 0.0, drive=drive)
+    tally = record.new(state.size)
     assert (
         OMEGA * options.step < 0.1 < options.step * math.sqrt(1e6 * legs.stiffness / legs.inertia)
     )
-    contact = Contact(0.0, 0.25, 0)
-    assert time_stepping.advance(walker, plate, contact, options, state, 0.1, tally) == OK
+    assert steps.advance(world, state, 0.1, tally) == OK
     assert tally.sums[CONTACT_TIME] > 0.0
     assert np.all(np.abs(state[9:11]) < 1e-6)

@@ -152,10 +152,9 @@ class Run(Section):
 class Effects(Section):
     """Effects forced on or off; those not named are decided by the scene."""
 
-    leg_compliance: bool | None = None
-    flexible_tensor: bool | None = None
     second_harmonic: bool | None = None
     plate_slope: bool | None = None
+    air_drag: bool | None = None
 
 
 class Prediction(Section):

@@ -11,7 +11,7 @@ from walkergen.cli import show
 if TYPE_CHECKING:
     from walkergen.scene import Scene
     from walkergen.simulation.costs import Explained
-    from walkergen.simulation.engines import Plan
+    from walkergen.simulation.model import Plan
     from walkergen.walker.design import Design
 
 
@@ -29,7 +29,8 @@ def explain(
     json: opt.AsJson = False,
 ) -> None:
     """Say which effects a scene calls for, why, how large they are and what they cost."""
-    from walkergen.simulation import costs, engines
+    from walkergen.simulation import costs
+    from walkergen.simulation.plan import prepare
     from walkergen.walker import solids
 
     changes = opt.Changes(
@@ -38,9 +39,9 @@ def explain(
     resolved_scene = opt.scene_of(scene, changes)
     chosen = opt.one_design(design, tilt, legs)
     mass = solids.mass_of(chosen)
-    plan = engines.prepare(resolved_scene, chosen, mass)
+    plan = prepare(resolved_scene, chosen, mass)
     with show.progress("explain", wanted=True) as progress:
-        rows = costs.explain(plan, resolved_scene, chosen, mass, measured=cost, progress=progress)
+        rows = costs.explain(plan, chosen, mass, measured=cost, progress=progress)
     if json:
         show.rows_as_json(rows)
     else:
@@ -64,7 +65,7 @@ def _show_effects(
         table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
     console = Console(highlight=False)
     console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
-    console.print(f"model {plan.engine.model}, method {plan.engine.method}")
+    console.print(f"model {plan.resolved.model}, method {plan.resolved.method}")
     console.print(table)
     console.print(
         "cost: CPU time over that of the scene without the effect, whose motion differs too"

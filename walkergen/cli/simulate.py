@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from walkergen.jobs.accuracy.choose import Met
     from walkergen.scene import Scene
     from walkergen.simulation.ensemble import Summary
-    from walkergen.simulation.run import Engine
+    from walkergen.simulation.points import Point
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
 
@@ -54,8 +54,9 @@ def simulate(
     quiet: opt.Quiet = False,
 ) -> None:
     """Bounce a walker on the plate and measure its speed."""
-    from walkergen.simulation import engines, ensemble
+    from walkergen.simulation import points
     from walkergen.simulation import trajectory as trajectories
+    from walkergen.simulation.plan import prepare
     from walkergen.walker import solids
 
     if form not in trajectories.FORMATS:
@@ -74,21 +75,21 @@ def simulate(
     met = None
     with show.progress("simulate", wanted=not quiet) as progress:
         if error is None:
-            plan = engines.prepare(resolved_scene, chosen, mass)
-            summary, _ = ensemble.measure(plan.engine, resolved_scene, progress)
+            point = points.measure(points.Asked(resolved_scene, chosen, mass), progress)
         else:
             met = _met(error, resolved_scene, chosen, mass, progress)
-            plan, resolved_scene, summary = met.plan, met.scene, met.summary
+            resolved_scene, point = met.scene, met.point
+        runs_asked = resolved_scene.run.runs
         if trajectory is not None:
-            progress("trajectory", resolved_scene.run.runs, resolved_scene.run.runs)
-            trajectories.write(plan.engine, resolved_scene, trajectory, form, 1.0 / rate)
-    if summary.runs < resolved_scene.run.runs:
-        told = f"interrupted after {summary.runs} of {resolved_scene.run.runs} runs"
-        print(told, file=sys.stderr)
+            progress("trajectory", runs_asked, runs_asked)
+            plan = prepare(resolved_scene, chosen, mass)
+            trajectories.write(plan, trajectory, form, 1.0 / rate)
+    if point.summary.runs < runs_asked:
+        print(f"interrupted after {point.summary.runs} of {runs_asked} runs", file=sys.stderr)
     if json:
-        show.as_json(_summary_as_dict(plan.engine, resolved_scene, summary, met))
+        show.as_json(_summary_as_dict(point, resolved_scene, met))
     elif not quiet:
-        _show_summary(plan.engine, resolved_scene, summary, chosen, met)
+        _show_summary(point, resolved_scene, chosen, met)
 
 
 def _met(
@@ -106,11 +107,9 @@ def _check_error(**chosen: object) -> None:
             raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
 
 
-def _summary_as_dict(
-    engine: "Engine", scene: "Scene", found: "Summary", met: "Met | None"
-) -> dict[str, Any]:
+def _summary_as_dict(point: "Point", scene: "Scene", met: "Met | None") -> dict[str, Any]:
     """An ensemble's summary with what was simulated, and for which error, for JSON."""
-    settings = {"model": engine.model, "method": engine.method, "law": scene.contact.law}
+    settings = {"model": point.model, "method": point.method, "law": scene.contact.law}
     chosen = {}
     if met is not None:
         obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
@@ -119,7 +118,7 @@ def _summary_as_dict(
             "error_mm_s": obtained,
             "allowed_mm_s": met.allowed_mm_s,
         }
-    return settings | found._asdict() | ({"chosen": chosen} if chosen else {})
+    return settings | point.summary._asdict() | ({"chosen": chosen} if chosen else {})
 
 
 def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
@@ -137,16 +136,14 @@ def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
-def _show_summary(
-    engine: "Engine", scene: "Scene", found: "Summary", design: "Design", met: "Met | None"
-) -> None:
+def _show_summary(point: "Point", scene: "Scene", design: "Design", met: "Met | None") -> None:
     """Print the mean speed and everything measured beside it."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
     table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
-    drive = scene.drive
+    found, drive = point.summary, scene.drive
     bars = found.speed_se_mm_s
     speed = "none: no run ended well"
     if found.speed_mm_s is not None:
@@ -161,7 +158,7 @@ def _show_summary(
     for name, value in (
         ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
-        ("model", f"{engine.model}, method {engine.method}, law {scene.contact.law}"),
+        ("model", f"{point.model}, method {point.method}, law {scene.contact.law}"),
         ("mean speed", speed),
         *(_met_rows(met, found) if met is not None else ()),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),

@@ -4,9 +4,8 @@ import time
 from typing import NamedTuple
 
 from walkergen.files.progress import Progress
-from walkergen.scene import Scene
-from walkergen.simulation import engines
-from walkergen.simulation.engines import Plan
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare, without
 from walkergen.simulation.run import simulate
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -31,35 +30,28 @@ class Explained(NamedTuple):
 
 
 def explain(
-    plan: Plan,
-    scene: Scene,
-    design: Design,
-    mass: MassProperties,
-    measured: bool,
-    progress: Progress,
+    plan: Plan, design: Design, mass: MassProperties, measured: bool, progress: Progress
 ) -> list[Explained]:
     """Every effect with its verdict; with `measured`, those that can be switched off are timed."""
     effects = plan.resolved.effects
-    whole = cpu_per_second(plan, scene) if measured else None
+    whole = cpu_per_second(plan) if measured else None
     rows = []
     for place, effect in enumerate(effects, start=1):
         cost = None
         if whole is not None and effect.on and effect.switch:
-            without = engines.prepare(engines.without(scene, effect), design, mass)
-            cost = whole / cpu_per_second(without, scene)
+            cost = whole / cpu_per_second(prepare(without(plan.scene, effect), design, mass))
         rows.append(Explained(*effect, cost))
         progress(effect.name, place, len(effects))
     return rows
 
 
-def cpu_per_second(plan: Plan, scene: Scene) -> float:
+def cpu_per_second(plan: Plan) -> float:
     """CPU seconds per simulated second: the fastest of three runs, after one that compiles."""
-    run = scene.run.model_copy(update={"seconds": MEASURED_S, "discard_seconds": 0.0})
-    short = scene.model_copy(update={"run": run})
-    simulate(plan.engine, short, 0)
+    short = plan.lasting(seconds=MEASURED_S, discard_seconds=0.0)
+    simulate(short, 0)
     seconds = []
     for number in range(REPEATS):
         started = time.thread_time()
-        result = simulate(plan.engine, short, number)
+        result = simulate(short, number)
         seconds.append((time.thread_time() - started) / max(result.measured_s, 1e-9))
     return min(seconds)

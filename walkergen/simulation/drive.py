@@ -1,98 +1,58 @@
-"""The vibrating plate: y_p = A [sin(phase) + ratio sin(2 phase + shift)], phase = omega t.
+"""The drive: a plate at height A sin(phase), phase = omega t, with a second harmonic if called for.
 
 The phase is kept in 0..2 pi and never the absolute time, so that a run of 1e5 s still resolves
-1e-9 s. A second harmonic that is None leaves nothing in the compiled code.
+1e-9 s.
 """
 
 import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
+from walkergen.simulation.effects import harmonic as harmonics
+from walkergen.simulation.effects.harmonic import Harmonic
 
 TWO_PI = 2.0 * math.pi
 
-
-class Harmonic(NamedTuple):
-    """Second harmonic of the drive."""
-
-    ratio: float
-    """Amplitude over that of the fundamental."""
-    shift: float
-    """Phase shift, rad."""
+_height, _velocity = harmonics.height, harmonics.velocity
+_acceleration, _bound = harmonics.acceleration, harmonics.bound
 
 
-class Plate(NamedTuple):
+class Drive(NamedTuple):
     """A plate shaken vertically, at rest when `amplitude` is 0."""
 
     amplitude: float
-    """mm"""
+    """Amplitude of the fundamental, mm."""
     omega: float
-    """rad/s, > 0 (also when the amplitude is 0)."""
+    """Angular frequency, rad/s; > 0 also when the amplitude is 0."""
     harmonic: Harmonic | None
 
-
-class Contact(NamedTuple):
-    """Foot on plate."""
-
-    restitution: float
-    """0..1"""
-    friction: float
-    """Coulomb's coefficient, >= 0."""
-    law: int
-    """A value of `impact.Law`."""
+    @property
+    def period(self) -> float:
+        """Period, s."""
+        return TWO_PI / self.omega
 
 
 @kernel
-def _harmonic_height(harmonic, phase):
-    if harmonic is None:
-        return 0.0
-    return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
-
-
-@kernel
-def _harmonic_velocity(harmonic, phase):
-    if harmonic is None:
-        return 0.0
-    return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
-
-
-@kernel
-def _harmonic_acceleration(harmonic, phase):
-    if harmonic is None:
-        return 0.0
-    return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
-
-
-@kernel
-def height(plate: Plate, phase: float) -> float:
+def height(drive: Drive, phase: float) -> float:
     """Height of the plate's surface, mm."""
-    return plate.amplitude * (math.sin(phase) + _harmonic_height(plate.harmonic, phase))
+    return drive.amplitude * (math.sin(phase) + _height(drive.harmonic, phase))
 
 
 @kernel
-def velocity(plate: Plate, phase: float) -> float:
+def velocity(drive: Drive, phase: float) -> float:
     """Vertical velocity of the plate, mm/s."""
-    both = math.cos(phase) + _harmonic_velocity(plate.harmonic, phase)
-    return plate.amplitude * plate.omega * both
+    both = math.cos(phase) + _velocity(drive.harmonic, phase)
+    return drive.amplitude * drive.omega * both
 
 
 @kernel
-def acceleration(plate: Plate, phase: float) -> float:
+def acceleration(drive: Drive, phase: float) -> float:
     """Vertical acceleration of the plate, mm/s^2."""
-    both = _harmonic_acceleration(plate.harmonic, phase) - math.sin(phase)
-    return plate.amplitude * plate.omega * plate.omega * both
+    both = _acceleration(drive.harmonic, phase) - math.sin(phase)
+    return drive.amplitude * drive.omega * drive.omega * both
 
 
 @kernel
-def _harmonic_bound(harmonic, order):
-    if harmonic is None:
-        return 0.0
-    return abs(harmonic.ratio) * 2.0**order
-
-
-@kernel
-def derivative_bound(plate: Plate, order: int) -> float:
+def derivative_bound(drive: Drive, order: int) -> float:
     """Upper bound of |d^order height / dt^order|, mm/s^order; attained without a harmonic."""
-    return (
-        abs(plate.amplitude) * plate.omega**order * (1.0 + _harmonic_bound(plate.harmonic, order))
-    )
+    return abs(drive.amplitude) * drive.omega**order * (1.0 + _bound(drive.harmonic, order))

@@ -1,4 +1,4 @@
-"""Many independent runs of one engine: threads, seeds, and the statistics of their mean speed.
+"""Many independent runs of a plan: threads, seeds, and the statistics of their mean speed.
 
 Runs differ by the drive's phase and the height of the drop, drawn from a stream of their own
 (seed, number): the first n of N runs equal a run of n, and any number of threads gives equal bits.
@@ -8,7 +8,7 @@ import math
 import os
 import time
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import NamedTuple
 
@@ -17,17 +17,21 @@ import numpy.typing as npt
 
 from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
-from walkergen.scene import Scene
 from walkergen.simulation import record
-from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import (
+    ENDED_WELL,
+    Outcome,
+    RunResult,
+    compile_kernels,
+    simulate,
+    with_impacts,
+)
 
 Array = npt.NDArray[np.float64]
 
 FEWEST_RUNS = 8
 """From this many runs on, their spread gives the standard error; below, the blocks of each run."""
-
-
-KINDS = ("I", "II", "III", "IV", "from rest", "II mirrored", "III mirrored")
 
 
 class Summary(NamedTuple):
@@ -56,23 +60,18 @@ class Summary(NamedTuple):
 
 
 def run(
-    engine: Engine,
-    scene: Scene,
-    progress: Progress,
-    threads: int | None = None,
-    event_room: int | None = None,
+    plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs, sorted by number, each with room for so many impacts.
+    """Simulate scene.run.runs runs, sorted by number; with `impacts` each keeps all of its own.
 
     Ctrl-C stops the runs under way and returns those that are finished (an empty list raises).
     """
-    count = scene.run.runs
+    count, one = plan.scene.run.runs, with_impacts if impacts else simulate
     stop: list[bool] = []
     finished: list[RunResult] = []
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         pending: set[Future[RunResult]] = {
-            pool.submit(simulate, engine, scene, index, lambda: bool(stop), None, event_room)
-            for index in range(count)
+            pool.submit(one, plan, number, lambda: bool(stop)) for number in range(count)
         }
         try:
             while pending:
@@ -87,10 +86,10 @@ def run(
     return sorted(finished, key=lambda result: result.number)
 
 
-def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summary:
+def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
     """Mean speed with its standard error, and everything else a user asks of an ensemble."""
     outcomes = Counter(result.outcome.value for result in results)
-    good = [result for result in results if result.outcome in (Outcome.OK, Outcome.STUCK)]
+    good = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in good])
     correlation = correlation_time(good)
     error = standard_error(good, correlation)
@@ -114,7 +113,7 @@ def summarise(results: Sequence[RunResult], scene: Scene, wall_s: float) -> Summ
         impacts_per_s=impacts / simulated if simulated else 0.0,
         type_fractions={
             name: int(count) / max(impacts, 1)
-            for name, count in zip((*KINDS, "sticking"), counts[1:], strict=True)
+            for name, count in zip((*record.KINDS, "sticking"), counts[1:], strict=True)
         },
         contact_fraction=float(sums[record.CONTACT_TIME]) / simulated if simulated else 0.0,
         max_pitch_deg=math.degrees(pitch),
@@ -151,15 +150,16 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
 
 
 def measure(
-    engine: Engine,
-    scene: Scene,
-    progress: Progress,
-    threads: int | None = None,
-    event_room: int | None = None,
+    plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
 ) -> tuple[Summary, list[RunResult]]:
     """Run an ensemble and summarise it; compilation is not part of its time."""
-    progress("compiling (slow the first time only)", 0, scene.run.runs)
-    compile_kernels(engine)
+    progress("compiling (slow the first time only)", 0, plan.scene.run.runs)
+    compile_kernels(plan)
     started = time.perf_counter()
-    results = run(engine, scene, progress, threads, event_room)
-    return summarise(results, scene, time.perf_counter() - started), results
+    results = run(plan, progress, threads, impacts)
+    return summarise(results, time.perf_counter() - started), results
+
+
+def listed(outcomes: Mapping[str, int]) -> str:
+    """Outcomes of an ensemble in words: "7 ok, 1 toppled"."""
+    return ", ".join(f"{count} {name}" for name, count in outcomes.items())

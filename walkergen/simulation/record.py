@@ -10,11 +10,26 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.numerics.kernels import kernel
+from walkergen.theory.impact import (
+    FROM_REST,
+    II_MIRRORED,
+    III_MIRRORED,
+    TYPE_I,
+    TYPE_II,
+    TYPE_III,
+    TYPE_IV,
+)
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int64]
 
-# Rows of `Tally.counts`: impacts by type (impact.Kind), those that stick, and all.
+KINDS = {
+    "I": TYPE_I, "II": TYPE_II, "III": TYPE_III, "IV": TYPE_IV, "from rest": FROM_REST,
+    "II mirrored": II_MIRRORED, "III mirrored": III_MIRRORED,
+}  # fmt: skip
+"""Types of impacts (values of `impact.Kind`) by their names, in the order of `Tally.counts`."""
+
+# Rows of `Tally.counts` beside those of KINDS: all impacts, and those in which a foot sticks.
 IMPACTS, STICKING = 0, 8
 # Rows of `Tally.sums`.
 ELAPSED, CONTACT_TIME, LARGEST_PITCH = 0, 1, 2
@@ -44,8 +59,7 @@ class Tally(NamedTuple):
     """The record of one run."""
 
     counts: Counts
-    """Shape (9,): all impacts, then by |kind| I, II, III, IV, from rest, II and III mirrored (6,
-    7), and (8) those in which the foot sticks."""
+    """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
     sums: Array
     """Shape (7,): elapsed time s, time with a foot in contact s, largest |pitch| rad; energies in
     g mm^2/s^2: work done by the plate, and lost to impacts, to friction in sustained contact, to
@@ -70,11 +84,28 @@ def new(
     return Tally(np.zeros(9, np.int64), np.zeros(7), samples, events)
 
 
+def energy_error(sums: Array, gained: float, before: float) -> float:
+    """Energy that the sums of a tally leave unaccounted for, over the energy exchanged.
+
+    A motion started with the energy `before` and has `gained` so much (g mm^2/s^2).
+    """
+    work = sums[PLATE_WORK]
+    losses = sums[IMPACT_LOSS] + sums[FRICTION_LOSS] + sums[DAMPING_LOSS]
+    exchanged = max(abs(work), abs(losses), abs(before))
+    return float(abs(gained - (work - losses)) / exchanged) if exchanged else 0.0
+
+
+@kernel
+def row_of(kind: int) -> int:
+    """Row of `Tally.counts` of a type of impact."""
+    return kind if kind >= 0 else TYPE_IV - kind
+
+
 @kernel
 def tally_impact(counts, kind, sticks):
     """Count one impact by its type."""
     counts[IMPACTS] += 1
-    counts[kind if kind >= 0 else 4 - kind] += 1
+    counts[row_of(kind)] += 1
     if sticks:
         counts[STICKING] += 1
 

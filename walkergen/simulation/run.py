@@ -1,20 +1,18 @@
-"""One run: an engine (model and method, ready to go), advanced block by block."""
+"""One run of a plan, advanced block by block."""
 
 import time
 from collections.abc import Callable
 from enum import Enum
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import Scene
 from walkergen.simulation import record
+from walkergen.simulation.model import Plan
+from walkergen.simulation.world import FAILED, FOLDED, INSIDE, OK, RUNAWAY, TOPPLED
 
 Array = npt.NDArray[np.float64]
-
-X, PITCH = 0, 2
-"""Places in every model's state."""
 
 MOST_BLOCKS = 100_000
 """Longer runs have longer blocks: memory stays the same for any duration."""
@@ -24,6 +22,10 @@ FIRST_PITCH = 1e-3
 
 PERIODS_PER_BLOCK = 4
 """A block, in periods of the drive: the time resolution of the speed's statistics."""
+
+
+FIRST_ROOM = 64
+"""Impacts in a period for which there is room at first, when all are kept."""
 
 
 class Outcome(Enum):
@@ -44,32 +46,17 @@ class Outcome(Enum):
     STOPPED = "stopped"
 
 
+ENDED_WELL = (Outcome.OK, Outcome.STUCK)
+"""Outcomes of runs whose speed counts."""
+
+ENDS = {
+    TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED,
+    INSIDE: Outcome.FAILED, RUNAWAY: Outcome.RUNAWAY,
+}  # fmt: skip
+"""Outcome of each status of `world` other than OK."""
+
 UNFINISHED = {Outcome.FAILED, Outcome.STOPPED, Outcome.RUNAWAY}
 """Ends that no energy balance explains; a fall or a folded leg must balance like any motion."""
-
-
-class Engine(NamedTuple):
-    """A model and a method, ready to run: kernels with their arguments."""
-
-    model: str
-    method: str
-    advance: Callable[..., int]
-    """advance(walker, plate, contact, options, state, duration, tally) -> status"""
-    arguments: tuple[Any, ...]
-    """(walker, plate, contact, options)"""
-    start: Callable[[float, float, float], Array]
-    """start(clearance in mm, pitch in rad, phase in rad) -> state at rest in the laboratory, the
-    lower foot `clearance` over the plate"""
-    energy: Callable[[Array], float]
-    """Mechanical energy of a state, g mm^2/s^2."""
-    failures: dict[int, Outcome]
-    """Outcome of each status other than 0."""
-    columns: tuple[str, ...]
-    """Names of the state's places that a trajectory shows, from the first on."""
-    period: float
-    """Of the drive, s."""
-    drop: float
-    """Scale of the first drop's height, mm."""
 
 
 class RunResult(NamedTuple):
@@ -88,48 +75,51 @@ class RunResult(NamedTuple):
     cpu_s: float
 
 
-def compile_kernels(engine: Engine) -> float:
-    """Compile (or load from the disk cache) what the engine needs; returns the seconds it took."""
+def compile_kernels(plan: Plan) -> float:
+    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
     started = time.perf_counter()
-    state = engine.start(engine.drop, 0.0, 0.0)
-    engine.advance(*engine.arguments, state, 1e-9, record.new(len(state)))
+    state = plan.start(plan.world.drive.amplitude, 0.0, 0.0)
+    plan.advance(state, 1e-9, record.new(len(state)))
     return time.perf_counter() - started
 
 
 def simulate(
-    engine: Engine,
-    scene: Scene,
+    plan: Plan,
     number: int,
     stopped: Callable[[], bool] = lambda: False,
     sample_interval: float | None = None,
     event_room: int | None = None,
 ) -> RunResult:
-    """One run: a drop onto the plate, the discarded start, then the measured time in blocks."""
-    started = time.thread_time()
-    rng = np.random.default_rng([scene.run.seed, number])
-    clearance, pitch, phase = rng.uniform((0.5, -1.0, 0.0), (1.5, 1.0, 2.0 * np.pi))
-    state = engine.start(engine.drop * clearance, FIRST_PITCH * pitch, phase)
-    outcome = Outcome.OK
-    if scene.run.discard_seconds > 0:
-        outcome = _advance(engine, state, scene.run.discard_seconds, record.new(len(state)), scene)
+    """One run: a drop onto the plate, the discarded start, then the measured time in blocks.
 
-    tally = record.new(len(state), scene.run.seconds, sample_interval, event_room)
-    blocks = round(scene.run.seconds / (PERIODS_PER_BLOCK * engine.period))
+    A drop starts from about the drive's amplitude over the plate, at a random phase.
+    """
+    started = time.thread_time()
+    run, drive = plan.scene.run, plan.world.drive
+    rng = np.random.default_rng([run.seed, number])
+    clearance, pitch, phase = rng.uniform((0.5, -1.0, 0.0), (1.5, 1.0, 2.0 * np.pi))
+    state = plan.start(drive.amplitude * clearance, FIRST_PITCH * pitch, phase)
+    outcome = Outcome.OK
+    if run.discard_seconds > 0:
+        outcome = _advance(plan, state, run.discard_seconds, record.new(len(state)))
+
+    tally = record.new(len(state), run.seconds, sample_interval, event_room)
+    blocks = round(run.seconds / (PERIODS_PER_BLOCK * drive.period))
     blocks = min(max(blocks, 1), MOST_BLOCKS)
-    block = scene.run.seconds / blocks
+    block = run.seconds / blocks
     places = np.empty(blocks + 1)
-    places[0], energy = state[X], engine.energy(state)
+    places[0], energy = plan.model.pose(state)[0], plan.energy(state)
     done = 0
     while done < blocks and outcome is Outcome.OK:
         if stopped():
             outcome = Outcome.STOPPED
             break
-        outcome = _advance(engine, state, block, tally, scene)
+        outcome = _advance(plan, state, block, tally)
         done += 1
-        places[done] = state[X]
+        places[done] = plan.model.pose(state)[0]
 
-    error = _energy_error(tally.sums, engine.energy(state) - energy, energy)
-    if outcome not in UNFINISHED and error > scene.run.energy_tolerance:
+    error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
+    if outcome not in UNFINISHED and error > run.energy_tolerance:
         outcome = Outcome.ENERGY
     if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done] == places[0]:
         outcome = Outcome.STUCK
@@ -139,21 +129,36 @@ def simulate(
     return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu)
 
 
-def _advance(
-    engine: Engine, state: Array, duration: float, tally: record.Tally, scene: Scene
-) -> Outcome:
-    status = engine.advance(*engine.arguments, state, duration, tally)
-    if status != 0:
-        return engine.failures[status]
-    length = scene.arena.length_mm
-    if length is not None and abs(state[X]) > 0.5 * length:
+def with_impacts(
+    plan: Plan,
+    number: int,
+    stopped: Callable[[], bool] = lambda: False,
+    sample_interval: float | None = None,
+) -> RunResult:
+    """One run with every impact kept.
+
+    Runs are deterministic: it runs again, with more room, until there is room for all impacts.
+    """
+    room = 256 + int(FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period)
+    while True:
+        result = simulate(plan, number, stopped, sample_interval, room)
+        if len(impacts_of(result)) < room:
+            return result
+        room *= 4
+
+
+def impacts_of(result: RunResult) -> Array:
+    """Impacts of a run that kept them: rows as in `record.Events`."""
+    events = result.tally.events
+    assert events is not None
+    return np.asarray(events.rows[: events.cursor[0]])
+
+
+def _advance(plan: Plan, state: Array, duration: float, tally: record.Tally) -> Outcome:
+    status = plan.advance(state, duration, tally)
+    if status != OK:
+        return ENDS[status]
+    length = plan.scene.arena.length_mm
+    if length is not None and abs(plan.model.pose(state)[0]) > 0.5 * length:
         return Outcome.LEFT
     return Outcome.OK
-
-
-def _energy_error(sums: Array, gained: float, before: float) -> float:
-    """Energy unaccounted for over the energy exchanged."""
-    work = sums[record.PLATE_WORK]
-    losses = sums[record.IMPACT_LOSS] + sums[record.FRICTION_LOSS] + sums[record.DAMPING_LOSS]
-    exchanged = max(abs(work), abs(losses), abs(before))
-    return float(abs(gained - (work - losses)) / exchanged) if exchanged else 0.0

@@ -11,7 +11,8 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.scene import Scene
-from walkergen.simulation.run import Engine, simulate
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import simulate
 
 Array = npt.NDArray[np.float64]
 
@@ -37,14 +38,14 @@ def check(scene: Scene, interval: float) -> None:
         )
 
 
-def sample(engine: Engine, scene: Scene, interval: float, number: int = 0) -> Trajectory:
+def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
-    check(scene, interval)
-    result = simulate(engine, scene, number, sample_interval=interval)
-    samples = result.tally.samples
+    check(plan.scene, interval)
+    samples = simulate(plan, number, sample_interval=interval).tally.samples
     assert samples is not None
-    rows = samples.rows[: samples.cursor[0], : 1 + len(engine.columns)]
-    return Trajectory(("t_s", *engine.columns), rows)
+    columns = plan.model.columns
+    rows = samples.rows[: samples.cursor[0], : 1 + len(columns)]
+    return Trajectory(("t_s", *columns), rows)
 
 
 def to_csv(trajectory: Trajectory) -> bytes:
@@ -66,6 +67,6 @@ def to_npz(trajectory: Trajectory) -> bytes:
 FORMATS: dict[str, Callable[[Trajectory], bytes]] = {"csv": to_csv, "npz": to_npz}
 
 
-def write(engine: Engine, scene: Scene, path: Path, form: str, interval: float) -> None:
+def write(plan: Plan, path: Path, form: str, interval: float) -> None:
     """Sample the ensemble's first run and write it in one of FORMATS."""
-    output.write(path, FORMATS[form](sample(engine, scene, interval)))
+    output.write(path, FORMATS[form](sample(plan, interval)))

@@ -14,36 +14,41 @@ from typing import NamedTuple
 from walkergen.errors import TheoryError
 from walkergen.numerics.kernels import kernel
 
+# The values as kernels read them; `Law` and `Kind` say what they mean.
+POISSON, NEWTON, STRONGE = range(3)
+NONE, TYPE_I, TYPE_II, TYPE_III, TYPE_IV, FROM_REST = range(6)
+II_MIRRORED, III_MIRRORED = -TYPE_II, -TYPE_III
+
 
 class Law(IntEnum):
     """Law of restitution: what ends the impact after the compression phase."""
 
-    POISSON = 0
+    POISSON = POISSON
     """Normal impulse: F_y = (1 + e) times that of compression (the paper's)."""
-    NEWTON = 1
+    NEWTON = NEWTON
     """Normal velocity: v_y after = -e v_y before. May create energy with friction."""
-    STRONGE = 2
+    STRONGE = STRONGE
     """Energy: work of restitution = e^2 times that of compression. Never creates energy."""
 
 
 class Kind(IntEnum):
     """Type of an impact by the sign of the sliding velocity v_x (paper, figure 3)."""
 
-    NONE = 0
+    NONE = NONE
     """Not approaching: no impulse."""
-    I = 1  # noqa: E741  (the paper's own name)
+    I = TYPE_I  # noqa: E741  (the paper's own name)
     """v_x > 0 throughout."""
-    II = 2
+    II = TYPE_II
     """v_x > 0 stops during restitution."""
-    III = 3
+    III = TYPE_III
     """v_x > 0 stops during compression."""
-    IV = 4
+    IV = TYPE_IV
     """v_x < 0 throughout."""
-    FROM_REST = 5
+    FROM_REST = FROM_REST
     """v_x = 0 before the impact."""
-    II_MIRRORED = -2
+    II_MIRRORED = II_MIRRORED
     """v_x < 0 stops during restitution."""
-    III_MIRRORED = -3
+    III_MIRRORED = III_MIRRORED
     """v_x < 0 stops during compression."""
 
 
@@ -102,7 +107,7 @@ def impact(
     gives no impulse and `Kind.NONE`.
     """
     if v_y >= 0.0:
-        return Impact(0.0, 0.0, v_x, v_y, 0, False)
+        return Impact(0.0, 0.0, v_x, v_y, NONE, False)
 
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
     sticks = abs(H_xy) <= friction * H_xx
@@ -139,9 +144,9 @@ def impact(
     # Restitution: how much further, by the law, first within the segment where compression ended.
     left = math.inf if stops_early else stop - compression
     slope = slope_y2 if stops_early else slope_y1
-    if law == 0:
+    if law == POISSON:
         extra = restitution * compression
-    elif law == 1:
+    elif law == NEWTON:
         target = -restitution * v_y
         extra = target / slope
         if extra > left:
@@ -162,14 +167,14 @@ def impact(
             total,
             v_x + slope_x1 * total,
             v_y + slope_y1 * total,
-            1 if v_x > 0.0 else 4,
+            TYPE_I if v_x > 0.0 else TYPE_IV,
             False,
         )
     after = total - stop
     if v_x == 0.0:
-        kind = 5
+        kind = FROM_REST
     else:
-        kind = 3 if stops_early else 2
+        kind = TYPE_III if stops_early else TYPE_II
         if v_x < 0.0:
             kind = -kind
     return Impact(

@@ -9,9 +9,8 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import kept
 from walkergen.jobs.accuracy.speeds import FINEST_SHARE, STEP_RUNS, Measured, Setting, Survey
 from walkergen.scene import Scene
-from walkergen.simulation import engines, ensemble
-from walkergen.simulation.engines import Plan
-from walkergen.simulation.ensemble import Summary
+from walkergen.simulation import points
+from walkergen.simulation.points import Point
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -58,10 +57,9 @@ class Met(NamedTuple):
     """An ensemble simulated for an error."""
 
     choice: Choice
-    plan: Plan
     scene: Scene
-    """With the chosen setting."""
-    summary: Summary
+    """Scene with the chosen setting."""
+    point: Point
     error_mm_s: float
     """Obtained, with 95 % confidence: the bias's bound and twice the standard error."""
     allowed_mm_s: float
@@ -161,14 +159,13 @@ def meet(
     error = allowed(wanted, survey, survey.reference(progress))
     for _ in range(ATTEMPTS):
         chosen = survey.scene_of(choice.setting, seconds=choice.seconds, runs=choice.runs)
-        plan = engines.prepare(chosen, design, mass)
-        summary, _ = ensemble.measure(plan.engine, chosen, progress)
-        se = summary.speed_se_mm_s
-        if se is None or summary.runs < choice.runs:  # interrupted: shown as it is
-            return Met(choice, plan, chosen, summary, math.inf, error, on_record)
+        point = points.measure(points.Asked(chosen, design, mass), progress)
+        se = point.summary.speed_se_mm_s
+        if se is None or point.summary.runs < choice.runs:  # interrupted: shown as it is
+            return Met(choice, chosen, point, math.inf, error, on_record)
         obtained = choice.bias_bound_mm_s + 2.0 * se
         if obtained <= error:
             break
         longer = _up(choice.seconds * SLACK * (se / choice.se_mm_s) ** 2)
         choice = choice._replace(seconds=longer)
-    return Met(choice, plan, chosen, summary, obtained, error, on_record)
+    return Met(choice, chosen, point, obtained, error, on_record)

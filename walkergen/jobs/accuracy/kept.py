@@ -4,22 +4,20 @@ import hashlib
 import json
 from pathlib import Path
 
-from walkergen import __version__
 from walkergen.files import output
 from walkergen.jobs.accuracy.ladder import machine
 from walkergen.jobs.accuracy.speeds import Measured, Setting, Survey
 from walkergen.numerics import kernels
+from walkergen.simulation import points
 
 
 def record(survey: Survey) -> Path:
     """Where the measured speeds of this walker in this scene are kept, for this version here."""
-    scene = survey.scene.model_dump(mode="json", exclude={"name", "description", "prediction"})
+    scene, *others = points.facts(survey.scene, survey.design)
     for key in ("seconds", "runs", "method", "step_us", "accepted_error"):
         scene["run"].pop(key)
     scene["legs"].pop("model")
-    design = survey.design.model_dump(mode="json", exclude={"name", "description", "family"})
-    facts = [scene, design, __version__, kernels.digest(), machine()]
-    text = json.dumps(facts, sort_keys=True)
+    text = json.dumps([scene, *others, machine()], sort_keys=True)
     return kernels.cache("accuracy") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
 
 

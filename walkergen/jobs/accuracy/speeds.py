@@ -8,10 +8,14 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
-from walkergen.simulation import engines, ensemble
-from walkergen.simulation.effects import MethodName, ModelName
-from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.run import Engine, Outcome, RunResult, compile_kernels, simulate
+from walkergen.simulation import points
+from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.effects.resolve import MethodName
+from walkergen.simulation.ensemble import listed
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.points import Point
+from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels, simulate
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -116,10 +120,7 @@ class Survey:
 
     def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
         """`budget_s`: wall time for all settings of the complete model, on all cores."""
-        # The study compares the models, so that no effect of theirs may be forced.
-        free = {"leg_compliance": None, "flexible_tensor": None}
-        self.scene = scene.model_copy(update={"effects": scene.effects.model_copy(update=free)})
-        self.design, self.mass = design, mass
+        self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1
         self.budget_s = budget_s * self.cores
         self.known: dict[Setting, Measured] = {}
@@ -149,30 +150,28 @@ class Survey:
             return []
         return [Setting("rigid", "event", None), Setting("relaxed", "event", None)]
 
-    def engine(self, setting: Setting) -> Engine:
-        """The engine of a setting."""
-        return engines.prepare(self.scene_of(setting), self.design, self.mass).engine
+    def plan(self, setting: Setting) -> Plan:
+        """The plan of a setting."""
+        return prepare(self.scene_of(setting), self.design, self.mass)
 
     def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
         """Measure settings that are not known yet; all of them, in their order."""
         for place, setting in enumerate(settings):
             if setting not in self.known:
 
-                def told(
-                    what: str, done: int, total: int, setting: Setting = setting, place: int = place
-                ) -> None:
-                    progress(setting.label, place * total + done, len(settings) * total)
+                def told(what: str, done: int, total: int, place: int = place) -> None:
+                    progress(what, place * total + done, len(settings) * total)
 
                 self.known[setting] = self._measured(setting, told)
         return [self.known[setting] for setting in settings]
 
     def ensemble(
         self, setting: Setting, runs: int, seconds: float, progress: Progress
-    ) -> tuple[list[RunResult], float]:
+    ) -> tuple[Sequence[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
-        summary, results = self._run(setting, runs, seconds, progress)
+        point = self._run(setting, runs, seconds, progress)
         simulated = runs * (seconds + self.scene.run.discard_seconds)
-        return results, summary.cpu_s / simulated
+        return point.results, point.summary.cpu_s / simulated
 
     def reference(self, progress: Progress) -> Measured:
         """The finest step of the complete model.
@@ -245,14 +244,11 @@ class Survey:
         legs = self.scene.legs.model_copy(update={"model": setting.model})
         return self.scene.model_copy(update={"run": changed, "legs": legs})
 
-    def _run(
-        self, setting: Setting, runs: int, seconds: float, progress: Progress
-    ) -> tuple[Summary, list[RunResult]]:
+    def _run(self, setting: Setting, runs: int, seconds: float, progress: Progress) -> Point:
         scene = self.scene_of(setting, seconds=seconds, runs=runs)
-        summary, results = ensemble.measure(self.engine(setting), scene, progress)
-        if len(results) < runs:  # Ctrl-C: the runs under way were stopped
-            raise KeyboardInterrupt
-        return summary, results
+        asked = points.Asked(scene, self.design, self.mass)
+        (point,) = points.each([asked], [setting.label], progress, None)
+        return point
 
     def _measured(self, setting: Setting, progress: Progress) -> Measured:
         """Runs of as many seconds as the setting's share of the budget allows.
@@ -260,16 +256,16 @@ class Survey:
         The length is rounded down to 1, 2 or 5 x 10^n, so that it, and the speed with it, does not
         follow every fluctuation of the machine's speed.
         """
-        engine = self.engine(setting)
+        plan = self.plan(setting).lasting(seconds=0.5, discard_seconds=0.0)
         runs = EVENT_RUNS if setting.method == "event" else STEP_RUNS
         discard = self.scene.run.discard_seconds
-        compile_kernels(engine)
-        pilot = simulate(engine, self.scene_of(setting, seconds=0.5, discard_seconds=0.0), 0)
+        compile_kernels(plan)
+        pilot = simulate(plan, 0)
         per_run = self.budget_s * self._share(setting) / runs
         cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
         seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
-        summary, _ = self._run(setting, runs, seconds, progress)
-        complete = set(summary.outcomes) <= {Outcome.OK.value, Outcome.STUCK.value}
+        summary = self._run(setting, runs, seconds, progress).summary
+        complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         return Measured(
             setting,
             summary.speed_mm_s if complete else None,
@@ -279,7 +275,7 @@ class Survey:
             discard,
             summary.cpu_s,
             summary.correlation_time_s,
-            ", ".join(f"{count} {name}" for name, count in summary.outcomes.items()),
+            listed(summary.outcomes),
         )
 
 

@@ -1,7 +1,7 @@
 """The ladders of steps and tolerances: short deterministic scenes, and long-run mean speeds."""
 
 from collections.abc import Iterator, Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -12,8 +12,10 @@ from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.models import Details, certificate, rung_of
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import record
-from walkergen.simulation.compliant import event_driven, time_stepping
-from walkergen.simulation.run import FIRST_PITCH, PITCH, Engine
+from walkergen.simulation.compliant import events, steps
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import ENDS, FIRST_PITCH
+from walkergen.simulation.world import OK, PITCH
 
 Array = npt.NDArray[np.float64]
 
@@ -98,49 +100,49 @@ def long(survey: Survey, progress: Progress) -> Ladder:
     )
 
 
-def _by_events(survey: Survey, tolerance: float) -> Engine:
-    engine = survey.engine(survey.events)
+def _by_events(survey: Survey, tolerance: float) -> Plan:
+    plan = survey.plan(survey.events)
     if survey.design.braced:
-        return engine
-    options = event_driven.Options(tolerance, SNAP, 0.1 * engine.period)
-    return _with_options(engine, options)
+        return plan
+    return _with_options(plan, events.Options(tolerance, SNAP, 0.1 * plan.world.drive.period))
 
 
-def _with_options(engine: Engine, options: Any) -> Engine:
-    return engine._replace(arguments=(*engine.arguments[:3], options))
+def _with_options(plan: Plan, options: events.Options | steps.Options) -> Plan:
+    return plan._replace(world=plan.world._replace(options=options))
 
 
 def _by_steps(survey: Survey, scene: Short, true: Array) -> Iterator[Rung]:
-    engine = survey.engine(survey.own)
+    plan = survey.plan(survey.own)
     for parts in SHORT_STEPS:
-        step = engine.period / parts
-        stepped = _with_options(engine, time_stepping.Options(step))
+        step = plan.world.drive.period / parts
+        stepped = _with_options(plan, steps.Options(step))
         yield _rung(survey, stepped, scene, true, f"step {1e6 * step:.3g} us", 1e6 * step)
 
 
 def _by_tolerance(survey: Survey, scene: Short, true: Array) -> Iterator[Rung]:
     for tolerance in TOLERANCES:
-        engine = _by_events(survey, tolerance)
-        yield _rung(survey, engine, scene, true, f"tolerance {tolerance:g}", tolerance)
+        plan = _by_events(survey, tolerance)
+        yield _rung(survey, plan, scene, true, f"tolerance {tolerance:g}", tolerance)
 
 
 def _rung(
-    survey: Survey, engine: Engine, scene: Short, true: Array, setting: str, value: float
+    survey: Survey, plan: Plan, scene: Short, true: Array, setting: str, value: float
 ) -> Rung:
     reach = np.array([1.0, 1.0, 0.5 * survey.design.legs.contact_spacing_mm])
-    error = float(np.abs((_final(engine, scene) - true) * reach).max() / engine.drop)
-    seconds = cpu_time(lambda: _final(engine, scene), repeats=3)
-    series = f"{scene.name}: {engine.model}, {engine.method}"
+    amplitude = plan.world.drive.amplitude
+    error = float(np.abs((_final(plan, scene) - true) * reach).max() / amplitude)
+    seconds = cpu_time(lambda: _final(plan, scene), repeats=3)
+    series = f"{scene.name}: {plan.resolved.model}, {plan.resolved.method}"
     return Rung(series, setting, error, None, seconds, {"value": value})
 
 
-def _final(engine: Engine, scene: Short) -> Array:
+def _final(plan: Plan, scene: Short) -> Array:
     """Place and pitch, shape (3,), at the end of a scene."""
-    state = engine.start(engine.drop, FIRST_PITCH, scene.phase)
-    tally = record.new(len(state))
-    status = engine.advance(*engine.arguments, state, scene.periods * engine.period, tally)
-    if status != 0:
-        ended = engine.failures[status].value
+    drive = plan.world.drive
+    state = plan.start(drive.amplitude, FIRST_PITCH, scene.phase)
+    status = plan.advance(state, scene.periods * drive.period, record.new(len(state)))
+    if status != OK:
+        ended = ENDS[status].value
         raise InputError(f"the short scene {scene.name!r} ends as {ended}: try a weaker drive")
     return state[: PITCH + 1]
 

@@ -199,22 +199,18 @@ def weighed_of(made: Sequence[Member]) -> list[Weighing]:
 
 def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> list[Member]:
     """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
-    from walkergen.simulation import engines, ensemble
+    from walkergen.simulation import points
+    from walkergen.simulation.ensemble import listed
 
+    asked = [points.Asked(job.scene, member.design, member.mass) for member in made]
+    titles = [f"simulating {member.name}" for member in made]
     found = []
-    for number, member in enumerate(made):
-        engine = engines.prepare(job.scene, member.design, member.mass).engine
-
-        def told(what: str, done: int, total: int, number: int = number) -> None:
-            progress(f"simulating {made[number].name}", number * total + done, len(made) * total)
-
-        summary, _ = ensemble.measure(engine, job.scene, told)
-        if summary.runs < job.scene.run.runs:
-            raise KeyboardInterrupt
-        outcomes = ", ".join(f"{count} {name}" for name, count in summary.outcomes.items())
+    for member, point in zip(made, points.each(asked, titles, progress, None), strict=True):
+        summary = point.summary
         simulated = Simulated(
-            summary.speed_mm_s, summary.speed_se_mm_s, engine.model, engine.method, outcomes
-        )
+            summary.speed_mm_s, summary.speed_se_mm_s, point.model, point.method,
+            listed(summary.outcomes),
+        )  # fmt: skip
         found.append(member._replace(simulated=simulated))
     return found
 

@@ -11,10 +11,10 @@ from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.jobs.movie.footage import Footage, Impact, Shape, pace
 from walkergen.scene import Scene
-from walkergen.simulation import drive as plates
-from walkergen.simulation import engines
-from walkergen.simulation.engines import Plan
-from walkergen.simulation.run import Engine, Outcome, RunResult, simulate
+from walkergen.simulation.drive import height
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
 from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
@@ -144,8 +144,8 @@ def film(job: Job, design: Design, every: int) -> Footage:
     run = job.scene.run.model_copy(update={"seconds": seconds})
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
-    prepared = engines.prepare(scene, design, mass)
-    result = _recorded(prepared.engine, scene, interval)
+    prepared = prepare(scene, design, mass)
+    result = with_impacts(prepared, 0, sample_interval=interval)
     footage = footage_of(design, mass, prepared, result)
     if len(footage.times) <= every:
         raise InputError(
@@ -159,42 +159,29 @@ def title(design: Design) -> str:
     return f"{design.name}, {design.legs.tilt_deg:g}°, {design.legs.kind}"
 
 
-def _recorded(engine: Engine, scene: Scene, interval: float) -> RunResult:
-    """The run with all its impacts: again with more room when there were more than thought."""
-    room = 256 + int(64 * scene.run.seconds / engine.period)
-    while True:
-        result = simulate(engine, scene, 0, sample_interval=interval, event_room=room)
-        assert result.tally.events is not None
-        if result.tally.events.cursor[0] < room:
-            return result
-        room *= 4
-
-
 def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
     """What a recorded run shows, in the terms of the picture."""
-    samples, events = result.tally.samples, result.tally.events
+    samples = result.tally.samples
     assert samples is not None
-    assert events is not None
     rows = samples.rows[: samples.cursor[0]]
-    column = dict(zip(plan.engine.columns, rows[:, 1:].T, strict=False))
+    column = dict(zip(plan.model.columns, rows[:, 1:].T, strict=False))
     none = np.zeros(len(rows))
-    plate = plan.engine.arguments[1]
+    drive = plan.world.drive
     places = np.column_stack([column["x_mm"] - column["x_mm"][:1], column["y_mm"]])
     return Footage(
         name=title(design),
-        model=plan.engine.model,
-        shape=_shape(design, as_rigid(mass) if plan.engine.model == "rigid" else mass),
+        model=plan.resolved.model,
+        shape=_shape(design, as_rigid(mass) if plan.resolved.model == "rigid" else mass),
         times=rows[:, 0],
         places=places,
         pitch=column["pitch_rad"],
         angles=np.column_stack(
             [column.get(f"alpha_{side}_rad", none) for side in ("back", "front")]
         ),
-        plate=np.array([plates.height(plate, phase) for phase in column["phase_rad"]]),
+        plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
         phase=column["phase_rad"],
         impacts=tuple(
-            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6])))
-            for row in events.rows[: events.cursor[0]]
+            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in impacts_of(result)
         ),
         ended="" if result.outcome is Outcome.OK else result.outcome.value,
     )

@@ -217,7 +217,7 @@ def _hash(script: str) -> str:
 
 
 def _asset(name: str) -> str:
-    return (files("walkergen.report") / "assets" / name).read_text(encoding="utf-8")
+    return (files("walkergen.jobs.page") / "assets" / name).read_text(encoding="utf-8")
 
 
 @cache

@@ -14,7 +14,7 @@ from walkergen.jobs.paper import tables as comparison
 from walkergen.jobs.paper.compare import Findings, Row, Theory
 from walkergen.jobs.paper.sweeps import Assumption, Case
 from walkergen.scene import Scene
-from walkergen.simulation.effects import ModelName
+from walkergen.simulation.effects.effect import ModelName
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design, Kind
 

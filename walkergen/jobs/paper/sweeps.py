@@ -9,15 +9,29 @@ import numpy.typing as npt
 
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
-from walkergen.simulation import engines, ensemble, record
-from walkergen.simulation.effects import ModelName
-from walkergen.simulation.run import Outcome, RunResult
+from walkergen.simulation import points, record
+from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.ensemble import listed
+from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.theory.impact import (
+    FROM_REST,
+    II_MIRRORED,
+    III_MIRRORED,
+    TYPE_I,
+    TYPE_II,
+    TYPE_III,
+    TYPE_IV,
+)
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 
-TYPES = ("III", "II", "I", "IV", "from rest", "mirrored")
+TYPES = {
+    "III": (TYPE_III,), "II": (TYPE_II,), "I": (TYPE_I,), "IV": (TYPE_IV,),
+    "from rest": (FROM_REST,), "mirrored": (II_MIRRORED, III_MIRRORED),
+}  # fmt: skip
 """Types of impacts; from rest: v_x = 0 exactly before; mirrored: II or III of a foot that slides
 backward before."""
 
@@ -32,9 +46,6 @@ of relaxed legs that of a whole cascade under the type of its first impact."""
 
 QUIET = 1e-3
 """s; a flexible leg's contact takes some 0.4 ms, a period of the paper's drive 11 ms."""
-
-EVENTS_PER_S = 2500.0
-"""First room for impacts: some 1500 per second are seen at the paper's drive."""
 
 
 class Assumption(NamedTuple):
@@ -117,41 +128,36 @@ def driven(scene: Scene, gamma: float) -> Scene:
 
 
 def _measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
-    for number, case in enumerate(cases):
-        what = f"{case.assumption.name}, {case.model}, {case.design.legs.tilt_deg:g} deg"
+    asked = [points.Asked(*_asked(case), impacts=True) for case in cases]
+    titles = [
+        f"{case.assumption.name}, {case.model}, {case.design.legs.tilt_deg:g} deg" for case in cases
+    ]
+    for case, point in zip(cases, points.each(asked, titles, progress, None), strict=True):
+        yield _point(case, point)
 
-        def told(_: str, done: int, of: int, number: int = number, what: str = what) -> None:
-            progress(what, number * of + done, len(cases) * of)
 
-        yield measure(case, told)
+def _asked(case: Case) -> tuple[Scene, Design, MassProperties]:
+    scene = case.assumption.scene
+    scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": case.model})})
+    return scene, case.design, solids.mass_of(case.design)
 
 
-def measure(case: Case, progress: Progress) -> Point:
-    """One ensemble as the scene's [run] says, with its impacts; Ctrl-C raises."""
-    scene, model = case.assumption.scene, case.model
-    scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": model})})
-    mass = solids.mass_of(case.design)
-    engine = engines.prepare(scene, case.design, mass).engine
-    room, full = math.ceil(EVENTS_PER_S * scene.run.seconds), True
-    while full:  # runs are deterministic: the same again, with room for all their impacts
-        summary, results = ensemble.measure(engine, scene, progress, event_room=room)
-        if summary.runs < scene.run.runs:
-            raise KeyboardInterrupt
-        full = any(len(_rows(result)) == room for result in results)
-        room *= 2
-    good = [result for result in results if result.outcome in (Outcome.OK, Outcome.STUCK)]
+def _point(case: Case, point: points.Point) -> Point:
+    """What a simulated point says of a case, with its impacts."""
+    results = point.results
+    good = [result for result in results if result.outcome in ENDED_WELL]
     impacts = [_impacts(result) for result in good]
     speeds = [float(one.speed[one.landing].mean()) for one in impacts if one.landing.any()]
     return Point(
         case.assumption.name,
-        model,
+        case.model,
         case.design.legs.tilt_deg,
-        scene.drive.peak_speed,
+        case.assumption.scene.drive.peak_speed,
         mean([result.speed for result in good]) if 2 * len(good) >= len(results) else None,
         mean(speeds) if len(speeds) > 1 else None,
         _shares(good, impacts),
         len(results) - len(good),
-        ", ".join(f"{count} {name}" for name, count in sorted(summary.outcomes.items())),
+        listed(dict(sorted(point.summary.outcomes.items()))),
     )
 
 
@@ -171,18 +177,12 @@ class _Impacts(NamedTuple):
 
 
 def _impacts(result: RunResult) -> _Impacts:
-    rows = _rows(result)
+    rows = impacts_of(result)
     landing = np.zeros(len(rows), dtype=bool)
     for foot in (0, 1):
         (own,) = np.nonzero(rows[:, 1] == foot)
         landing[own] = np.diff(rows[own, 0], prepend=-math.inf) > QUIET
     return _Impacts(rows[:, 6].astype(np.int64), rows[:, 3], -rows[:, 5], landing)
-
-
-def _rows(result: RunResult) -> Array:
-    events = result.tally.events
-    assert events is not None
-    return np.asarray(events.rows[: events.cursor[0]])
 
 
 def _shares(
@@ -198,8 +198,9 @@ def _shares(
     if len(rows) < 2:
         return {}
     table = np.array(rows)
-    places = {kind: [TYPES.index(kind)] for kind in TYPES}
-    places |= {name: [TYPES.index(kind) for kind in kinds] for name, kinds in SUMS.items()}
+    row_of = {name: row for row, name in enumerate(TYPES)}
+    places = {name: [row] for name, row in row_of.items()}
+    places |= {name: [row_of[kind] for kind in kinds] for name, kinds in SUMS.items()}
     return {
         (counting, name): mean(list(table[:, row, columns].sum(axis=1)))
         for row, counting in enumerate(COUNTINGS)
@@ -209,13 +210,12 @@ def _shares(
 
 def _of_counts(counts: npt.NDArray[np.int64]) -> Array:
     """Shares in the order of TYPES from a tally."""
-    first, second, third, fourth, rest = counts[1:6]
-    mirrored = counts[6 : record.STICKING].sum()
-    listed = np.array([third, second, first, fourth, rest, mirrored], dtype=np.float64)
-    return listed / float(counts[record.IMPACTS])
+    rows = ([record.row_of(kind) for kind in kinds] for kinds in TYPES.values())
+    amounts = [counts[own].sum() for own in rows]
+    return np.array(amounts, dtype=np.float64) / float(counts[record.IMPACTS])
 
 
 def _of_events(kind: npt.NDArray[np.int64], weights: Array) -> Array:
-    of_types = ((3,), (2,), (1,), (4,), (5,), (-2, -3))
-    sums = [float(weights[np.isin(kind, numbers)].sum()) for numbers in of_types]
-    return np.array(sums) / float(weights.sum())
+    """Shares in the order of TYPES from impacts with weights."""
+    amounts = [float(weights[np.isin(kind, kinds)].sum()) for kinds in TYPES.values()]
+    return np.array(amounts) / float(weights.sum())

@@ -17,31 +17,22 @@ from walkergen.jobs.selftest.case import (
 )
 from walkergen.jobs.selftest.scenes import (
     HALF,
-    MODE_BACK,
-    MODE_FRONT,
-    OPEN,
-    PHASE,
-    PITCH,
-    SPIN,
     STILL,
     TALL,
-    V_X,
-    V_Y,
     Array,
-    X,
     advance,
-    body_of,
-    engine_of,
     fall_time,
-    feet,
     lift,
+    plan_of,
     shaken,
     with_legs,
 )
 from walkergen.scene import GRAVITY
-from walkergen.simulation import drive as plate
 from walkergen.simulation import record
-from walkergen.simulation.run import Engine, Outcome
+from walkergen.simulation.drive import TWO_PI, velocity
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import MODE_BACK, MODE_FRONT, OPEN, PHASE, PITCH, SPIN, V_X, V_Y, X
 
 STEP_US = 10.0
 
@@ -54,9 +45,9 @@ BOUNCES = {
 """How many bounces a second or two pay for; both feet strike in each."""
 
 
-def _ball(model: str, method: str, restitution: float, friction: float = 0.0) -> Engine:
+def _ball(model: str, method: str, restitution: float, friction: float = 0.0) -> Plan:
     """An upright walker over a plate at rest: dropped level, it bounces like a ball."""
-    engine = engine_of(
+    plan = plan_of(
         model,
         method,
         0.0,
@@ -64,39 +55,31 @@ def _ball(model: str, method: str, restitution: float, friction: float = 0.0) ->
         run={"step_us": STEP_US},
         contact={"restitution": restitution, "friction": friction},
     )
-    return with_legs(engine, 1.0, 0.0) if model == "compliant" else engine
+    return with_legs(plan, 1.0, 0.0) if model == "compliant" else plan
 
 
-def _rebound(engine: Engine, restitution: float) -> float:
+def _rebound(plan: Plan, restitution: float) -> float:
     """Restitution of a level landing of relaxed legs: v' = v + H_rigid F, F = (1 + e) w / H_yy."""
-    walker = engine.arguments[0]
-    if getattr(walker, "flexible", None) is None:
+    if plan.resolved.model != "relaxed":
         return restitution
-    rigid = 1.0 / walker.M + walker.d_back[0] ** 2 / walker.J
+    walker = plan.world.walker
+    rigid = 1.0 / walker.mass + walker.d_back[0] ** 2 / walker.inertia
     return float((1.0 + restitution) * rigid / walker.flexible.back.yy - 1.0)
-
-
-def _rests_below(engine: Engine, method: str) -> float:
-    """Speed (mm/s) below which this method's feet do not rebound."""
-    options = engine.arguments[3]
-    if method == "step":
-        return float(options.step * GRAVITY)
-    return float(options.snap_speed if hasattr(options, "snap_speed") else options.snap)
 
 
 def _zeno(model: str, method: str) -> Iterator[Check]:
     gap = 0.1
     for e in (0.0, 0.5, 0.8):
-        engine = _ball(model, method, e)
-        k = _rebound(engine, e)
-        state = engine.start(gap, 0.0, 0.0)
+        plan = _ball(model, method, e)
+        k = _rebound(plan, e)
+        state = plan.start(gap, 0.0, 0.0)
         state[V_Y] = 0.0
         end = fall_time(gap) * (1 + k) / (1 - k)
         # only engines that stand in closed form rest for a day; the others for half a second
         duration = 1e5 if (model, method) in THREE_COORDINATES else end + 0.5
-        outcome, tally = advance(engine, state, duration)
+        outcome, tally = advance(plan, state, duration)
         late = abs(duration - tally.sums[record.CONTACT_TIME] - end)
-        cut = 2.0 * _rests_below(engine, method) / (GRAVITY * (1 - k))
+        cut = 2.0 * plan.model.resting(plan.world) / (GRAVITY * (1 - k))
         yield Check(
             f"e = {e:g}: end of the series, s",
             late,
@@ -124,16 +107,16 @@ def _zeno(model: str, method: str) -> Iterator[Check]:
 def _many_bounces(model: str, method: str) -> Iterator[Check]:
     """Restitution 1 on a plate at rest: energy and height for ever."""
     gap, bounces = 0.1, BOUNCES[model, method]
-    engine = _ball(model, method, 1.0)
+    plan = _ball(model, method, 1.0)
     if model == "relaxed":  # the restitution of its feet with which it rebounds elastically
-        engine = _ball(model, method, 4.0 / (1.0 + _rebound(engine, 1.0)) - 1.0)
-    state = engine.start(gap, 0.0, 0.0)
+        plan = _ball(model, method, 4.0 / (1.0 + _rebound(plan, 1.0)) - 1.0)
+    state = plan.start(gap, 0.0, 0.0)
     state[V_Y] = 0.0
-    rest = engine.energy(state) - _weight(engine) * gap
-    before = engine.energy(state) - rest
+    rest = plan.energy(state) - _weight(plan) * gap
+    before = plan.energy(state) - rest
     period = 2.0 * fall_time(gap)
-    outcome, tally = advance(engine, state, (bounces + 0.5) * period)
-    drift = abs((engine.energy(state) - rest) / before - 1.0)
+    outcome, tally = advance(plan, state, (bounces + 0.5) * period)
+    drift = abs((plan.energy(state) - rest) / before - 1.0)
     yield Check(
         f"energy after {2 * bounces:.0e} impacts, relative",
         drift,
@@ -155,7 +138,7 @@ def _many_bounces(model: str, method: str) -> Iterator[Check]:
     )
     yield Check(
         "foot below the plate, mm",
-        max(0.0, -float(feet(engine, state)[:, 1].min())),
+        max(0.0, -float(plan.feet(state)[:, 1].min())),
         2e-5,
         "a step's dip, a h^2 / 8; event-driven: 1e-12",
     )
@@ -164,8 +147,8 @@ def _many_bounces(model: str, method: str) -> Iterator[Check]:
 def _springs(model: str, method: str) -> Iterator[Check]:
     """Undamped legs, e = 1, no friction, plate at rest: chaos of pitch and springs, lossless."""
     for tilt in (0.0, 20.0):
-        engine = with_legs(
-            engine_of(
+        plan = with_legs(
+            plan_of(
                 model,
                 method,
                 tilt,
@@ -176,11 +159,11 @@ def _springs(model: str, method: str) -> Iterator[Check]:
             1.0,
             0.0,
         )
-        state = engine.start(0.1, 0.01, 0.0)
-        rest = engine.energy(engine.start(0.0, 0.0, 0.0))
-        before = engine.energy(state) - rest
-        outcome, tally = advance(engine, state, 0.5)
-        drift = abs((engine.energy(state) - rest) / before - 1.0)
+        state = plan.start(0.1, 0.01, 0.0)
+        rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+        before = plan.energy(state) - rest
+        outcome, tally = advance(plan, state, 0.5)
+        drift = abs((plan.energy(state) - rest) / before - 1.0)
         yield exactly(
             f"tilt {tilt:g}: runs on, with impacts", outcome is Outcome.OK and tally.counts[0] > 50
         )
@@ -192,11 +175,11 @@ def _springs(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _weight(engine: Engine) -> float:
+def _weight(plan: Plan) -> float:
     """Of all, g mm/s^2, by the energy of one mm."""
-    low = engine.start(1.0, 0.0, 0.0)
-    high = engine.start(2.0, 0.0, 0.0)
-    return engine.energy(high) - engine.energy(low)
+    low = plan.start(1.0, 0.0, 0.0)
+    high = plan.start(2.0, 0.0, 0.0)
+    return plan.energy(high) - plan.energy(low)
 
 
 def _grazing(model: str, method: str) -> Iterator[Check]:
@@ -206,7 +189,7 @@ def _grazing(model: str, method: str) -> Iterator[Check]:
         "event": "a double root is found down to the rounding of a height, far below 1e-9 mm",
         "step": "within one step a gap may dip by a h^2 / 8 = 2e-6 mm unseen",
     }[method]
-    engine = engine_of(
+    plan = plan_of(
         model,
         method,
         0.0,
@@ -214,22 +197,22 @@ def _grazing(model: str, method: str) -> Iterator[Check]:
         run={"step_us": 30.0},
         contact={"restitution": 0.5, "friction": 0.0},
     )
-    shaker = engine.arguments[1]
+    shaker = plan.world.drive
     touch, before = 1.2, 1.5e-3
     for sign in (1.0, -1.0):
-        state = engine.start(sign * offset, 0.0, touch)
-        state[V_Y] = plate.velocity(shaker, touch)
+        state = plan.start(sign * offset, 0.0, touch)
+        state[V_Y] = velocity(shaker, touch)
         state[1] -= before * (state[V_Y] + 0.5 * GRAVITY * before)
         state[V_Y] += GRAVITY * before
         state[PHASE] -= shaker.omega * before
-        _, tally = advance(engine, state, before + 1e-4)
+        _, tally = advance(plan, state, before + 1e-4)
         what = "misses by" if sign > 0 else "touches, deep by"
         yield exactly(f"{what} {offset:g} mm", (tally.counts[0] > 0) == (sign < 0), reason)
 
 
 def _phase_error(state: Array, phase: float, omega: float, seconds: float) -> float:
     """Time (s) by which the drive's phase is off after `seconds`, by exact fractions."""
-    turn = Fraction(plate.TWO_PI)
+    turn = Fraction(TWO_PI)
     exact = (Fraction(phase) + Fraction(omega) * Fraction(seconds)) % turn
     off = (Fraction(float(state[PHASE])) - exact) % turn
     return float(min(off, turn - off)) / omega
@@ -237,17 +220,17 @@ def _phase_error(state: Array, phase: float, omega: float, seconds: float) -> fl
 
 def _long_time(model: str, method: str) -> Iterator[Check]:
     """Standing on a plate shaken at 0.5 g; 1e5 s where a stand costs nothing, else 1 s."""
-    engine = engine_of(model, method, 0.0, drive=shaken(0.5))
-    state = engine.start(0.0, 0.0, 0.3)
-    omega = engine.arguments[1].omega
+    plan = plan_of(model, method, 0.0, drive=shaken(0.5))
+    state = plan.start(0.0, 0.0, 0.3)
+    omega = plan.world.drive.omega
     if (model, method) in THREE_COORDINATES:
         pieces, length = 10_000, 10.0
     else:
         pieces, length = 64, 2.0**-7
     inside = True
     for _ in range(pieces):
-        advance(engine, state, length)
-        inside = inside and 0.0 <= state[PHASE] < plate.TWO_PI
+        advance(plan, state, length)
+        inside = inside and 0.0 <= state[PHASE] < TWO_PI
     yield exactly("phase stays in one turn", inside, "so that no digit is lost to the time")
     yield Check(
         f"phase after {pieces * length:g} s, s",
@@ -259,7 +242,7 @@ def _long_time(model: str, method: str) -> Iterator[Check]:
 
 def _rocking(model: str, method: str) -> Iterator[Check]:
     """One foot leaves in the instant in which the other lands: Housner's rocking block (1963)."""
-    engine = engine_of(
+    plan = plan_of(
         model,
         method,
         0.0,
@@ -268,14 +251,14 @@ def _rocking(model: str, method: str) -> Iterator[Check]:
         contact={"restitution": 0.0, "friction": 5.0},
     )
     for side in (1.0, -1.0):
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         state[PITCH], state[SPIN] = side * 0.02, 0.0
-        lift(engine, state, 0.0)
+        lift(plan, state, 0.0)
         state[V_X] = state[V_Y] = 0.0
-        before = engine.energy(state)
-        ratio, loss = _housner(engine)
-        outcome, _ = advance(engine, state, _quarter(engine, 0.02) * (1 + 0.3 * ratio))
-        fallen = before - engine.energy(state)
+        before = plan.energy(state)
+        ratio, loss = _housner(plan)
+        outcome, _ = advance(plan, state, _quarter(plan, 0.02) * (1 + 0.3 * ratio))
+        fallen = before - plan.energy(state)
         yield exactly(
             "stands on the other foot, the first in the air",
             outcome is Outcome.OK
@@ -283,8 +266,8 @@ def _rocking(model: str, method: str) -> Iterator[Check]:
             and state[MODE_BACK if side > 0 else MODE_FRONT] == OPEN
             and state[MODE_FRONT if side > 0 else MODE_BACK] != OPEN,
         )
-        drop = before - engine.energy(engine.start(0.0, 0.0, 0.5 * math.pi))
-        stands = np.abs(feet(engine, state)[:, 1]).min()
+        drop = before - plan.energy(plan.start(0.0, 0.0, 0.5 * math.pi))
+        stands = np.abs(plan.feet(state)[:, 1]).min()
         yield Check("standing foot off the plate, mm", float(stands), 1e-13, "rounding of heights")
         yield Check(
             "share of energy lost",
@@ -301,37 +284,35 @@ def _dip(model: str, method: str) -> Iterator[Check]:
     it would just graze the plate.
     """
     mu, spin, share = 1.0, 0.2, {"event": 1e-3, "step": 3e-2}[method]
-    engine = engine_of(
-        model, method, 0.0, drive=STILL, contact={"restitution": 0.0, "friction": mu}
-    )
-    M, J = body_of(engine)
+    plan = plan_of(model, method, 0.0, drive=STILL, contact={"restitution": 0.0, "friction": mu})
+    M, J = plan.world.walker.mass, plan.world.walker.inertia
     normal = GRAVITY / (1.0 / M + (HALF**2 - mu * HALF * TALL) / J)
     alpha = normal * (mu * TALL - HALF) / J
     for sign in (1.0, -1.0):
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         state[PITCH], state[SPIN] = (1.0 + sign * share) * spin**2 / (2.0 * alpha), -spin
-        lift(engine, state, 0.0)
-        back = feet(engine, state)[0]
+        lift(plan, state, 0.0)
+        back = plan.feet(state)[0]
         state[V_X], state[V_Y] = -200.0, 0.0
-        state[V_Y] -= float(feet(engine, state)[0, 3])
-        outcome, tally = advance(engine, state, 2.0 * spin / alpha)
+        state[V_Y] -= float(plan.feet(state)[0, 3])
+        outcome, tally = advance(plan, state, 2.0 * spin / alpha)
         yield exactly(
             f"front foot {'misses' if sign > 0 else 'touches'} by {share:g} of the pitch",
             outcome is Outcome.OK and (tally.counts[0] > 0) == (sign < 0) and back[1] < 1e-9,
         )
 
 
-def _housner(engine: Engine) -> tuple[float, float]:
+def _housner(plan: Plan) -> tuple[float, float]:
     """Spin after over spin before, and share of energy lost, by angular momentum about the foot."""
-    M, J = body_of(engine)
+    M, J = plan.world.walker.mass, plan.world.walker.inertia
     about_foot = J + M * (HALF**2 + TALL**2)
     ratio = (about_foot - 2.0 * M * HALF**2) / about_foot
     return ratio, 1.0 - ratio**2
 
 
-def _quarter(engine: Engine, pitch: float) -> float:
+def _quarter(plan: Plan, pitch: float) -> float:
     """Time (s) of a fall from rest at a small pitch to level: constant torque of the weight."""
-    M, J = body_of(engine)
+    M, J = plan.world.walker.mass, plan.world.walker.inertia
     about_foot = J + M * (HALF**2 + TALL**2)
     return math.sqrt(2.0 * pitch * about_foot / (M * GRAVITY * (HALF - TALL * pitch)))
 

@@ -15,7 +15,7 @@ EVERY: tuple[Pair, ...] = (
 """Every model with every method that it has."""
 
 THREE_COORDINATES = EVERY[:2]
-"""The event-driven engine without leg coordinates: instants in finite work, stands in one step."""
+"""The event-driven plan without leg coordinates: instants in finite work, stands in one step."""
 
 RIGID = EVERY[1:3]
 COMPLIANT = EVERY[3:]

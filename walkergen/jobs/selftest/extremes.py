@@ -8,45 +8,29 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.jobs.selftest.case import COMPLIANT, EVERY, GEOMETRY, RIGID, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import (
-    ANGLE_BACK,
-    PHASE,
-    PITCH,
-    RATE_BACK,
-    SPIN,
-    STILL,
-    V_Y,
-    Array,
-    X,
-    Y,
-    advance,
-    engine_of,
-    feet,
-    lift,
-    shaken,
-    with_legs,
-)
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, lift, plan_of, shaken, with_legs
 from walkergen.jobs.selftest.survival import survives
 from walkergen.scene import GRAVITY
-from walkergen.simulation import drive as plate
 from walkergen.simulation import record
+from walkergen.simulation.drive import velocity
 from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import ANGLE_BACK, PHASE, PITCH, RATE_BACK, SPIN, V_Y, X, Y
 from walkergen.walker.design import Design
 
 
 def _below_one_g(model: str, method: str) -> Iterator[Check]:
-    engine = engine_of(
+    plan = plan_of(
         model, method, 10.0, drive=shaken(0.999), contact={"restitution": 0.8, "friction": 0.25}
     )
     if model == "compliant":  # critically damped, or legs that are let go bounce for long
-        engine = with_legs(engine, 1.0, 1.0)
+        plan = with_legs(plan, 1.0, 1.0)
     seconds = 1e4 if method == "event" and model != "compliant" else 0.1
-    state = engine.start(0.0, 0.0, 0.5 * math.pi)
-    shaker = engine.arguments[1]
-    state[V_Y] = plate.velocity(shaker, state[PHASE])
-    advance(engine, state, 0.3)
+    state = plan.start(0.0, 0.0, 0.5 * math.pi)
+    shaker = plan.world.drive
+    state[V_Y] = velocity(shaker, state[PHASE])
+    advance(plan, state, 0.3)
     place = state[X]
-    outcome, tally = advance(engine, state, seconds)
+    outcome, tally = advance(plan, state, seconds)
     yield exactly("no impact", outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0)
     yield Check(
         "time out of contact, s",
@@ -54,7 +38,7 @@ def _below_one_g(model: str, method: str) -> Iterator[Check]:
         1e-12 * seconds + 1e-12,
         "rounding of the time",
     )
-    off = float(np.abs(feet(engine, state)[:, 1]).max())
+    off = float(np.abs(plan.feet(state)[:, 1]).max())
     yield Check("feet off the plate, mm", off, 1e-13, "rounding: drift is taken back each step")
     if model != "compliant":  # whose legs let go of the plate's friction once a period, and creep
         yield Check("way, mm", abs(state[X] - place), 1e-12, "held by friction; rounding")
@@ -63,33 +47,33 @@ def _below_one_g(model: str, method: str) -> Iterator[Check]:
 def _drives(model: str, method: str) -> Iterator[Check]:
     for gamma in (1.0, 1.0 + 1e-9, 50.0):
         for mu in (0.0, 0.25, 1e3):
-            engine = engine_of(model, method, drive=shaken(gamma), contact={"friction": mu})
-            yield from survives(engine, (model, method), 0.1, f"{gamma:.10g} g, mu = {mu:g}")
+            plan = plan_of(model, method, drive=shaken(gamma), contact={"friction": mu})
+            yield from survives(plan, (model, method), 0.1, f"{gamma:.10g} g, mu = {mu:g}")
 
 
 def _steep(model: str, method: str) -> Iterator[Check]:
     for tilt in (60.0, -60.0):
-        engine = engine_of(model, method, tilt, drive=shaken(1.8))
-        yield from survives(engine, (model, method), 0.1, f"tilt {tilt:g} deg")
+        plan = plan_of(model, method, tilt, drive=shaken(1.8))
+        yield from survives(plan, (model, method), 0.1, f"tilt {tilt:g} deg")
 
 
 def _laws(model: str, method: str) -> Iterator[Check]:
     for law in ("poisson", "newton", "stronge"):
         for e in (0.0, 1.0):
             contact = {"restitution": e, "friction": 0.25, "law": law}
-            engine = engine_of(model, method, drive=shaken(1.8), contact=contact)
-            yield from survives(engine, (model, method), 0.1, f"{law}, e = {e:g}")
+            plan = plan_of(model, method, drive=shaken(1.8), contact=contact)
+            yield from survives(plan, (model, method), 0.1, f"{law}, e = {e:g}")
 
 
 def _never_gains(model: str, method: str) -> Iterator[Check]:
     worst = math.inf
     for e in (0.0, 0.8, 1.0):
         contact = {"restitution": e, "friction": 0.25, "law": "stronge"}
-        engine = engine_of(model, method, drive=shaken(1.8), contact=contact)
-        state = engine.start(0.03, 0.0, 1.0)
+        plan = plan_of(model, method, drive=shaken(1.8), contact=contact)
+        state = plan.start(0.03, 0.0, 1.0)
         state[PITCH] += 2e-3
-        lift(engine, state, 0.03)
-        _, tally = advance(engine, state, 0.1)
+        lift(plan, state, 0.03)
+        _, tally = advance(plan, state, 0.1)
         worst = min(worst, tally.sums[record.IMPACT_LOSS] / tally.sums[record.PLATE_WORK])
     yield Check(
         "energy gained in impacts, over the plate's work",
@@ -103,21 +87,19 @@ def _any_mass(model: str, method: str) -> Iterator[Check]:
     for ratio in (1e-9, 1e-3, 1.0, 1e3):
         if (method, ratio, model) == ("event", 1e-9, "compliant"):
             continue  # a leg that swings at 20 MHz: no explicit method follows it
-        engine = engine_of(model, method, leg_mass=0.833 * ratio, drive=shaken(1.8))
+        plan = plan_of(model, method, leg_mass=0.833 * ratio, drive=shaken(1.8))
         limit = (5e-2, "steps of 30 us against legs of any frequency") if method == "step" else None
-        yield from survives(engine, (model, method), 0.05, f"m/M = {ratio:g}", limit)
+        yield from survives(plan, (model, method), 0.05, f"m/M = {ratio:g}", limit)
 
 
 def _topples(model: str, method: str) -> Iterator[Check]:
     falls = (("over a foot", 0.5, 0.5, 20.0), ("in flight", 4.0, 0.0, 50.0))
     for (way, gap, pitch, spin), side in itertools.product(falls, (1.0, -1.0)):
-        engine = engine_of(
-            model, method, drive=STILL, contact={"restitution": 0.0, "friction": 1.0}
-        )
-        state = engine.start(gap, 0.0, 0.5 * math.pi)
+        plan = plan_of(model, method, drive=STILL, contact={"restitution": 0.0, "friction": 1.0})
+        state = plan.start(gap, 0.0, 0.5 * math.pi)
         state[PITCH], state[SPIN] = side * pitch, side * spin
-        lift(engine, state, gap)
-        outcome, tally = advance(engine, state, 2.0)
+        lift(plan, state, gap)
+        outcome, tally = advance(plan, state, 2.0)
         yield exactly(f"{way}: reported as toppled", outcome is Outcome.TOPPLED)
         yield exactly(f"{way}: before the end", 0.0 < tally.sums[record.ELAPSED] < 1.0)
         limit = 1e-9 if model != "compliant" and method == "event" else 0.8
@@ -145,15 +127,15 @@ def _stiff(model: str, method: str) -> Iterator[Check]:
     """k_t -> infinity: the legs of a resting walker bend in proportion to 1 / k_t."""
     sunk = []
     for factor in (1e2, 1e4):
-        engine = engine_of(
+        plan = plan_of(
             model, method, 20.0, drive=STILL, contact={"restitution": 0.0, "friction": 0.0}
         )
-        engine = with_legs(engine, factor, 1.0)
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        plan = with_legs(plan, factor, 1.0)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         height = float(state[Y])
-        advance(engine, state, 0.03)
+        advance(plan, state, 0.03)
         sunk.append(height - float(state[Y]))
-    walker = engine.arguments[0]
+    walker = plan.world.walker
     load = 0.5 * walker.mass * GRAVITY
     bent = load * walker.reach_x**2 * 1e2 / walker.legs.stiffness
     yield Check(
@@ -171,11 +153,9 @@ def _stiff(model: str, method: str) -> Iterator[Check]:
 
 
 def _soft(model: str, method: str) -> Iterator[Check]:
-    engine = engine_of(
-        model, method, 35.0, drive=STILL, contact={"restitution": 0.0, "friction": 0.25}
-    )
-    engine = with_legs(engine, 1e-5, 1.0)
-    outcome, tally = advance(engine, engine.start(0.0, 0.0, 0.5 * math.pi), 0.5)
+    plan = plan_of(model, method, 35.0, drive=STILL, contact={"restitution": 0.0, "friction": 0.25})
+    plan = with_legs(plan, 1e-5, 1.0)
+    outcome, tally = advance(plan, plan.start(0.0, 0.0, 0.5 * math.pi), 0.5)
     yield exactly(
         "reported as folded or toppled, before the end",
         outcome in (Outcome.FOLDED, Outcome.TOPPLED) and tally.sums[record.ELAPSED] < 0.5,
@@ -185,18 +165,18 @@ def _soft(model: str, method: str) -> Iterator[Check]:
 def _damping(model: str, method: str) -> Iterator[Check]:
     """In flight: without damping energy stays; critical and beyond, a leg does not swing back."""
     for ratio in (0.0, 1.0, 3.0):
-        engine = with_legs(engine_of(model, method, drive=STILL), 1.0, ratio)
-        state = engine.start(50.0, 0.0, 0.5 * math.pi)
+        plan = with_legs(plan_of(model, method, drive=STILL), 1.0, ratio)
+        state = plan.start(50.0, 0.0, 0.5 * math.pi)
         state[ANGLE_BACK] = 0.05
-        before = engine.energy(state)
+        before = plan.energy(state)
         lowest = math.inf
         total = record.new(len(state))
         for _ in range(20):
-            _, tally = advance(engine, state, 1e-4)
+            _, tally = advance(plan, state, 1e-4)
             total.sums[:] += tally.sums
             lowest = min(lowest, float(state[ANGLE_BACK]))
-        swing = 0.5 * engine.arguments[0].legs.stiffness * 0.05**2
-        off = abs(engine.energy(state) - before + total.sums[record.DAMPING_LOSS]) / swing
+        swing = 0.5 * plan.world.walker.legs.stiffness * 0.05**2
+        off = abs(plan.energy(state) - before + total.sums[record.DAMPING_LOSS]) / swing
         limit = 1e-6 if method == "event" else 1e-2
         yield Check(
             f"ratio {ratio:g}: energy unaccounted for, over the swing's",

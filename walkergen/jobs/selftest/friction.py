@@ -7,40 +7,25 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.selftest.case import EVERY, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import (
-    MODE_BACK,
-    MODE_FRONT,
-    PITCH,
-    STICK,
-    STILL,
-    V_X,
-    V_Y,
-    X,
-    advance,
-    engine_of,
-    feet,
-    lift,
-    momentum,
-    shaken,
-    with_legs,
-)
+from walkergen.jobs.selftest.scenes import STILL, advance, lift, plan_of, shaken, with_legs
 from walkergen.jobs.selftest.survival import survives
 from walkergen.scene import GRAVITY
 from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import MODE_BACK, MODE_FRONT, PITCH, STICK, V_X, V_Y, X
 
 
 def _friction(model: str, method: str) -> Iterator[Check]:
     for mu in (5.0, 1e3):
         for e in (0.0, 0.8):
-            engine = engine_of(
+            plan = plan_of(
                 model, method, drive=shaken(1.8), contact={"restitution": e, "friction": mu}
             )
-            yield from survives(engine, (model, method), 0.2, f"mu = {mu:g}, e = {e:g}")
+            yield from survives(plan, (model, method), 0.2, f"mu = {mu:g}, e = {e:g}")
 
 
 def _no_friction(model: str, method: str) -> Iterator[Check]:
     for e in (0.0, 0.8):
-        engine = engine_of(
+        plan = plan_of(
             model,
             method,
             20.0,
@@ -48,11 +33,11 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
             run={"step_us": 10.0},
             contact={"restitution": e, "friction": 0.0},
         )
-        state = engine.start(0.03, 0.0, 1.0)
+        state = plan.start(0.03, 0.0, 1.0)
         state[PITCH] += 0.01
-        lift(engine, state, 0.03)
-        before = momentum(engine, state)
-        outcome, _ = advance(engine, state, 0.05)
+        lift(plan, state, 0.03)
+        before = plan.model.momentum(plan.world, state)
+        outcome, _ = advance(plan, state, 0.05)
         limit, reason = 0.0, "exact: nothing pushes along the plate"
         if method == "step":
             limit, reason = (
@@ -65,7 +50,7 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
         yield exactly(f"e = {e:g}: runs on", outcome is Outcome.OK)
         yield Check(
             f"e = {e:g}: horizontal momentum gained, g mm/s",
-            abs(momentum(engine, state) - before),
+            abs(plan.model.momentum(plan.world, state) - before),
             limit,
             reason,
         )
@@ -74,17 +59,15 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
 def _jams(model: str, method: str) -> Iterator[Check]:
     """A foot that slides where friction presses it ever harder down (H_yy < mu |H_xy|)."""
     tilt = 0.0 if model in ("rigid", "relaxed") else 20.0
-    engine = engine_of(
-        model, method, tilt, drive=STILL, contact={"restitution": 0.0, "friction": 5.0}
-    )
+    plan = plan_of(model, method, tilt, drive=STILL, contact={"restitution": 0.0, "friction": 5.0})
     held = {}
     for way, fall in itertools.product((10.0, -10.0), (0.0, -1e-3)):
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         state[PITCH] = 1e-3
-        lift(engine, state, 0.0)
+        lift(plan, state, 0.0)
         state[V_X], state[V_Y] = way, fall
-        outcome, _ = advance(engine, state, 1e-6)
-        speed = abs(float(feet(engine, state)[0, 2]))
+        outcome, _ = advance(plan, state, 1e-6)
+        speed = abs(float(plan.feet(state)[0, 2]))
         # a step resolves velocities at its middle, where the foot has turned a little
         held[way, fall] = outcome is Outcome.OK and speed < 1e-4
         yield exactly(
@@ -101,7 +84,7 @@ def _jams(model: str, method: str) -> Iterator[Check]:
 def _stops(model: str, method: str) -> Iterator[Check]:
     """Sliding on a plate at rest: v^2 / (2 mu g), then at rest for good."""
     mu, speed = 0.25, 60.0
-    engine = engine_of(
+    plan = plan_of(
         model,
         method,
         10.0,
@@ -110,13 +93,13 @@ def _stops(model: str, method: str) -> Iterator[Check]:
         contact={"restitution": 0.0, "friction": mu},
     )
     if model == "compliant":
-        engine = with_legs(engine, 1e4, 1.0)
+        plan = with_legs(plan, 1e4, 1.0)
     far = speed**2 / (2.0 * mu * GRAVITY)
     for way in (1.0, -1.0):
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         start = float(state[X])
         state[V_X] = way * speed
-        outcome, _ = advance(engine, state, 0.06)
+        outcome, _ = advance(plan, state, 0.06)
         gone = way * (float(state[X]) - start)
         limit, reason = 2e-6, "it falls by the tolerance of a gap before it stands: 1e-8 s"
         if model == "compliant":

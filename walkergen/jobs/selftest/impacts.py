@@ -10,9 +10,9 @@ from walkergen.jobs.selftest import exact
 from walkergen.jobs.selftest.case import CASCADE, IMPACT_LAW, Case, Check, exactly
 from walkergen.jobs.selftest.scenes import LEG, design_of, masses
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import Contact
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
-from walkergen.simulation.relaxed.walker import Tensor
+from walkergen.simulation.relaxed.state import Tensor
+from walkergen.simulation.world import Contact
 from walkergen.theory import speed
 from walkergen.theory.impact import Impact, Kind, Law, determinant, energy_change, impact, resolve
 from walkergen.theory.tensors import InverseMass, feet, rigid

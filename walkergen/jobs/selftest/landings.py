@@ -16,6 +16,20 @@ from walkergen.jobs.selftest.case import (
     exactly,
 )
 from walkergen.jobs.selftest.scenes import (
+    STILL,
+    Array,
+    advance,
+    fall_time,
+    lift,
+    plan_of,
+    shaken,
+    with_legs,
+)
+from walkergen.simulation.compliant.chain import chain_of
+from walkergen.simulation.compliant.flight import clear_time
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import (
     ANGLE_BACK,
     MODE_BACK,
     MODE_FRONT,
@@ -24,24 +38,12 @@ from walkergen.jobs.selftest.scenes import (
     RATE_BACK,
     RATE_FRONT,
     SPIN,
-    STILL,
     V_X,
     V_Y,
-    Array,
     X,
     Y,
-    advance,
-    engine_of,
-    fall_time,
-    feet,
-    lift,
     mirrored,
-    shaken,
-    with_legs,
 )
-from walkergen.simulation.compliant.chain import chain_of
-from walkergen.simulation.compliant.flight import clear_time
-from walkergen.simulation.run import Engine, Outcome
 
 INSTANT = 1e-12
 """s: what happens at once, and nothing else."""
@@ -59,20 +61,20 @@ def _both_feet(model: str, method: str) -> Iterator[Check]:
             "friction": float(rng.choice([0.0, 0.1, 0.25, 5.0, 1e3])),
             "law": "stronge",
         }
-        engine = engine_of(model, method, tilt, drive=STILL, contact=contact)
-        state = engine.start(0.0, 0.0, 0.5 * math.pi)
+        plan = plan_of(model, method, tilt, drive=STILL, contact=contact)
+        state = plan.start(0.0, 0.0, 0.5 * math.pi)
         state[V_X], state[V_Y] = 30.0 * rng.normal(), -30.0 * rng.uniform()
         state[SPIN] = 3.0 * rng.normal()
-        other, before = mirrored(state), engine.energy(state)
-        kinetic = before - engine.energy(engine.start(0.0, 0.0, 0.5 * math.pi))
+        other, before = mirrored(state), plan.energy(state)
+        kinetic = before - plan.energy(plan.start(0.0, 0.0, 0.5 * math.pi))
         for _ in range(3):  # the impact of one foot may bring down the other, left to the next step
-            outcome, _ = advance(engine, state, INSTANT)
+            outcome, _ = advance(plan, state, INSTANT)
             finished = finished and outcome is Outcome.OK
-        approach = max(approach, -float(feet(engine, state)[:, 3].min()))
-        gain = max(gain, (engine.energy(state) - before) / kinetic)
-        image_engine = engine_of(model, method, -tilt, drive=STILL, contact=contact)
+        approach = max(approach, -float(plan.feet(state)[:, 3].min()))
+        gain = max(gain, (plan.energy(state) - before) / kinetic)
+        image_plan = plan_of(model, method, -tilt, drive=STILL, contact=contact)
         for _ in range(3):
-            advance(image_engine, other, INSTANT)
+            advance(image_plan, other, INSTANT)
         image = max(image, float(np.abs(mirrored(other) - state)[[V_X, V_Y, SPIN]].max()))
     yield exactly("every landing ends", finished)
     limit = 0.5 if method == "step" else 1e-2
@@ -92,7 +94,7 @@ def _both_feet(model: str, method: str) -> Iterator[Check]:
 def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
     """Upright, pitched by 1e-13 rad: one foot is 1e-12 mm lower, and yet both land as one."""
     for pitch in (1e-13, -1e-13):
-        engine = engine_of(
+        plan = plan_of(
             model,
             method,
             0.0,
@@ -100,10 +102,10 @@ def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
             run={"step_us": 10.0},
             contact={"restitution": 0.5, "friction": 0.25},
         )
-        state = engine.start(0.03, 0.0, 0.5 * math.pi)
+        state = plan.start(0.03, 0.0, 0.5 * math.pi)
         state[PITCH], state[V_Y] = pitch, 0.0
-        lift(engine, state, 0.03)
-        advance(engine, state, 1.2 * fall_time(0.03))
+        lift(plan, state, 0.03)
+        advance(plan, state, 1.2 * fall_time(0.03))
         yield exactly(f"pitch {pitch:g}: in the air again", state[V_Y] > 0.0)
         yield Check(
             f"pitch {pitch:g}: spin after, rad/s",
@@ -123,51 +125,50 @@ def _swinging(model: str, method: str) -> Iterator[Check]:
     deepest, used = 0.0, 0
     for _ in range(250):
         tilt = float(rng.choice([0.0, 0.0, 2.0, 5.0, 20.0]))
-        engine = engine_of(model, method, tilt, drive=shaken(1.8))
-        flow = engine_of(model, "event", tilt, drive=shaken(1.8))
-        state = engine.start(0.0, 0.0, rng.uniform(3.8, 4.7))
+        plan = plan_of(model, method, tilt, drive=shaken(1.8))
+        flow = plan_of(model, "event", tilt, drive=shaken(1.8))
+        state = plan.start(0.0, 0.0, rng.uniform(3.8, 4.7))
         state[SPIN] = 0.3 * rng.normal()
         if len(state) > 9:  # up to 6 degrees, and the spin that keeps the whole from turning
-            swing = engine.arguments[0].legs.swing
+            swing = plan.world.walker.legs.swing
             size = 10 ** rng.uniform(-2.5, -1.0)
             state[ANGLE_BACK:] = size * rng.normal(size=4) * (0.1, 0.1, 1e4, 1e4)
             state[SPIN] -= swing.share_back * state[RATE_BACK]
             state[SPIN] -= swing.share_front * state[RATE_FRONT]
-        lift(engine, state, 10 ** rng.uniform(-3.0, -0.5))
-        state[V_Y] += 2.0 * rng.normal() - float(feet(engine, state)[:, 3].mean())
-        clear = _clear_time(engine, state)
+        lift(plan, state, 10 ** rng.uniform(-3.0, -0.5))
+        state[V_Y] += 2.0 * rng.normal() - float(plan.feet(state)[:, 3].mean())
+        clear = _clear_time(plan, state)
         used += clear > 0.0
         state[Y] += raised
         for _ in range(16):
             advance(flow, state, min(clear, 1.5e-3) / 16.0)
-            deepest = max(deepest, raised - float(feet(flow, state)[:, 1].min()))
+            deepest = max(deepest, raised - float(flow.feet(state)[:, 1].min()))
     yield exactly("many of 250 flights have such a time", used > 60)
     yield Check("foot below the plate within it, mm", deepest, 1e-9, "error of the flow")
 
 
-def _clear_time(engine: Engine, state: Array) -> float:
-    walker, shaker = engine.arguments[:2]
-    chain: Any = chain_of(walker, state, 0.0)  # type: ignore[no-untyped-call]
-    gaps = tuple(float(height) for height in feet(engine, state)[:, 1])
-    return float(clear_time(walker, shaker, state, chain, gaps))  # type: ignore[no-untyped-call]
+def _clear_time(plan: Plan, state: Array) -> float:
+    chain: Any = chain_of(plan.world.walker, state, 0.0)  # type: ignore[no-untyped-call]
+    gaps = tuple(float(height) for height in plan.feet(state)[:, 1])
+    return float(clear_time(plan.world, state, chain, gaps))  # type: ignore[no-untyped-call]
 
 
 def _starts(model: str, method: str) -> Iterator[Check]:
-    engine = engine_of(model, method, drive=STILL, contact={"restitution": 0.8, "friction": 0.25})
+    plan = plan_of(model, method, drive=STILL, contact={"restitution": 0.8, "friction": 0.25})
     if model == "compliant":
-        engine = with_legs(engine, 1.0, 1.0)
+        plan = with_legs(plan, 1.0, 1.0)
     ends = []
     deeper = (-1e-9, -1e-7) if (model, method) in THREE_COORDINATES else ()
     for gap in (0.0, -1e-12, -1e-15, *deeper):
-        state = engine.start(gap, 0.0, 0.5 * math.pi)
+        state = plan.start(gap, 0.0, 0.5 * math.pi)
         state[V_Y] = 0.0
-        outcome, _ = advance(engine, state, 0.1)
+        outcome, _ = advance(plan, state, 0.1)
         ends.append(state)
         yield exactly(
             f"gap {gap:g} mm: rests on both feet",
             outcome is Outcome.OK and OPEN not in (state[MODE_BACK], state[MODE_FRONT]),
         )
-        lowest = float(np.abs(feet(engine, state)[:, 1]).max())
+        lowest = float(np.abs(plan.feet(state)[:, 1]).max())
         yield Check(f"gap {gap:g} mm: feet off the plate, mm", lowest, 1e-11, "rounding of heights")
     apart = max(float(np.abs(ends[0] - end)[[X, Y, PITCH]].max()) for end in ends[1:])
     yield Check(
@@ -177,7 +178,7 @@ def _starts(model: str, method: str) -> Iterator[Check]:
         "1e-12 mm of fall; legs that are let go may bounce otherwise",
     )
     if (model, method) in THREE_COORDINATES:
-        outcome, _ = advance(engine, engine.start(-0.1, 0.0, 0.0), 0.1)
+        outcome, _ = advance(plan, plan.start(-0.1, 0.0, 0.0), 0.1)
         yield exactly("0.1 mm inside: refused", outcome is Outcome.FAILED)
 
 

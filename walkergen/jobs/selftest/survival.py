@@ -5,10 +5,12 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.selftest.case import Check, Pair, exactly
-from walkergen.jobs.selftest.scenes import PHASE, PITCH, V_X, advance, energy_error, feet, lift
-from walkergen.simulation import drive as plate
+from walkergen.jobs.selftest.scenes import advance, energy_error, lift
 from walkergen.simulation import record
-from walkergen.simulation.run import Engine, Outcome
+from walkergen.simulation.drive import TWO_PI
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.world import PHASE, PITCH, V_X
 
 ENDINGS = (Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED)
 """Physical ends of a run; no convergence, and energy from nowhere, are none."""
@@ -28,20 +30,20 @@ legs lighter by 1e-9 swing back many times within it."""
 
 
 def survives(
-    engine: Engine, pair: Pair, seconds: float, about: str, limit: tuple[float, str] | None = None
+    plan: Plan, pair: Pair, seconds: float, about: str, limit: tuple[float, str] | None = None
 ) -> Iterator[Check]:
     """A tilted drop: a physical end, finite, over the plate, every energy accounted for."""
-    state = engine.start(0.03, 0.0, 1.0)
+    state = plan.start(0.03, 0.0, 1.0)
     state[PITCH] += 2e-3
     state[V_X] = 5.0
-    lift(engine, state, 0.03)
-    before, lowest, outcome = engine.energy(state), 0.0, Outcome.OK
+    lift(plan, state, 0.03)
+    before, lowest, outcome = plan.energy(state), 0.0, Outcome.OK
     total, turned = record.new(len(state)), True
     for _ in range(40):
-        outcome, tally = advance(engine, state, seconds / 40)
+        outcome, tally = advance(plan, state, seconds / 40)
         total.sums[:] += tally.sums
-        turned = turned and 0.0 <= state[PHASE] < plate.TWO_PI
-        lowest = min(lowest, float(feet(engine, state)[:, 1].min()))
+        turned = turned and 0.0 <= state[PHASE] < TWO_PI
+        lowest = min(lowest, float(plan.feet(state)[:, 1].min()))
         if outcome is not Outcome.OK:
             break
     finite = bool(np.isfinite(state).all() and np.isfinite(total.sums).all())
@@ -52,7 +54,7 @@ def survives(
     allowed, reason = limit or ENERGY[pair]
     yield Check(
         f"{about}: energy unaccounted for",
-        energy_error(engine, before, state, total),
+        energy_error(plan, before, state, total),
         allowed,
         reason,
     )

@@ -8,28 +8,20 @@ import numpy as np
 
 from walkergen.jobs.selftest.case import COMPLIANT, EVERY, THREE_COORDINATES, Case, Check
 from walkergen.jobs.selftest.scenes import (
-    PHASE,
-    PITCH,
-    SPIN,
     STILL,
-    V_X,
-    V_Y,
     Array,
-    X,
-    Y,
     advance,
     design_of,
-    engine_of,
-    feet,
     lift,
-    mirrored,
+    plan_of,
     scene_of,
     shaken,
 )
 from walkergen.jobs.selftest.scenes import masses as masses_of
-from walkergen.simulation import engines
 from walkergen.simulation.compliant.chain import chain_of, mobility_of
-from walkergen.simulation.run import Engine
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y, mirrored
 from walkergen.walker import mass as masses
 
 SHORT = 0.012
@@ -38,12 +30,12 @@ SHORT = 0.012
 GROWN = "rounding, grown tenfold by each of a few impacts"
 
 
-def _dropped(engine: Engine, side: float = 1.0, phase: float = 1.0, gap: float = 0.05) -> Array:
+def _dropped(plan: Plan, side: float = 1.0, phase: float = 1.0, gap: float = 0.05) -> Array:
     """A drop with everything moving; side -1 is the mirror image."""
-    state = engine.start(gap, 0.0, phase)
+    state = plan.start(gap, 0.0, phase)
     state[PITCH] += side * 4e-3
     state[SPIN], state[V_X] = side * 0.7, side * 12.0
-    lift(engine, state, gap)
+    lift(plan, state, gap)
     return state
 
 
@@ -57,8 +49,8 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
     reason = "exact: only signs differ" if exact else GROWN
     for e, mu, law in ((0.9, 0.1, "poisson"), (0.5, 2.0, "stronge"), (0.0, 0.25, "newton")):
         contact = {"restitution": e, "friction": mu, "law": law}
-        right = engine_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
-        left = engine_of(model, method, -10.0, drive=shaken(1.8), contact=contact)
+        right = plan_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
+        left = plan_of(model, method, -10.0, drive=shaken(1.8), contact=contact)
         one, other = _dropped(right), _dropped(left, -1.0)
         seconds = 0.4 if exact else SHORT
         advance(right, one, seconds)
@@ -78,9 +70,9 @@ def _upright(model: str, method: str) -> Iterator[Check]:
     for e in (0.0, 0.6):
         for mu in (0.25, 5.0):
             contact = {"restitution": e, "friction": mu}
-            engine = engine_of(model, method, 0.0, drive=shaken(1.8), contact=contact)
-            state = engine.start(0.03, 0.0, 1.0)
-            advance(engine, state, seconds)
+            plan = plan_of(model, method, 0.0, drive=shaken(1.8), contact=contact)
+            state = plan.start(0.03, 0.0, 1.0)
+            advance(plan, state, seconds)
             drift = max(abs(state[X]), abs(state[PITCH]))
             yield Check(
                 f"e = {e:g}, mu = {mu:g}: drift or pitch after {seconds:g} s",
@@ -93,9 +85,9 @@ def _upright(model: str, method: str) -> Iterator[Check]:
 def _almost_upright(model: str, method: str) -> Iterator[Check]:
     ends = []
     for tilt in (0.0, 1e-12, -1e-12):
-        engine = engine_of(model, method, tilt, drive=shaken(1.8))
-        state = _dropped(engine)
-        advance(engine, state, SHORT)
+        plan = plan_of(model, method, tilt, drive=shaken(1.8))
+        state = _dropped(plan)
+        advance(plan, state, SHORT)
         ends.append(state)
     apart = max(_apart(ends[0], ends[1]), _apart(ends[0], ends[2]))
     yield Check("end of the run at +-1e-12 deg against 0, mm", apart, 1e-8, GROWN)
@@ -103,11 +95,11 @@ def _almost_upright(model: str, method: str) -> Iterator[Check]:
 
 def _shift(model: str, method: str) -> Iterator[Check]:
     for turns, limit in ((1, 1e-8), (1_000_000, 1e-4)):
-        engine = engine_of(model, method, 10.0, drive=shaken(1.8))
-        one, other = _dropped(engine), _dropped(engine)
+        plan = plan_of(model, method, 10.0, drive=shaken(1.8))
+        one, other = _dropped(plan), _dropped(plan)
         other[PHASE] += 2.0 * math.pi * turns
-        advance(engine, one, SHORT)
-        advance(engine, other, SHORT)
+        advance(plan, one, SHORT)
+        advance(plan, other, SHORT)
         yield Check(
             f"{turns} periods later, mm",
             _apart(one, other),
@@ -123,15 +115,15 @@ def _moving_plate(model: str, method: str) -> Iterator[Check]:
     for both in (True, False):
         ends = []
         for drive in (STILL, shaken(1.8)):
-            engine = engine_of(model, method, 10.0, drive=drive, contact=contact)
-            state = engine.start(0.0, 0.0, 0.0)
+            plan = plan_of(model, method, 10.0, drive=drive, contact=contact)
+            state = plan.start(0.0, 0.0, 0.0)
             if not both:
                 state[PITCH] += 0.01
-                lift(engine, state, 0.0)
+                lift(plan, state, 0.0)
             state[V_X] = 15.0
-            state[V_Y] += -25.0 - float(feet(engine, state)[0, 3])
-            advance(engine, state, instant)
-            ends.append(feet(engine, state)[:, 2:])
+            state[V_Y] += -25.0 - float(plan.feet(state)[0, 3])
+            advance(plan, state, instant)
+            ends.append(plan.feet(state)[:, 2:])
         apart = float(np.abs(ends[0] - ends[1]).max())
         yield Check(
             f"{'both feet' if both else 'one foot'}: velocities after a landing, mm/s",
@@ -141,7 +133,7 @@ def _moving_plate(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _scaled(model: str, method: str, scale: float) -> Engine:
+def _scaled(model: str, method: str, scale: float) -> Plan:
     """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
     one = design_of(model, 10.0)
     tables = {
@@ -155,18 +147,18 @@ def _scaled(model: str, method: str, scale: float) -> Engine:
         drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8},
         run={"step_us": 10.0 * math.sqrt(scale)},
     )
-    return engines.prepare(scene, design, masses_of(design)).engine
+    return prepare(scene, design, masses_of(design))
 
 
 def _scales(model: str, method: str) -> Iterator[Check]:
     ends = {}
     for scale in (1.0, 1e-3, 1e3):
-        engine = _scaled(model, method, scale)
-        state = engine.start(0.05 * scale, 0.0, 1.0)
+        plan = _scaled(model, method, scale)
+        state = plan.start(0.05 * scale, 0.0, 1.0)
         state[PITCH] += 4e-3
         state[V_X] = 12.0 * math.sqrt(scale)
-        lift(engine, state, 0.05 * scale)
-        advance(engine, state, SHORT * math.sqrt(scale))
+        lift(plan, state, 0.05 * scale)
+        advance(plan, state, SHORT * math.sqrt(scale))
         ends[scale] = state[[X, Y, PITCH]] / (scale, scale, 1.0)
     exact = (model, method) in THREE_COORDINATES
     limit, reason = 1e-8, GROWN
@@ -181,14 +173,11 @@ def _tolerance(model: str, method: str) -> Iterator[Check]:
     """Coarser contact tolerances by 16, and the snap speed that belongs to them by 4."""
     for mu in (0.0, 0.1, 5.0):
         contact = {"restitution": 0.8, "friction": mu}
-        engine = engine_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
-        one, other = _dropped(engine), _dropped(engine)
-        advance(engine, one, 2.0 * SHORT)
-        *rest, options = engine.arguments
-        coarse = options._replace(
-            gap_tolerance=16.0 * options.gap_tolerance, snap_speed=4.0 * options.snap_speed
-        )
-        advance(engine._replace(arguments=(*rest, coarse)), other, 2.0 * SHORT)
+        plan = plan_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
+        one, other = _dropped(plan), _dropped(plan)
+        advance(plan, one, 2.0 * SHORT)
+        coarse = plan._replace(world=plan.model.coarser(plan.world, 16.0))
+        advance(coarse, other, 2.0 * SHORT)
         yield Check(
             f"mu = {mu:g}: end of the run, mm",
             _apart(one, other),
@@ -199,8 +188,8 @@ def _tolerance(model: str, method: str) -> Iterator[Check]:
 
 def _frozen_joints(model: str, method: str) -> Iterator[Check]:
     """Legs on springs without end stiffness: the braced walker's inverse mass at the feet."""
-    engine = engine_of(model, method, 20.0)
-    walker, state = engine.arguments[0], engine.start(1.0, 0.0, 0.0)
+    plan = plan_of(model, method, 20.0)
+    walker, state = plan.world.walker, plan.start(1.0, 0.0, 0.0)
     frozen: Any = chain_of(walker, state, 1e12 * walker.legs.inertia)  # type: ignore[no-untyped-call]
     stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
     whole = masses.as_rigid(masses_of(design_of(model, 20.0)))

@@ -1,4 +1,4 @@
-"""The walker's equations of motion: a tree of three rigid bodies (physics.md sections 2 and 5).
+"""Equations of motion of a tree of three rigid bodies (docs/physics.md sections 2 and 5).
 
 A leg is a mass on a hinge: eliminating its angle leaves an apparent mass that the body carries at
 the anchor, so that the whole chain is inverted by one 3 x 3 matrix and a number per leg, for any
@@ -9,8 +9,9 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.drive import height, velocity
+from walkergen.simulation.effects.acting import across, along, body_force
+from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
     PHASE,
@@ -61,12 +62,6 @@ class Chain(NamedTuple):
     S_tt: float
     back: Limb
     front: Limb
-
-
-@kernel
-def along(gravity_x):
-    """Gravity along the plate, mm/s^2; a level plate has none, and no code for it."""
-    return 0.0 if gravity_x is None else gravity_x
 
 
 @kernel
@@ -261,19 +256,19 @@ def mobility_of(chain):
 
 
 @kernel
-def gaps(plate, state, chain):
+def gaps(drive, state, chain):
     """Height of the back and the front foot over the plate, mm."""
-    level = state[Y] - plates.height(plate, state[PHASE])
+    level = state[Y] - height(drive, state[PHASE])
     return level + chain.back.A_y + chain.back.r_y, level + chain.front.A_y + chain.front.r_y
 
 
 @kernel
-def feet_velocities(walker, plate, state, chain):
+def feet_velocities(world, state, chain):
     """Velocities (back x, y, front x, y) of the feet against the plate, mm/s."""
     b, f, spin = chain.back, chain.front, state[SPIN]
-    spin_b = spin + angle(walker.legs, state, RATE_BACK)
-    spin_f = spin + angle(walker.legs, state, RATE_FRONT)
-    v_x, v_y = state[V_X], state[V_Y] - plates.velocity(plate, state[PHASE])
+    spin_b = spin + angle(world.walker.legs, state, RATE_BACK)
+    spin_f = spin + angle(world.walker.legs, state, RATE_FRONT)
+    v_x, v_y = state[V_X], state[V_Y] - velocity(world.drive, state[PHASE])
     return (
         v_x - spin * b.A_y - spin_b * b.r_y,
         v_y + spin * b.A_x + spin_b * b.r_x,
@@ -316,27 +311,28 @@ def feet_turning(walker, state, chain):
 
 
 @kernel
-def corner_height(walker, plate, state):
+def corner_height(world, state):
     """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    lower = min(sin * walker.corner_back_x, sin * walker.corner_front_x)
-    return state[Y] + lower + cos * walker.corner_y - plates.height(plate, state[PHASE])
+    lower = min(sin * world.walker.corner_back_x, sin * world.walker.corner_front_x)
+    return state[Y] + lower + cos * world.walker.corner_y - height(world.drive, state[PHASE])
 
 
 @kernel
-def energy(walker, state):
+def energy(world, state):
     """Kinetic, gravitational and elastic energy, g mm^2/s^2 (1e-9 J)."""
+    walker = world.walker
     v_x, v_y, spin = state[V_X], state[V_Y], state[SPIN]
     body = 0.5 * (walker.mass * (v_x * v_x + v_y * v_y) + walker.inertia * spin * spin)
-    weight = walker.mass * (along(walker.gravity_x) * state[X] + walker.gravity_y * state[Y])
-    return body - weight + _legs_energy(walker.legs, walker, state)
+    fallen = along(world.acting) * state[X] - across(world.acting) * state[Y]
+    return body - walker.mass * fallen + _legs_energy(walker.legs, world, state)
 
 
 @kernel
-def _legs_energy(legs, walker, state):
+def _legs_energy(legs, world, state):
     if legs is None:
         return 0.0
-    chain, spin, total = chain_of(walker, state, 0.0), state[SPIN], 0.0
+    chain, spin, total = chain_of(world.walker, state, 0.0), state[SPIN], 0.0
     for limb, alpha, rate in (
         (chain.back, state[ANGLE_BACK], state[RATE_BACK]),
         (chain.front, state[ANGLE_FRONT], state[RATE_FRONT]),
@@ -347,27 +343,29 @@ def _legs_energy(legs, walker, state):
         total += 0.5 * (legs.mass * (v_x * v_x + v_y * v_y) + own * (spin + rate) ** 2)
         total += 0.5 * legs.stiffness * alpha * alpha
         total -= legs.mass * (
-            along(walker.gravity_x) * (state[X] + limb.A_x + limb.C_x)
-            + walker.gravity_y * (state[Y] + limb.A_y + limb.C_y)
+            along(world.acting) * (state[X] + limb.A_x + limb.C_x)
+            - across(world.acting) * (state[Y] + limb.A_y + limb.C_y)
         )
     return total
 
 
 @kernel
-def free_acceleration(walker, state, chain, ahead):
-    """Rate of change of the velocities without contact: gravity, centrifugal forces, springs.
+def free_acceleration(world, state, chain, ahead):
+    """Rate of change of the velocities without contact: gravity, centrifugal forces, springs, and
+    the forces of effects on the body.
 
     `ahead` (s) evaluates the springs at alpha + ahead * rate: 0 for the true acceleration, half
     the step in the trapezoidal rule.
     """
-    return _free(walker.legs, walker, state, chain, ahead)
+    return _free(world.walker.legs, world, state, chain, ahead)
 
 
 @kernel
-def _free(legs, walker, state, chain, ahead):
-    g_x, g_y = along(walker.gravity_x), walker.gravity_y
+def _free(legs, world, state, chain, ahead):
+    g_x, g_y, walker = along(world.acting), -across(world.acting), world.walker
+    f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
     if legs is None:
-        return respond(chain, walker.mass * g_x, walker.mass * g_y, 0.0, 0.0, 0.0)
+        return respond(chain, walker.mass * g_x + f_x, walker.mass * g_y + f_y, 0.0, 0.0, 0.0)
     b, f, m = chain.back, chain.front, legs.mass
     spin = state[SPIN]
     spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
@@ -379,8 +377,8 @@ def _free(legs, walker, state, chain, ahead):
     weight = m * ((b.A_x + f.A_x) * g_y - (b.A_y + f.A_y) * g_x)
     return respond(
         chain,
-        total * g_x + m * (spin * (b.A_x + f.A_x) + spin_b * b.C_x + spin_f * f.C_x),
-        total * g_y + m * (spin * (b.A_y + f.A_y) + spin_b * b.C_y + spin_f * f.C_y),
+        f_x + total * g_x + m * (spin * (b.A_x + f.A_x) + spin_b * b.C_x + spin_f * f.C_x),
+        f_y + total * g_y + m * (spin * (b.A_y + f.A_y) + spin_b * b.C_y + spin_f * f.C_y),
         weight + m * (spin_b * cross_b + spin_f * cross_f) - torque_b - torque_f,
         m * (b.C_x * g_y - b.C_y * g_x - spin * cross_b) + torque_b,
         m * (f.C_x * g_y - f.C_y * g_x - spin * cross_f) + torque_f,
@@ -390,3 +388,19 @@ def _free(legs, walker, state, chain, ahead):
 @kernel
 def _torque(legs, alpha, rate, ahead):
     return -legs.stiffness * (alpha + ahead * rate) - legs.damping * rate
+
+
+@kernel
+def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
+    """Power (g mm^2/s^3) that the legs' dampers take at rates of the back and the front leg (rad/s)
+    and that effects take from a body at that pitch (rad) and velocity (mm/s).
+    """
+    f_x, f_y = body_force(world.acting, pitch, v_x, v_y)
+    return _damped(world.walker.legs, rate_b, rate_f) - (f_x * v_x + f_y * v_y)
+
+
+@kernel
+def _damped(legs, rate_b, rate_f):
+    if legs is None:
+        return 0.0
+    return legs.damping * (rate_b * rate_b + rate_f * rate_f)

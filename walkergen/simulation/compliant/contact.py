@@ -11,10 +11,14 @@ impact of both. For every law of restitution, and it never creates energy.
 """
 
 import math
+from typing import NamedTuple
+
+import numpy as np
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
+    Chain,
+    Mobility,
     accelerate,
     chain_of,
     feet_velocities,
@@ -23,18 +27,34 @@ from walkergen.simulation.compliant.chain import (
     push,
     shift,
 )
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.drive import velocity
+from walkergen.simulation.record import (
+    ELAPSED,
+    IMPACT_LOSS,
+    PLATE_WORK,
+    Tally,
+    note_event,
+    tally_impact,
+)
+from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
+    BACKWARD,
+    FORWARD,
     MODE_BACK,
     MODE_FRONT,
+    OPEN,
     PHASE,
+    STICK,
 )
-from walkergen.simulation.record import ELAPSED, IMPACT_LOSS, PLATE_WORK, note_event, tally_impact
-from walkergen.theory.impact import impact
-
-OPEN, STICK, FORWARD, BACKWARD = range(4)
-"""Contact modes of a foot: in the air, stuck to the plate, sliding towards +x, towards -x."""
+from walkergen.theory.impact import (
+    FROM_REST,
+    III_MIRRORED,
+    TYPE_I,
+    TYPE_III,
+    TYPE_IV,
+    impact,
+)
 
 SHARING = 1e-12
 """Relative softness added to the friction of two feet that stick: a braced walker's two friction
@@ -193,85 +213,97 @@ def _allowed(mode, touching, sliding, friction):
     return mode == OPEN or mode == (FORWARD if sliding > 0 else BACKWARD)
 
 
+class Instant(NamedTuple):
+    """What does not change while impacts pass, and where they are recorded."""
+
+    chain: Chain
+    mobility: Mobility
+    rows: np.ndarray
+    """Work space of shape (4, 5)."""
+    tally: Tally
+
+
 @kernel
-def one_foot(walker, plate, contact, restitution, state, chain, W, foot, tally):
+def one_foot(world, restitution, state, now, foot):
     """Impact of one foot, by the law of `theory.impact`; changes the velocities in `state`."""
-    u = feet_velocities(walker, plate, state, chain)
+    u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     if foot == 0:
         v_x, v_y, xx, xy, yy = u[0], u[1], W.bb_xx, W.bb_xy, W.bb_yy
     else:
         v_x, v_y, xx, xy, yy = u[2], u[3], W.ff_xx, W.ff_xy, W.ff_yy
+    contact = world.contact
     hit = impact(xx, xy, yy, v_x, v_y, restitution, contact.friction, contact.law)
     F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
-    accelerate(walker.legs, state, push(chain, F))
+    accelerate(world.walker.legs, state, push(now.chain, F))
     tally_impact(tally.counts, hit.kind, hit.sticks)
-    tally.sums[PLATE_WORK] += hit.F_y * plates.velocity(plate, state[PHASE])
+    tally.sums[PLATE_WORK] += hit.F_y * velocity(world.drive, state[PHASE])
     tally.sums[IMPACT_LOSS] -= 0.5 * (hit.F_x * (v_x + hit.v_x) + hit.F_y * (v_y + hit.v_y))
     note_event(tally.events, tally.sums[ELAPSED], foot, hit.F_x, hit.F_y, v_x, v_y, hit.kind)
 
 
 @kernel
-def both_feet(walker, plate, contact, restitution, state, chain, W, tally, rows):
+def both_feet(world, restitution, state, now):
     """Impact of both feet at once: (1 + e) times the impulses of the plastic impact."""
-    u = feet_velocities(walker, plate, state, chain)
+    u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     both = (True, True)
-    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), contact.friction, rows)
+    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), world.contact.friction, now.rows)
     k = 1.0 + restitution
     F = (k * F[0], k * F[1], k * F[2], k * F[3])
     d = applied(W, F)
-    accelerate(walker.legs, state, push(chain, F))
-    tally.sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    accelerate(world.walker.legs, state, push(now.chain, F))
+    tally.sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for foot in range(2):
         F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
         d_x, d_y = d[2 * foot], d[2 * foot + 1]
         tally.sums[IMPACT_LOSS] -= F_x * (v_x + 0.5 * d_x) + F_y * (v_y + 0.5 * d_y)
-        kind = 5 if v_x == 0.0 else (3 if abs(v_x + d_x) <= 1e-9 * abs(v_x) else 1)
-        if v_x < 0.0:
-            kind = 4 if kind == 1 else -3
-        tally_impact(tally.counts, kind, abs(kind) == 3)
+        stops = abs(v_x + d_x) <= 1e-9 * abs(v_x)
+        if v_x == 0.0:
+            kind = FROM_REST
+        elif v_x > 0.0:
+            kind = TYPE_III if stops else TYPE_I
+        else:
+            kind = III_MIRRORED if stops else TYPE_IV
+        tally_impact(tally.counts, kind, abs(kind) == TYPE_III)
         note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 
 @kernel
-def collide(walker, plate, contact, state, chain, touching, rest, tally, rows):
+def collide(world, restitution, state, now, touching, rest):
     """All impacts of one instant: touching feet that approach faster than their speed in `rest`.
 
     A foot that would rebound slower than that does not rebound: impacts without end (Zeno) stop
     there. Changes the velocities in `state`.
     """
-    W, e = mobility_of(chain), contact.restitution
-    u = feet_velocities(walker, plate, state, chain)
+    e, u = restitution, feet_velocities(world, state, now.chain)
     if touching[0] and touching[1] and u[1] < -rest[0] and u[3] < -rest[1]:
         bounces = -u[1] * e > rest[0] or -u[3] * e > rest[1]
-        both_feet(walker, plate, contact, e if bounces else 0.0, state, chain, W, tally, rows)
+        both_feet(world, e if bounces else 0.0, state, now)
     for _ in range(ALTERNATIONS):
-        u = feet_velocities(walker, plate, state, chain)
+        u = feet_velocities(world, state, now.chain)
         back, front = touching[0] and u[1] < -rest[0], touching[1] and u[3] < -rest[1]
         if not (back or front):
             return
         foot = 0 if back and (not front or u[1] <= u[3]) else 1
         bounces = -u[2 * foot + 1] * e > rest[foot]
-        one_foot(
-            walker, plate, contact, e if bounces else 0.0, state, chain, W, foot, tally
-        )  # fmt: skip
-    both_feet(walker, plate, contact, 0.0, state, chain, W, tally, rows)
+        one_foot(world, e if bounces else 0.0, state, now, foot)
+    both_feet(world, 0.0, state, now)
 
 
 @kernel
-def settle(walker, plate, state, implicit, rows):
+def settle(world, state, implicit, rows):
     """Shift the closed feet onto the plate: takes away the drift of their gaps.
 
     implicit: as in `chain_of`; hinges stiffer than the step can follow then keep their angles.
     """
-    chain = chain_of(walker, state, implicit)
-    back, front = gaps(plate, state, chain)
+    chain = chain_of(world.walker, state, implicit)
+    back, front = gaps(world.drive, state, chain)
     modes = (
         (OPEN if state[MODE_BACK] == OPEN else FORWARD),
         (OPEN if state[MODE_FRONT] == OPEN else FORWARD),
     )
     W = mobility_of(chain)
     F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], 0.0, rows)
-    shift(walker.legs, state, push(chain, F))
+    shift(world.walker.legs, state, push(chain, F))
 
 
 @kernel

@@ -10,9 +10,11 @@ exact.
 import math
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
-from walkergen.simulation.compliant.chain import along, chain_of, free_acceleration
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.compliant.chain import chain_of, free_acceleration
+from walkergen.simulation.drive import TWO_PI, derivative_bound, velocity
+from walkergen.simulation.effects.acting import across, along, body_force
+from walkergen.simulation.record import DAMPING_LOSS
+from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
     PHASE,
@@ -25,42 +27,55 @@ from walkergen.simulation.compliant.legs import (
     X,
     Y,
 )
-from walkergen.simulation.record import DAMPING_LOSS
-
-TWO_PI = 2.0 * math.pi
 
 
 @kernel
-def advance_phase(plate, state, t):
+def advance_phase(drive, state, t):
     """Move the drive on by t seconds; the phase stays in 0..2 pi."""
-    state[PHASE] = (state[PHASE] + plate.omega * t) % TWO_PI
+    state[PHASE] = (state[PHASE] + drive.omega * t) % TWO_PI
 
 
 @kernel
-def fly(walker, plate, state, t, sums):
-    """Free flight of `t` seconds, in place; the damping's loss goes to `sums`."""
-    _fly(walker.legs, walker, state, t, sums)
-    advance_phase(plate, state, t)
+def fly(world, state, t, sums):
+    """Free flight of `t` seconds, in place; what damping and effects take goes to `sums`."""
+    _fly(world.walker.legs, world, state, t, sums)
+    advance_phase(world.drive, state, t)
 
 
 @kernel
-def _fly(legs, walker, state, t, sums):
+def _fly(legs, world, state, t, sums):
+    x_0, y_0 = state[X], state[Y]
     if legs is None:
-        state[X] += t * (state[V_X] + 0.5 * t * along(walker.gravity_x))
-        state[Y] += t * (state[V_Y] + 0.5 * t * walker.gravity_y)
-        state[V_X] += t * along(walker.gravity_x)
-        state[V_Y] += t * walker.gravity_y
+        mass = world.walker.mass
+        a_x, a_y, f_x, f_y = _falling(world, state, mass, t)
+        state[X] += t * (state[V_X] + 0.5 * t * a_x)
+        state[Y] += t * (state[V_Y] + 0.5 * t * a_y)
+        state[V_X] += t * a_x
+        state[V_Y] += t * a_y
         state[PITCH] += t * state[SPIN]
     else:
-        x, y, v_x, v_y = _centre(legs, walker, state)
+        a_x, a_y, f_x, f_y = _falling(world, state, world.walker.mass + 2.0 * legs.mass, t)
+        x, y, v_x, v_y = _centre(legs, world.walker, state)
         _swing(legs, state, 0.5 * t, sums)
-        _kick(legs, walker, state, t)
+        _kick(legs, world, state, t)
         _swing(legs, state, 0.5 * t, sums)
-        x_1, y_1, v_x1, v_y1 = _centre(legs, walker, state)
-        state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * along(walker.gravity_x))
-        state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * walker.gravity_y)
-        state[V_X] += v_x - v_x1 + t * along(walker.gravity_x)
-        state[V_Y] += v_y - v_y1 + t * walker.gravity_y
+        x_1, y_1, v_x1, v_y1 = _centre(legs, world.walker, state)
+        state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * a_x)
+        state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * a_y)
+        state[V_X] += v_x - v_x1 + t * a_x
+        state[V_Y] += v_y - v_y1 + t * a_y
+    sums[DAMPING_LOSS] -= f_x * (state[X] - x_0) + f_y * (state[Y] - y_0)
+
+
+@kernel
+def _falling(world, state, mass, t):
+    """Acceleration (x, y) of the centre of mass of all and force (x, y) of effects on the body, at
+    the middle of a flight of t seconds.
+    """
+    v_x = state[V_X] + 0.5 * t * along(world.acting)
+    v_y = state[V_Y] - 0.5 * t * across(world.acting)
+    f_x, f_y = body_force(world.acting, state[PITCH] + 0.5 * t * state[SPIN], v_x, v_y)
+    return along(world.acting) + f_x / mass, f_y / mass - across(world.acting), f_x, f_y
 
 
 @kernel
@@ -124,9 +139,9 @@ def _swing(legs, state, t, sums):
 
 
 @kernel
-def _rest(legs, walker, state, chain):
+def _rest(legs, world, state, chain):
     """What the true accelerations (spin, leg rates) have beyond the linear ones."""
-    _, _, spin, back, front = free_acceleration(walker, state, chain, 0.0)
+    _, _, spin, back, front = free_acceleration(world, state, chain, 0.0)
     s, k, c = legs.swing, legs.stiffness, legs.damping
     t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
     t_f = -k * state[ANGLE_FRONT] - c * state[RATE_FRONT]
@@ -136,34 +151,30 @@ def _rest(legs, walker, state, chain):
 
 
 @kernel
-def _kick(legs, walker, state, t):
+def _kick(legs, world, state, t):
     """The rest over t at a fixed pose, by the midpoint rule in the rates."""
-    chain = chain_of(walker, state, 0.0)
+    chain = chain_of(world.walker, state, 0.0)
     spin, back, front = state[SPIN], state[RATE_BACK], state[RATE_FRONT]
     for ahead in (0.5 * t, t):
-        d_spin, d_back, d_front = _rest(legs, walker, state, chain)
+        d_spin, d_back, d_front = _rest(legs, world, state, chain)
         state[SPIN], state[RATE_BACK] = spin + ahead * d_spin, back + ahead * d_back
         state[RATE_FRONT] = front + ahead * d_front
 
 
 @kernel
-def _harmonic_pull(harmonic):
-    if harmonic is None:
-        return 0.0
-    return 4.0 * abs(harmonic.ratio)
+def clear_time(world, state, chain, gaps):
+    """Time (s) within which neither foot reaches the plate; 0 when a foot is in reach.
 
-
-@kernel
-def clear_time(walker, plate, state, chain, gaps):
-    """Time (s) within which neither foot reaches the plate; 0 when one is in reach.
-
-    No acceleration towards the plate is larger than gravity and the plate's largest together, and
-    the legs swing no further than their energy allows, taken to first order in their angles with
-    15 % to spare: safe for the few degrees that legs swing, not a bound for large angles.
+    No acceleration towards the plate is larger than gravity, the plate's largest and that of the
+    effects now together, and the legs swing no further than their energy allows, taken to first
+    order in their angles with 15 % to spare: safe for the few degrees that legs swing, not a bound
+    for large angles.
     """
-    largest = plate.amplitude * plate.omega**2 * (1.0 + _harmonic_pull(plate.harmonic))
-    pull = math.hypot(along(walker.gravity_x), walker.gravity_y) + largest
-    return _clear_time(walker.legs, walker, plate, state, chain, gaps, pull)
+    largest = derivative_bound(world.drive, 2)
+    pull = math.hypot(along(world.acting), across(world.acting)) + largest
+    f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
+    pull += (abs(f_x) + abs(f_y)) / world.walker.mass
+    return _clear_time(world.walker.legs, world, state, chain, gaps, pull)
 
 
 @kernel
@@ -174,10 +185,10 @@ def _fall_time(gap, rise, pull):
 
 
 @kernel
-def _clear_time(legs, walker, plate, state, chain, gaps, pull):
+def _clear_time(legs, world, state, chain, gaps, pull):
     b, f, spin = chain.back, chain.front, state[SPIN]
     back_x, front_x = b.A_x + b.r_x, f.A_x + f.r_x
-    rise = state[V_Y] - plates.velocity(plate, state[PHASE])
+    rise = state[V_Y] - velocity(world.drive, state[PHASE])
     if legs is None:
         pull += spin * spin * math.hypot(back_x, b.A_y + b.r_y)
         return min(
@@ -191,9 +202,9 @@ def _clear_time(legs, walker, plate, state, chain, gaps, pull):
         + (state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2) / (legs.stiffness * s.mobility_1)
     )
     steady = spin + s.share_back * state[RATE_BACK] + s.share_front * state[RATE_FRONT]
-    centre_x, _, _, turning = _centre(legs, walker, state)
+    centre_x, _, _, turning = _centre(legs, world.walker, state)
     rise += turning - steady * centre_x  # of O, without its share of the legs' swing
-    length = math.hypot(walker.reach_x, walker.reach_y)
+    length = math.hypot(world.walker.reach_x, world.walker.reach_y)
     pull += steady * steady * (length + abs(back_x) + abs(front_x))
     swing_b = amplitude * (abs(b.r_x) + 0.15 * length) + state[ANGLE_BACK] * b.r_x
     swing_f = amplitude * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x

@@ -11,9 +11,8 @@ import numpy as np
 
 from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
-    along,
+    angle,
     chain_of,
     feet_changes,
     feet_turning,
@@ -21,18 +20,24 @@ from walkergen.simulation.compliant.chain import (
     free_acceleration,
     gaps,
     mobility_of,
+    power_lost,
     push,
 )
-from walkergen.simulation.compliant.contact import FORWARD, FRICTIONLESS, OPEN, STICK, impulses
-from walkergen.simulation.compliant.legs import (
+from walkergen.simulation.compliant.contact import FRICTIONLESS, impulses
+from walkergen.simulation.drive import acceleration, velocity
+from walkergen.simulation.effects.acting import across, along
+from walkergen.simulation.world import (
     ANGLE_BACK,
+    FORWARD,
     MODE_BACK,
     MODE_FRONT,
+    OPEN,
     PHASE,
     PITCH,
     RATE_BACK,
     RATE_FRONT,
     SPIN,
+    STICK,
     V_X,
     V_Y,
     X,
@@ -56,20 +61,18 @@ class Work(NamedTuple):
 
 @kernel
 def _leg_slopes(legs, z, dz, change):
-    """Slopes of the legs' coordinates; returns the power lost to damping."""
-    if legs is None:
-        return 0.0
-    _, _, spin, back, front = change
-    for i in range(2):
-        dz[ANGLE_BACK + i] = z[RATE_BACK + i]
-    dz[RATE_BACK], dz[RATE_FRONT] = back - spin, front - spin
-    return legs.damping * (z[RATE_BACK] ** 2 + z[RATE_FRONT] ** 2)
+    """Slopes of the legs' coordinates."""
+    if legs is not None:
+        _, _, spin, back, front = change
+        for i in range(2):
+            dz[ANGLE_BACK + i] = z[RATE_BACK + i]
+        dz[RATE_BACK], dz[RATE_FRONT] = back - spin, front - spin
 
 
 @kernel
-def level_of(plate, z):
+def level_of(drive, z):
     """Depth (mm) below the plate at which a foot has landed: the rounding of its height."""
-    return ROUNDING * (abs(z[Y]) + plate.amplitude)
+    return ROUNDING * (abs(z[Y]) + drive.amplitude)
 
 
 @kernel
@@ -85,11 +88,11 @@ def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
 
 
 @kernel
-def accelerations(walker, plate, z, chain):
+def accelerations(world, z, chain):
     """Free acceleration of the chain, and of its feet against the plate."""
-    free = free_acceleration(walker, z, chain, 0.0)
-    d, turning = feet_changes(chain, free), feet_turning(walker, z, chain)
-    lift = plates.acceleration(plate, z[PHASE])
+    free = free_acceleration(world, z, chain, 0.0)
+    d, turning = feet_changes(chain, free), feet_turning(world.walker, z, chain)
+    lift = acceleration(world.drive, z[PHASE])
     return free, (
         d[0] + turning[0],
         d[1] + turning[1] - lift,
@@ -99,11 +102,11 @@ def accelerations(walker, plate, z, chain):
 
 
 @kernel
-def slopes_of(walker, plate, contact, z, dz, rows):
+def slopes_of(world, z, dz, rows):
     """Time derivative of state and integrals in the present modes; returns the feet's margins."""
-    back, front, friction = int(z[MODE_BACK]), int(z[MODE_FRONT]), contact.friction
-    chain = chain_of(walker, z, 0.0)
-    free, a = accelerations(walker, plate, z, chain)
+    back, front, friction = int(z[MODE_BACK]), int(z[MODE_FRONT]), world.contact.friction
+    chain = chain_of(world.walker, z, 0.0)
+    free, a = accelerations(world, z, chain)
     W = mobility_of(chain)
     F = impulses(W, a, back, front, friction, rows)
     held = push(chain, F)
@@ -114,15 +117,19 @@ def slopes_of(walker, plate, contact, z, dz, rows):
         free[3] + held[3],
         free[4] + held[4],
     )
-    dz[X], dz[Y], dz[PITCH], dz[PHASE] = z[V_X], z[V_Y], z[SPIN], plate.omega
+    dz[X], dz[Y], dz[PITCH], dz[PHASE] = z[V_X], z[V_Y], z[SPIN], world.drive.omega
     dz[V_X], dz[V_Y], dz[SPIN] = change[0], change[1], change[2]
     dz[MODE_BACK] = dz[MODE_FRONT] = 0.0
-    u = feet_velocities(walker, plate, z, chain)
+    u = feet_velocities(world, z, chain)
     n = z.size - 3
-    dz[n] = (F[1] + F[3]) * plates.velocity(plate, z[PHASE])
+    dz[n] = (F[1] + F[3]) * velocity(world.drive, z[PHASE])
     dz[n + 1] = -F[0] * u[0] - F[2] * u[2]
-    dz[n + 2] = _leg_slopes(walker.legs, z, dz, change)
-    gap, level = gaps(plate, z, chain), level_of(plate, z)
+    legs = world.walker.legs
+    _leg_slopes(legs, z, dz, change)
+    dz[n + 2] = power_lost(
+        world, z[PITCH], z[V_X], z[V_Y], angle(legs, z, RATE_BACK), angle(legs, z, RATE_FRONT)
+    )
+    gap, level = gaps(world.drive, z, chain), level_of(world.drive, z)
     return (
         _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, friction),
         _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, friction),
@@ -130,7 +137,7 @@ def slopes_of(walker, plate, contact, z, dz, rows):
 
 
 @kernel
-def shoot(walker, plate, contact, work, t):
+def shoot(world, work, t):
     """One Runge-Kutta step of t from work.now to work.trial; returns the lesser margin there.
 
     The first row of work.slopes must hold the slopes at work.now.
@@ -144,15 +151,15 @@ def shoot(walker, plate, contact, work, t):
             for j in range(i + 1):
                 total += WEIGHTS[i + 1, j] * slopes[j, k]
             target[k] = now[k] + t * total
-        margins = slopes_of(walker, plate, contact, target, slopes[i + 1], work.rows)
+        margins = slopes_of(world, target, slopes[i + 1], work.rows)
     return min(margins[0], margins[1])
 
 
 @kernel
-def scales_of(walker, state):
+def scales_of(world, state):
     """What an error is compared with: speeds of a fall by a leg's length, 1e-3 of that length."""
-    length = math.hypot(walker.reach_x, walker.reach_y)
-    gravity = math.hypot(along(walker.gravity_x), walker.gravity_y)
+    length = math.hypot(world.walker.reach_x, world.walker.reach_y)
+    gravity = math.hypot(along(world.acting), across(world.acting))
     scales = np.full(state.size, 1e-3)
     scales[X], scales[Y] = 1e-3 * length, 1e-3 * length
     scales[V_X], scales[V_Y] = math.sqrt(gravity * length), math.sqrt(gravity * length)

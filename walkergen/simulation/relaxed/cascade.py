@@ -19,8 +19,16 @@ from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.record import tally_impact
-from walkergen.simulation.relaxed.walker import Tensor
-from walkergen.theory.impact import determinant, impact
+from walkergen.simulation.relaxed.state import Tensor
+from walkergen.theory.impact import (
+    FROM_REST,
+    NONE,
+    STRONGE,
+    TYPE_I,
+    TYPE_IV,
+    determinant,
+    impact,
+)
 
 MOST_IMPACTS = 1_000_000
 # Raise runs of one type to powers; look whether the direction is trapped between two types.
@@ -59,15 +67,15 @@ def cascade(own, rigid, v_x, v_y, contact, counts):
     Impacts summed in closed form count as one.
     """
     e, mu, law = contact.restitution, contact.friction, contact.law
-    F_x, F_y, u_x, u_y, first = 0.0, 0.0, v_x, v_y, 0
+    F_x, F_y, u_x, u_y, first = 0.0, 0.0, v_x, v_y, NONE
     size = max(abs(v_x), abs(v_y))
     mark_x, mark_y, widest = 0.0, 0.0, 0.0
     for n in range(MOST_IMPACTS):
         hit = impact(own.xx, own.xy, own.yy, u_x, u_y, e, mu, law)
         tally_impact(counts, hit.kind, hit.sticks)
         first = hit.kind if n == 0 else first
-        if hit.kind == 1 or hit.kind == 4 or mu == 0.0:
-            s_mu = -mu if hit.kind == 4 else mu
+        if hit.kind == TYPE_I or hit.kind == TYPE_IV or mu == 0.0:
+            s_mu = -mu if hit.kind == TYPE_IV else mu
             slope = rigid.yy - s_mu * rigid.xy
             end_x = u_x + (rigid.xy - s_mu * rigid.xx) * (-u_y / slope)
             if 0.0 < slope * hit.F_y <= -u_y and (end_x * u_x >= 0.0 or mu == 0.0):
@@ -76,8 +84,8 @@ def cascade(own, rigid, v_x, v_y, contact, counts):
         w_x = u_x + (rigid.xx * hit.F_x + rigid.xy * hit.F_y)
         w_y = u_y + (rigid.xy * hit.F_x + rigid.yy * hit.F_y)
         G_x, G_y = hit.F_x, hit.F_y
-        dies = hit.kind == 5 and w_x == 0.0 and u_y < w_y <= 0.0
-        if n >= GALLOP_AFTER and law != 2 and u_x != 0.0:  # Stronge's law is not linear
+        dies = hit.kind == FROM_REST and w_x == 0.0 and u_y < w_y <= 0.0
+        if n >= GALLOP_AFTER and law != STRONGE and u_x != 0.0:  # which is not linear
             w_x, w_y = _gallop(own, rigid, u_x, u_y, w_x, w_y, hit, contact)
             G_x, G_y = stopping_impulse(rigid, u_x - w_x, u_y - w_y)
         t_x, t_y, u_x, u_y, F_x, F_y = u_x, u_y, w_x, w_y, F_x + G_x, F_y + G_y

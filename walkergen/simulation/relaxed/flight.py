@@ -10,33 +10,21 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import (
-    TWO_PI,
-    Plate,
-    acceleration,
-    derivative_bound,
-    height,
-    velocity,
-)
-from walkergen.simulation.relaxed.walker import (
+from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, velocity
+from walkergen.simulation.effects.acting import across, along
+from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, Point, lever
+from walkergen.simulation.world import (
     MODE_BACK,
     MODE_FRONT,
-    OMEGA,
     PHASE,
     PITCH,
-    TRIAL_FRICTION,
-    TRIAL_WORK,
+    SPIN,
     V_X,
     V_Y,
-    Options,
-    Point,
     State,
-    Walker,
+    World,
     X,
     Y,
-    across,
-    along,
-    lever,
 )
 
 # What ends a stretch of motion.
@@ -57,16 +45,16 @@ class Gap(NamedTuple):
 
 
 @kernel
-def drift(options: Options, plate: Plate, state: State, dt: float, out: State) -> None:
+def drift(world: World, state: State, dt: float, out: State) -> None:
     """Ballistic flight for `dt` seconds, exact: out = state moved on (may be the same array)."""
-    g_x, g_y = along(options), across(options)
+    g_x, g_y = along(world.acting), across(world.acting)
     out[X] = state[X] + dt * (state[V_X] + 0.5 * g_x * dt)
     out[Y] = state[Y] + dt * (state[V_Y] - 0.5 * g_y * dt)
-    out[PITCH] = state[PITCH] + state[OMEGA] * dt
+    out[PITCH] = state[PITCH] + state[SPIN] * dt
     out[V_X] = state[V_X] + g_x * dt
     out[V_Y] = state[V_Y] - g_y * dt
-    out[OMEGA] = state[OMEGA]
-    out[PHASE] = (state[PHASE] + plate.omega * dt) % TWO_PI
+    out[SPIN] = state[SPIN]
+    out[PHASE] = (state[PHASE] + world.drive.omega * dt) % TWO_PI
     out[MODE_BACK] = state[MODE_BACK]
     out[MODE_FRONT] = state[MODE_FRONT]
     out[TRIAL_WORK] = 0.0
@@ -103,17 +91,16 @@ def cubic_wait(gap: Gap, margin: float, bound: float) -> float:
 
 
 @kernel
-def first_contact(
-    walker: Walker, plate: Plate, options: Options, state: State, limit: float
-) -> tuple[float, int]:
+def first_contact(world: World, state: State, limit: float) -> tuple[float, int]:
     """Time (s) to the first contact within `limit`, and what touches: TOUCH, CORNER, NOTHING."""
-    dt, event = _first_of_two(walker.d_back, walker.d_front, plate, options, state, limit)
+    walker = world.walker
+    dt, event = _first_of_two(world, walker.d_back, walker.d_front, state, limit)
     # The pitch is monotone in flight: a corner can have been first only beyond the safe pitch.
-    end_pitch = state[PITCH] + state[OMEGA] * dt
+    end_pitch = state[PITCH] + state[SPIN] * dt
     if max(abs(state[PITCH]), abs(end_pitch)) > walker.safe_pitch:
         for pair in range(2):
             low, high = walker.corners[pair], walker.corners[pair + 2]
-            corner_dt, touched = _first_of_two(low, high, plate, options, state, dt)
+            corner_dt, touched = _first_of_two(world, low, high, state, dt)
             if touched != NOTHING:
                 dt, event = corner_dt, CORNER if touched == TOUCH else STUCK
     return dt, event
@@ -121,32 +108,28 @@ def first_contact(
 
 @kernel
 def _first_of_two(
-    first: Point,
-    second: Point,
-    plate: Plate,
-    options: Options,
-    state: State,
-    limit: float,
+    world: World, first: Point, second: Point, state: State, limit: float
 ) -> tuple[float, int]:
-    g_y, Omega = across(options), state[OMEGA]
+    g_y, Omega = across(world.acting), state[SPIN]
     third = abs(Omega) ** 3
-    second_bound = g_y + derivative_bound(plate, 2)
-    third_bound = derivative_bound(plate, 3) + 1e-30
+    second_bound = g_y + derivative_bound(world.drive, 2)
+    third_bound = derivative_bound(world.drive, 3) + 1e-30
     reach_1, reach_2 = math.hypot(first[0], first[1]), math.hypot(second[0], second[1])
     bounds_1 = second_bound + Omega * Omega * reach_1, third_bound + third * reach_1
     bounds_2 = second_bound + Omega * Omega * reach_2, third_bound + third * reach_2
     t = 0.0
     for _ in range(MOST_STEPS):
-        pitch, phase = state[PITCH] + Omega * t, state[PHASE] + plate.omega * t
+        pitch, phase = state[PITCH] + Omega * t, state[PHASE] + world.drive.omega * t
         sin, cos = math.sin(pitch), math.cos(pitch)
-        rise = state[Y] + t * (state[V_Y] - 0.5 * g_y * t) - height(plate, phase)
-        rate = state[V_Y] - g_y * t - velocity(plate, phase)
-        pull = -g_y - acceleration(plate, phase)
+        rise = state[Y] + t * (state[V_Y] - 0.5 * g_y * t) - height(world.drive, phase)
+        rate = state[V_Y] - g_y * t - velocity(world.drive, phase)
+        pull = -g_y - acceleration(world.drive, phase)
         way = abs(state[Y]) + t * (abs(state[V_Y]) + 0.5 * g_y * t)
-        slack = max(options.gap_tolerance, ROUNDING * way)
+        slack = max(world.options.gap_tolerance, ROUNDING * way)
         gap_1 = _gap(lever(first, sin, cos), rise, rate, pull, Omega)
         gap_2 = _gap(lever(second, sin, cos), rise, rate, pull, Omega)
-        landed_1, landed_2 = _lands(gap_1, slack, options), _lands(gap_2, slack, options)
+        snap = world.options.snap_speed
+        landed_1, landed_2 = _lands(gap_1, slack, snap), _lands(gap_2, slack, snap)
         if landed_1 or landed_2:
             return t - min(t, max(_since(gap_1, landed_1), _since(gap_2, landed_2))), TOUCH
         t += min(_wait(gap_1, slack, bounds_1), _wait(gap_2, slack, bounds_2))
@@ -161,11 +144,11 @@ def _gap(r: Point, rise: float, rate: float, pull: float, Omega: float) -> Gap:
 
 
 @kernel
-def _lands(gap: Gap, slack: float, options: Options) -> bool:
+def _lands(gap: Gap, slack: float, snap: float) -> bool:
     """A foot that leaves from the surface has not landed, whatever rounding says of its speed."""
     if gap.height > 0.0 or gap.rate >= 0.0:
         return False
-    inward = gap.rate < -INWARD * options.snap_speed and gap.curvature < 0.0
+    inward = gap.rate < -INWARD * snap and gap.curvature < 0.0
     return inward or gap.height <= -0.75 * slack
 
 

@@ -13,25 +13,22 @@ import numpy as np
 from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, NODES, WEIGHTS
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import TWO_PI, acceleration, height, velocity
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
+from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, lever
 from walkergen.simulation.relaxed.sustained import BREAK, LIFT, STOP, direction, on_one_foot
-from walkergen.simulation.relaxed.walker import (
+from walkergen.simulation.world import (
     MODE_BACK,
     MODE_FRONT,
-    OMEGA,
     OPEN,
     PHASE,
     PITCH,
+    SPIN,
     STICK,
-    TRIAL_FRICTION,
-    TRIAL_WORK,
     V_X,
     V_Y,
     X,
     Y,
-    across,
-    along,
-    lever,
 )
 
 # Tolerated error of a step, in gap tolerances; longest and first step, in periods of the drive.
@@ -51,35 +48,35 @@ def new_stages():
 def closed_foot(walker, state):
     """The foot that stands, the other one, and the standing one's mode."""
     if state[MODE_BACK] != OPEN:
-        return walker.d_back, walker.d_front, state[MODE_BACK]
-    return walker.d_front, walker.d_back, state[MODE_FRONT]
+        return walker.d_back, walker.d_front, int(state[MODE_BACK])
+    return walker.d_front, walker.d_back, int(state[MODE_FRONT])
 
 
 @kernel
-def rock(walker, plate, contact, options, state, dt, out, stages):
+def rock(world, state, dt, out, stages):
     """One step of `dt` seconds: fills `out`, returns the error estimate (1: as tolerated)."""
-    d, _, mode = closed_foot(walker, state)
-    g_x, g_y = along(options), across(options)
+    d, _, mode = closed_foot(world.walker, state)
+    g_x, g_y = along(world.acting), across(world.acting)
     for i in range(7):
-        pitch, v_x, Omega = state[PITCH], state[V_X], state[OMEGA]
+        pitch, v_x, Omega = state[PITCH], state[V_X], state[SPIN]
         for j in range(i):
             pitch += dt * WEIGHTS[i, j] * stages[j, 1]
             v_x += dt * WEIGHTS[i, j] * stages[j, 2]
             Omega += dt * WEIGHTS[i, j] * stages[j, 3]
-        phase = state[PHASE] + plate.omega * dt * NODES[i]
+        phase = state[PHASE] + world.drive.omega * dt * NODES[i]
         r = lever(d, math.sin(pitch), math.cos(pitch))
-        pull = g_y + acceleration(plate, phase)
-        pivot = on_one_foot(walker, r, Omega, pull, g_x, contact.friction, mode)
+        pull = g_y + acceleration(world.drive, phase)
+        pivot = on_one_foot(world.walker, r, Omega, pull, g_x, world.contact.friction, mode)
         stages[i, 0] = v_x
         stages[i, 1] = Omega
         stages[i, 2] = pivot.a_x
         stages[i, 3] = pivot.alpha
-        stages[i, 4] = pivot.N * velocity(plate, phase)
+        stages[i, 4] = pivot.N * velocity(world.drive, phase)
         stages[i, 5] = 0.0 if mode == STICK else -pivot.F_x * (v_x - Omega * r[1])
     _combine(state, dt, out, stages)
-    _place(plate, d, mode, state, dt, out)
+    _place(world.drive, d, mode, state, dt, out)
     size = math.hypot(d[0], d[1])
-    return _error(dt, stages, size, plate.omega) / (TOLERANCE * options.gap_tolerance)
+    return _error(dt, stages, size, world.drive.omega) / (TOLERANCE * world.options.gap_tolerance)
 
 
 @kernel
@@ -92,7 +89,7 @@ def _combine(state, dt, out, stages):
     out[X] += change[0]
     out[PITCH] += change[1]
     out[V_X] += change[2]
-    out[OMEGA] += change[3]
+    out[SPIN] += change[3]
     out[TRIAL_WORK] = change[4]
     out[TRIAL_FRICTION] = change[5]
 
@@ -104,10 +101,10 @@ def _place(plate, d, mode, state, dt, out):
     r = lever(d, math.sin(out[PITCH]), math.cos(out[PITCH]))
     out[PHASE] = (state[PHASE] + plate.omega * dt) % TWO_PI
     out[Y] = height(plate, out[PHASE]) - r[1]
-    out[V_Y] = velocity(plate, out[PHASE]) - out[OMEGA] * r[0]
+    out[V_Y] = velocity(plate, out[PHASE]) - out[SPIN] * r[0]
     if mode == STICK:
         out[X] = state[X] + (before[0] - r[0])
-        out[V_X] = out[OMEGA] * r[1]
+        out[V_X] = out[SPIN] * r[1]
 
 
 @kernel
@@ -126,88 +123,90 @@ def _error(dt, stages, size, omega):
 
 
 @kernel
-def _gap_rate(walker, plate, state):
-    _, other, _ = closed_foot(walker, state)
+def _gap_rate(world, state):
+    _, other, _ = closed_foot(world.walker, state)
     r = lever(other, math.sin(state[PITCH]), math.cos(state[PITCH]))
-    return state[V_Y] + state[OMEGA] * r[0] - velocity(plate, state[PHASE])
+    return state[V_Y] + state[SPIN] * r[0] - velocity(world.drive, state[PHASE])
 
 
 @kernel
-def margin(walker, plate, contact, options, state, event):
+def margin(world, state, event):
     """What stays positive until `event`: a gap (mm), a force (g mm/s^2) or a speed (mm/s)."""
-    d, other, mode = closed_foot(walker, state)
+    d, other, mode = closed_foot(world.walker, state)
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     if event == TOUCH:
-        gap = state[Y] + lever(other, sin, cos)[1] - height(plate, state[PHASE])
+        gap = state[Y] + lever(other, sin, cos)[1] - height(world.drive, state[PHASE])
         # A foot that leaves from within the tolerance of closed contacts does not touch.
-        return gap if _gap_rate(walker, plate, state) < 0.0 else max(gap, 0.0)
+        return gap if _gap_rate(world, state) < 0.0 else max(gap, 0.0)
     if event == CORNER:
         lowest = math.inf
-        for corner in walker.corners:
+        for corner in world.walker.corners:
             lowest = min(lowest, lever(corner, sin, cos)[1])
-        return state[Y] + lowest - height(plate, state[PHASE])
-    r, Omega = lever(d, sin, cos), state[OMEGA]
+        return state[Y] + lowest - height(world.drive, state[PHASE])
+    r, Omega = lever(d, sin, cos), state[SPIN]
     if event == STOP:
         return math.inf if mode == STICK else direction(mode) * (state[V_X] - Omega * r[1])
-    pull = across(options) + acceleration(plate, state[PHASE])
-    pivot = on_one_foot(walker, r, Omega, pull, along(options), contact.friction, mode)
+    pull = across(world.acting) + acceleration(world.drive, state[PHASE])
+    pivot = on_one_foot(
+        world.walker, r, Omega, pull, along(world.acting), world.contact.friction, mode
+    )
     if event == LIFT:
         return pivot.N
-    return contact.friction * pivot.N - abs(pivot.F_x) if mode == STICK else math.inf
+    return world.contact.friction * pivot.N - abs(pivot.F_x) if mode == STICK else math.inf
 
 
 @kernel
-def end_of_step(walker, plate, contact, options, state, limit, suggested, out, stages):
+def end_of_step(world, state, limit, suggested, out, stages):
     """One accepted step within `limit`: (its length s, what ended it, next suggested length).
 
     Fills `out` with the state at its end. STUCK when no step is short enough.
     """
     dt = min(limit, suggested)
     for _ in range(MOST_HALVINGS):
-        error = rock(walker, plate, contact, options, state, dt, out, stages)
+        error = rock(world, state, dt, out, stages)
         if error <= 1.0:
             break
         dt *= max(0.2, 0.9 * error**-0.2) if error < 1e10 else 0.1
     if not error <= 1.0:
         return dt, STUCK, suggested
     growth = min(4.0, 0.9 * max(error, 1e-6) ** -0.2)
-    following = min(LONGEST * TWO_PI / plate.omega, max(dt * growth, 0.5 * suggested))
-    if _dips(walker, plate, contact, options, state, dt, out, stages):
-        dt = _lowest(walker, plate, contact, options, state, dt, out, stages)
+    following = min(LONGEST * TWO_PI / world.drive.omega, max(dt * growth, 0.5 * suggested))
+    if _dips(world, state, dt, out, stages):
+        dt = _lowest(world, state, dt, out, stages)
     found = NOTHING
     for event in (TOUCH, LIFT, STOP, BREAK, CORNER):
-        if margin(walker, plate, contact, options, out, event) < -_slack(options, walker, event):
-            dt = _locate(walker, plate, contact, options, state, dt, event, out, stages)
+        if margin(world, out, event) < -_slack(world, event):
+            dt = _locate(world, state, dt, event, out, stages)
             found = event
     return dt, found, following
 
 
 @kernel
-def _slack(options, walker, event):
+def _slack(world, event):
     """Rounding of a margin, in its unit."""
     if event in (LIFT, BREAK):
-        return 1e-13 * walker.M * options.gravity
-    return 1e-8 * options.snap_speed if event == STOP else 0.5 * options.gap_tolerance
+        return 1e-13 * world.walker.mass * world.acting.gravity.size
+    return 1e-8 * world.options.snap_speed if event == STOP else 0.5 * world.options.gap_tolerance
 
 
 @kernel
-def _locate(walker, plate, contact, options, state, dt, event, out, stages):
+def _locate(world, state, dt, event, out, stages):
     """Length (s) of the step at whose end `event` happens, by the Illinois method; fills `out`.
 
     A foot that rises does not touch, however close it is: it falls later within the step.
     """
-    slack = _slack(options, walker, event)
-    low, above = 0.0, max(margin(walker, plate, contact, options, state, event), 0.0) + 0.5 * slack
-    high, below = dt, margin(walker, plate, contact, options, out, event) + 0.5 * slack
+    slack = _slack(world, event)
+    low, above = 0.0, max(margin(world, state, event), 0.0) + 0.5 * slack
+    high, below = dt, margin(world, out, event) + 0.5 * slack
     side = 0
     for _ in range(MOST_TRIALS):
         middle = high - below * (high - low) / (below - above)
         if not low < middle < high:
             middle = 0.5 * (low + high)
-        rock(walker, plate, contact, options, state, middle, out, stages)
-        value = margin(walker, plate, contact, options, out, event) + 0.5 * slack
-        rises = event == TOUCH and _gap_rate(walker, plate, out) > 0.0
-        if (abs(value) <= 0.5 * slack and not rises) or high - low <= 1e-14 / plate.omega:
+        rock(world, state, middle, out, stages)
+        value = margin(world, out, event) + 0.5 * slack
+        rises = event == TOUCH and _gap_rate(world, out) > 0.0
+        if (abs(value) <= 0.5 * slack and not rises) or high - low <= 1e-14 / world.drive.omega:
             return middle
         if value > 0.0 or rises:  # an end kept twice counts half
             above = max(value, 0.5 * slack) if rises else value
@@ -220,21 +219,21 @@ def _locate(walker, plate, contact, options, state, dt, event, out, stages):
 
 
 @kernel
-def _dips(walker, plate, contact, options, state, dt, out, stages):
+def _dips(world, state, dt, out, stages):
     """True when the other foot is low enough to touch and rise again within the step."""
-    start, end = _gap_rate(walker, plate, state), _gap_rate(walker, plate, out)
-    gap = margin(walker, plate, contact, options, out, TOUCH)
+    start, end = _gap_rate(world, state), _gap_rate(world, out)
+    gap = margin(world, out, TOUCH)
     return start < 0.0 < end and gap >= 0.0 and gap < 0.5 * end * dt
 
 
 @kernel
-def _lowest(walker, plate, contact, options, state, dt, out, stages):
+def _lowest(world, state, dt, out, stages):
     """Length (s) of the step at whose end the other foot is lowest, by bisection; fills `out`."""
     low, high = 0.0, dt
     for _ in range(MOST_TRIALS):
         middle = 0.5 * (low + high)
-        rock(walker, plate, contact, options, state, middle, out, stages)
-        if _gap_rate(walker, plate, out) < 0.0:
+        rock(world, state, middle, out, stages)
+        if _gap_rate(world, out) < 0.0:
             low = middle
         else:
             high = middle

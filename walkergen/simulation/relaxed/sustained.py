@@ -14,34 +14,36 @@ from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, velocity
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.cascade import stopping_impulse
 from walkergen.simulation.relaxed.flight import quadratic_wait
-from walkergen.simulation.relaxed.walker import (
-    MODE_BACK,
-    MODE_FRONT,
-    OMEGA,
-    OPEN,
-    PHASE,
-    PITCH,
-    SLIP_BACKWARD,
-    SLIP_FORWARD,
-    STICK,
+from walkergen.simulation.relaxed.state import (
     TRIAL_FRICTION,
     TRIAL_WORK,
-    V_X,
-    V_Y,
-    X,
-    Y,
-    across,
-    along,
     level_pitch,
     lever,
     rigid_tensor,
 )
+from walkergen.simulation.world import (
+    BACKWARD,
+    FORWARD,
+    MODE_BACK,
+    MODE_FRONT,
+    OPEN,
+    PHASE,
+    PITCH,
+    SPIN,
+    STICK,
+    V_X,
+    V_Y,
+    X,
+    Y,
+)
 
 _level_pitch = kernel(level_pitch)
 
-JAM = 4.0
+JAM = 4
+"""Mode of a foot that no force lets slide on."""
 NO_JAM, BACK_JAMS, FRONT_JAMS = 0, 1, 2
 # What ends a stretch of contact (continues flight's NOTHING, TOUCH, CORNER, STUCK).
 LIFT, LIFT_BACK, LIFT_FRONT, STOP, BREAK = 4, 5, 6, 7, 8
@@ -60,11 +62,11 @@ class Pivot(NamedTuple):
 
 
 @kernel
-def direction(mode: float) -> float:
+def direction(mode: int) -> float:
     """Sign of the slip of a mode; 0 when it does not slip."""
-    if mode == SLIP_FORWARD:
+    if mode == FORWARD:
         return 1.0
-    return -1.0 if mode == SLIP_BACKWARD else 0.0
+    return -1.0 if mode == BACKWARD else 0.0
 
 
 @kernel
@@ -81,7 +83,7 @@ def on_one_foot(walker, r, Omega, pull, g_x, friction, mode):
         s_mu = direction(mode) * friction
         N = -free_y / (H.yy - s_mu * H.xy)
         F_x = -s_mu * N
-    return Pivot(g_x + F_x / walker.M, (r[0] * N - r[1] * F_x) / walker.J, F_x, N)
+    return Pivot(g_x + F_x / walker.mass, (r[0] * N - r[1] * F_x) / walker.inertia, F_x, N)
 
 
 @kernel
@@ -97,15 +99,15 @@ def _mode_of_one(walker, r, v_t, Omega, pull, g_x, friction, snap):
     H = rigid_tensor(walker, r)
     if not rests:
         slides = H.yy - math.copysign(friction, v_t) * H.xy > 0.0
-        return (SLIP_FORWARD if v_t > 0.0 else SLIP_BACKWARD) if slides else JAM
+        return (FORWARD if v_t > 0.0 else BACKWARD) if slides else JAM
     # From rest it slips the way in which it would accelerate.
-    forward = _starts(walker, r, Omega, pull, g_x, friction, SLIP_FORWARD)
-    backward = _starts(walker, r, Omega, pull, g_x, friction, SLIP_BACKWARD)
+    forward = _starts(walker, r, Omega, pull, g_x, friction, FORWARD)
+    backward = _starts(walker, r, Omega, pull, g_x, friction, BACKWARD)
     if forward and backward:
         forward = g_x - Omega * Omega * r[0] > 0.0
     if forward:
-        return SLIP_FORWARD
-    return SLIP_BACKWARD if backward else STICK
+        return FORWARD
+    return BACKWARD if backward else STICK
 
 
 @kernel
@@ -116,27 +118,29 @@ def _starts(walker, r, Omega, pull, g_x, friction, mode):
 
 
 @kernel
-def choose_modes(walker, plate, contact, options, state, near_back, near_front):
+def choose_modes(world, state, near_back, near_front):
     """Set the modes of both feet from velocities and accelerations; snap the closed ones.
 
     Returns NO_JAM, or which foot slides into a jam (its modes are then left for after the stop).
     """
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
-    v_y, Omega = state[V_Y] - velocity(plate, state[PHASE]), state[OMEGA]
-    pull = across(options) + acceleration(plate, state[PHASE])
-    hold_back = near_back and abs(v_y + Omega * back[0]) <= options.snap_speed
-    hold_front = near_front and abs(v_y + Omega * front[0]) <= options.snap_speed
+    back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
+    v_y, Omega = state[V_Y] - velocity(world.drive, state[PHASE]), state[SPIN]
+    pull = across(world.acting) + acceleration(world.drive, state[PHASE])
+    hold_back = near_back and abs(v_y + Omega * back[0]) <= world.options.snap_speed
+    hold_front = near_front and abs(v_y + Omega * front[0]) <= world.options.snap_speed
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if hold_back and hold_front:
-        state[PITCH], state[OMEGA] = _level_pitch(walker), 0.0
+        state[PITCH], state[SPIN] = _level_pitch(world.walker), 0.0
         sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-        back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
+        back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
         if pull > 0.0:
-            mode = _mode_of_both(state[V_X], pull, along(options), contact.friction, options)
-            N_back, N_front = _normals(back, front, pull, along(options), contact.friction, mode)
+            mode = _mode_of_both(world, state[V_X], pull)
+            N_back, N_front = _normals(
+                back, front, pull, along(world.acting), world.contact.friction, mode
+            )
             if N_back >= 0.0 and N_front >= 0.0:
-                _press(plate, state, back)
+                _press(world.drive, state, back)
                 state[MODE_BACK], state[MODE_FRONT] = mode, mode
                 if mode == STICK:
                     state[V_X] = 0.0
@@ -145,16 +149,23 @@ def choose_modes(walker, plate, contact, options, state, near_back, near_front):
     if not (hold_back or hold_front):
         return NO_JAM
     r = back if hold_back else front
-    _press(plate, state, r)
-    v_t = state[V_X] - state[OMEGA] * r[1]
+    _press(world.drive, state, r)
+    v_t = state[V_X] - state[SPIN] * r[1]
     mode = _mode_of_one(
-        walker, r, v_t, state[OMEGA], pull, along(options), contact.friction, options.snap_speed
+        world.walker,
+        r,
+        v_t,
+        state[SPIN],
+        pull,
+        along(world.acting),
+        world.contact.friction,
+        world.options.snap_speed,
     )
     if mode == JAM:
         return BACK_JAMS if hold_back else FRONT_JAMS
     state[MODE_BACK if hold_back else MODE_FRONT] = mode
     if mode == STICK:
-        state[V_X] = state[OMEGA] * r[1]
+        state[V_X] = state[SPIN] * r[1]
     return NO_JAM
 
 
@@ -162,17 +173,18 @@ def choose_modes(walker, plate, contact, options, state, near_back, near_front):
 def _press(plate, state, r):
     """Put the foot exactly on the plate, moving with it."""
     state[Y] = height(plate, state[PHASE]) - r[1]
-    state[V_Y] = velocity(plate, state[PHASE]) - state[OMEGA] * r[0]
+    state[V_Y] = velocity(plate, state[PHASE]) - state[SPIN] * r[0]
 
 
 @kernel
-def _mode_of_both(v_x, pull, g_x, friction, options):
-    rests = abs(v_x) <= REST * options.snap_speed
-    slow = rests or (abs(v_x) <= options.snap_speed and friction > 0.0)
+def _mode_of_both(world, v_x, pull):
+    g_x, friction, snap = along(world.acting), world.contact.friction, world.options.snap_speed
+    rests = abs(v_x) <= REST * snap
+    slow = rests or (abs(v_x) <= snap and friction > 0.0)
     if slow and abs(g_x) <= friction * pull:
         return STICK
     way = g_x if rests else v_x
-    return SLIP_FORWARD if way > 0.0 else SLIP_BACKWARD
+    return FORWARD if way > 0.0 else BACKWARD
 
 
 @kernel
@@ -187,34 +199,34 @@ def _normals(back, front, pull, g_x, friction, mode):
 
 
 @kernel
-def stand(walker, plate, contact, options, state, dt, out):
+def stand(world, state, dt, out):
     """Both feet closed for `dt` seconds: the plate carries the body, which may slide; exact."""
-    g_x, g_y, slip = along(options), across(options), direction(state[MODE_BACK])
-    h, v_p = height(plate, state[PHASE]), velocity(plate, state[PHASE])
-    phase = (state[PHASE] + plate.omega * dt) % TWO_PI
-    rise, v_end = height(plate, phase) - h, velocity(plate, phase)
+    g_x, g_y, slip = along(world.acting), across(world.acting), direction(int(state[MODE_BACK]))
+    h, v_p = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
+    phase = (state[PHASE] + world.drive.omega * dt) % TWO_PI
+    rise, v_end = height(world.drive, phase) - h, velocity(world.drive, phase)
     out[:9] = state[:9]
     out[PHASE] = phase
     out[Y], out[V_Y] = state[Y] + rise, v_end
-    s_mu = slip * contact.friction
+    s_mu = slip * world.contact.friction
     if slip != 0.0:
         # a_x = g_x - s mu (g_y + plate's acceleration), integrated once and twice.
         out[V_X] = state[V_X] + (g_x - s_mu * g_y) * dt - s_mu * (v_end - v_p)
         out[X] = (
             state[X] + dt * (state[V_X] + 0.5 * (g_x - s_mu * g_y) * dt) - s_mu * (rise - v_p * dt)
         )
-    M = walker.M
+    M = world.walker.mass
     out[TRIAL_WORK] = M * (g_y * rise + 0.5 * (v_end - v_p) * (v_end + v_p))
     slowing = 0.5 * (state[V_X] - out[V_X]) * (state[V_X] + out[V_X])
     out[TRIAL_FRICTION] = M * (slowing + g_x * (out[X] - state[X]))
 
 
 @kernel
-def end_of_stand(walker, plate, contact, options, state, limit):
+def end_of_stand(world, state, limit):
     """Time (s) within `limit` for which both feet stay closed in their mode, and what ends it."""
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
-    g_x, mode = along(options), state[MODE_BACK]
+    back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
+    g_x, mode = along(world.acting), int(state[MODE_BACK])
     least, event = 0.0, LIFT
     if mode == STICK:
         # Pull at which a normal force vanishes, or friction no longer holds.
@@ -222,11 +234,11 @@ def end_of_stand(walker, plate, contact, options, state, limit):
             least, event = -back[1] * g_x / front[0], LIFT_BACK
         if back[1] * g_x / back[0] < -least:
             least, event = -back[1] * g_x / back[0], LIFT_FRONT
-        if g_x != 0.0 and abs(g_x) > contact.friction * least:
-            least, event = abs(g_x) / contact.friction, BREAK
-    dt = falling_wait(plate, state[PHASE], least - across(options))
+        if g_x != 0.0 and abs(g_x) > world.contact.friction * least:
+            least, event = abs(g_x) / world.contact.friction, BREAK
+    dt = falling_wait(world.drive, state[PHASE], least - across(world.acting))
     if mode != STICK:
-        stop = _stopping_time(plate, contact, options, state, min(dt, limit))
+        stop = _stopping_time(world, state, min(dt, limit))
         if stop < dt:
             dt, event = stop, STOP
     return (dt, event) if dt < limit else (limit, 0)
@@ -263,17 +275,20 @@ def _falling_wait(harmonic, plate, phase, threshold):
 
 
 @kernel
-def _stopping_time(plate, contact, options, state, limit):
+def _stopping_time(world, state, limit):
     """Time (s) at which sliding on both feet stops; infinity if not before `limit`."""
-    slip, mu = direction(state[MODE_BACK]), contact.friction
-    g_x, g_y = slip * along(options), across(options)
-    v_p, bound = velocity(plate, state[PHASE]), mu * derivative_bound(plate, 3)
-    t, instant = 0.0, 1e-12 / plate.omega  # a break-away may have been located so much too early
+    slip, mu = direction(int(state[MODE_BACK])), world.contact.friction
+    g_x, g_y = slip * along(world.acting), across(world.acting)
+    v_p, bound = velocity(world.drive, state[PHASE]), mu * derivative_bound(world.drive, 3)
+    t, instant = (
+        0.0,
+        1e-12 / world.drive.omega,
+    )  # a break-away may have been located so much too early
     for _ in range(MOST_STEPS):
-        phase = state[PHASE] + plate.omega * t
-        speed = slip * state[V_X] + (g_x - mu * g_y) * t - mu * (velocity(plate, phase) - v_p)
-        rate = g_x - mu * (g_y + acceleration(plate, phase))
-        if speed <= 1e-2 * REST * options.snap_speed and rate < -bound * instant:
+        phase = state[PHASE] + world.drive.omega * t
+        speed = slip * state[V_X] + (g_x - mu * g_y) * t - mu * (velocity(world.drive, phase) - v_p)
+        rate = g_x - mu * (g_y + acceleration(world.drive, phase))
+        if speed <= 1e-2 * REST * world.options.snap_speed and rate < -bound * instant:
             return t
         t += max(quadratic_wait(max(speed, 0.0), rate, bound), instant)
         if t >= limit:

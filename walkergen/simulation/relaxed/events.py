@@ -1,7 +1,7 @@
 """The event-driven simulator of the relaxed-legs walker: from event to event, without a time step.
 
 Flight is exact, contacts are found with a guarantee (`flight`); what happens at one instant is
-resolved in finite work (`landing`, `cascade`); sustained contact is in closed form on both feet
+resolved in finite work (`contact`, `cascade`); sustained contact is in closed form on both feet
 (`sustained`) and integrated to high order on one (`rocking`). Source: physics.md section 5,
 model A; the paper's flexible tensors enter only the impulses.
 """
@@ -11,14 +11,8 @@ import math
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import (
-    TWO_PI,
-    Contact,
-    Plate,
-    acceleration,
-    derivative_bound,
-    height,
-)
+from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import (
     CONTACT_TIME,
     ELAPSED,
@@ -29,9 +23,10 @@ from walkergen.simulation.record import (
     next_sample,
     take_sample,
 )
+from walkergen.simulation.relaxed.contact import land
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
-from walkergen.simulation.relaxed.landing import land
 from walkergen.simulation.relaxed.rocking import FIRST, closed_foot, end_of_step, new_stages, rock
+from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_SIZE, TRIAL_WORK, lever
 from walkergen.simulation.relaxed.sustained import (
     BREAK,
     LIFT,
@@ -41,34 +36,28 @@ from walkergen.simulation.relaxed.sustained import (
     on_one_foot,
     stand,
 )
-from walkergen.simulation.relaxed.walker import (
+from walkergen.simulation.world import (
+    BACKWARD,
+    FAILED,
+    FORWARD,
+    INSIDE,
     MODE_BACK,
     MODE_FRONT,
-    OMEGA,
+    OK,
     OPEN,
     PHASE,
     PITCH,
-    SLIP_BACKWARD,
-    SLIP_FORWARD,
-    STATE_SIZE,
+    RIGID_SIZE,
+    RUNAWAY,
+    SPIN,
     STICK,
-    TRIAL_FRICTION,
-    TRIAL_SIZE,
-    TRIAL_WORK,
+    TOPPLED,
     V_X,
     V_Y,
-    Options,
     State,
-    Walker,
+    World,
     Y,
-    across,
-    along,
-    lever,
 )
-
-OK, TOPPLED, FAILED, INSIDE, RUNAWAY = 0, 1, 2, 3, 4
-"""Status: ran to the end; a corner of the body touched the plate; no progress; started with a foot
-inside the plate; impacts gained energy without bound, as relaxed legs may when they are heavy."""
 
 MOST_SPEED = 1e3
 """Speed of a runaway, over the sum of the plate's and of a fall by the reach of a leg."""
@@ -79,76 +68,64 @@ INSTANT = 1e-12  # rad of the drive
 
 
 @kernel
-def advance(
-    walker: Walker,
-    plate: Plate,
-    contact: Contact,
-    options: Options,
-    state: State,
-    duration: float,
-    tally: Tally,
-) -> int:
+def advance(world: World, state: State, duration: float, tally: Tally) -> int:
     """Advance `state` in place by `duration` seconds and fill `tally`; returns the status.
 
-    State (9,): see `walker` for its layout. Two calls of half the duration agree with one to the
+    The state is laid out as in `world`. Two calls of half the duration agree with one to the
     integrator's tolerance, until chaos takes over. After TOPPLED or FAILED the state is that of
     the event, and the tally's elapsed time tells when.
     """
-    if not _lift_out(walker, plate, options, state):
+    if not _lift_out(world, state):
         return INSIDE
     began, t, at_once = tally.sums[ELAPSED], 0.0, 0
     trial, stages = np.zeros(TRIAL_SIZE), new_stages()
-    trial[:STATE_SIZE] = state
-    step = FIRST * TWO_PI / plate.omega
+    trial[:RIGID_SIZE] = state
+    step = FIRST * TWO_PI / world.drive.omega
     status, running = OK, True
     while running:
         left = duration - t
-        dt, event, step = _stretch(
-            walker, plate, contact, options, state, left, step, trial, stages
-        )
+        dt, event, step = _stretch(world, state, left, step, trial, stages)
         running = event != NOTHING or dt < left
-        _sample(walker, plate, contact, options, state, began + t, dt, tally.samples, stages)
+        _sample(world, state, began + t, dt, tally.samples, stages)
         _tally(state, trial, dt, tally.sums)
         t = t + dt if running else duration
         tally.sums[ELAPSED] = began + t
-        state[:] = trial[:STATE_SIZE]
-        at_once = at_once + 1 if dt * plate.omega < INSTANT else 0
+        state[:] = trial[:RIGID_SIZE]
+        at_once = at_once + 1 if dt * world.drive.omega < INSTANT else 0
         if event == CORNER:
             return TOPPLED
         if event == STUCK or at_once > MOST_AT_ONCE:
             return FAILED
         if event != NOTHING:
-            step = FIRST * TWO_PI / plate.omega
-            ended = _change(walker, plate, contact, options, state, event, began + t, tally)
-            if not ended or _runs_away(walker, plate, options, state):
+            step = FIRST * TWO_PI / world.drive.omega
+            ended = _change(world, state, event, began + t, tally)
+            if not ended or _runs_away(world, state):
                 return RUNAWAY
             running = t < duration
     return status
 
 
 @kernel
-def _stretch(walker, plate, contact, options, state, left, step, trial, stages):
+def _stretch(world, state, left, step, trial, stages):
     """Smooth motion up to the next event within `left` seconds; fills `trial` with its end."""
     feet = _closed_feet(state)
     if feet == 0:
-        dt, event = first_contact(walker, plate, options, state, left)
-        drift(options, plate, state, dt, trial)
+        dt, event = first_contact(world, state, left)
+        drift(world, state, dt, trial)
     elif feet == 2:
-        dt, event = end_of_stand(walker, plate, contact, options, state, left)
-        stand(walker, plate, contact, options, state, dt, trial)
+        dt, event = end_of_stand(world, state, left)
+        stand(world, state, dt, trial)
     else:
-        dt, event, step = end_of_step(
-            walker, plate, contact, options, state, left, step, trial, stages
-        )
+        dt, event, step = end_of_step(world, state, left, step, trial, stages)
     return dt, event, step
 
 
 @kernel
-def _runs_away(walker, plate, options, state):
+def _runs_away(world, state):
     """True when no plate and no fall explains the speed any more (H_rigid > H_flexible)."""
-    reach = math.hypot(walker.d_back[0], walker.d_back[1])
-    usual = derivative_bound(plate, 1) + math.sqrt(options.gravity * reach)
-    speed = max(abs(state[V_X]), abs(state[V_Y]), reach * abs(state[OMEGA]))
+    reach = math.hypot(world.walker.d_back[0], world.walker.d_back[1])
+    usual = derivative_bound(world.drive, 1) + math.sqrt(world.acting.gravity.size * reach)
+    speed = max(abs(state[V_X]), abs(state[V_Y]), reach * abs(state[SPIN]))
     return speed > MOST_SPEED * usual
 
 
@@ -158,7 +135,7 @@ def _closed_feet(state):
 
 
 @kernel
-def _change(walker, plate, contact, options, state, event, t, tally):
+def _change(world, state, event, t, tally):
     """What an event changes at its instant; False when a landing finds no end."""
     if event == LIFT:
         state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
@@ -167,24 +144,24 @@ def _change(walker, plate, contact, options, state, event, t, tally):
     elif event == LIFT_FRONT:
         state[MODE_FRONT] = OPEN
     elif event == BREAK:
-        _break_away(walker, plate, contact, options, state)
+        _break_away(world, state)
     else:
-        return land(walker, plate, contact, options, state, t, tally)
+        return land(world, state, t, tally)
     return True
 
 
 @kernel
-def _break_away(walker, plate, contact, options, state):
+def _break_away(world, state):
     """Stuck feet begin to slip against the force that held them."""
-    pull = -along(options)
+    pull = -along(world.acting)
     if _closed_feet(state) == 1:
-        d, _, _ = closed_foot(walker, state)
+        d, _, _ = closed_foot(world.walker, state)
         r = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
-        into = across(options) + acceleration(plate, state[PHASE])
+        into = across(world.acting) + acceleration(world.drive, state[PHASE])
         pull = on_one_foot(
-            walker, r, state[OMEGA], into, along(options), contact.friction, STICK
+            world.walker, r, state[SPIN], into, along(world.acting), world.contact.friction, STICK
         ).F_x
-    slip = SLIP_BACKWARD if pull > 0.0 else SLIP_FORWARD
+    slip = BACKWARD if pull > 0.0 else FORWARD
     if state[MODE_BACK] != OPEN:
         state[MODE_BACK] = slip
     if state[MODE_FRONT] != OPEN:
@@ -192,7 +169,7 @@ def _break_away(walker, plate, contact, options, state):
 
 
 @kernel
-def _sample(walker, plate, contact, options, state, t, dt, samples, stages):
+def _sample(world, state, t, dt, samples, stages):
     """Take the samples wanted between t and t + dt; the run itself is not disturbed by them."""
     if samples is not None:
         wanted = next_sample(samples)
@@ -201,12 +178,12 @@ def _sample(walker, plate, contact, options, state, t, dt, samples, stages):
             while wanted <= t + dt:
                 since = max(wanted - t, 0.0)
                 if feet == 0:
-                    drift(options, plate, state, since, out)
+                    drift(world, state, since, out)
                 elif feet == 2:
-                    stand(walker, plate, contact, options, state, since, out)
+                    stand(world, state, since, out)
                 else:
-                    rock(walker, plate, contact, options, state, since, out, stages)
-                take_sample(samples, wanted, out[:STATE_SIZE])
+                    rock(world, state, since, out, stages)
+                take_sample(samples, wanted, out[:RIGID_SIZE])
                 wanted = next_sample(samples)
 
 
@@ -220,13 +197,13 @@ def _tally(state, trial, dt, sums):
 
 
 @kernel
-def _lift_out(walker, plate, options, state):
+def _lift_out(world, state):
     """Raise a walker that starts inside the plate by no more than rounding of its maker."""
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    lowest = min(lever(walker.d_back, sin, cos)[1], lever(walker.d_front, sin, cos)[1])
-    depth = height(plate, state[PHASE]) - (state[Y] + lowest)
-    if depth > 2.0 * options.gap_tolerance:
-        if depth > DEEPEST_START * options.gap_tolerance:
+    lowest = min(lever(world.walker.d_back, sin, cos)[1], lever(world.walker.d_front, sin, cos)[1])
+    depth = height(world.drive, state[PHASE]) - (state[Y] + lowest)
+    if depth > 2.0 * world.options.gap_tolerance:
+        if depth > DEEPEST_START * world.options.gap_tolerance:
             return False
         state[Y] += depth
     return True

@@ -15,7 +15,6 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     angle,
@@ -27,13 +26,11 @@ from walkergen.simulation.compliant.chain import (
     free_acceleration,
     gaps,
     mobility_of,
+    power_lost,
     push,
 )
 from walkergen.simulation.compliant.contact import (
-    BACKWARD,
-    FORWARD,
-    OPEN,
-    STICK,
+    Instant,
     applied,
     collide,
     folded,
@@ -42,25 +39,8 @@ from walkergen.simulation.compliant.contact import (
     solve,
 )
 from walkergen.simulation.compliant.flight import advance_phase, clear_time, fly
-from walkergen.simulation.compliant.legs import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
-    FAILED,
-    FOLDED,
-    MODE_BACK,
-    MODE_FRONT,
-    OK,
-    PHASE,
-    PITCH,
-    RATE_BACK,
-    RATE_FRONT,
-    SPIN,
-    TOPPLED,
-    V_X,
-    V_Y,
-    X,
-    Y,
-)
+from walkergen.simulation.drive import acceleration, velocity
+from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import (
     CONTACT_TIME,
     DAMPING_LOSS,
@@ -71,12 +51,36 @@ from walkergen.simulation.record import (
     next_sample,
     take_sample,
 )
+from walkergen.simulation.world import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    BACKWARD,
+    FAILED,
+    FOLDED,
+    FORWARD,
+    MODE_BACK,
+    MODE_FRONT,
+    OK,
+    OPEN,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    SPIN,
+    STICK,
+    TOPPLED,
+    V_X,
+    V_Y,
+    World,
+    X,
+    Y,
+)
 
 REACH = 1e-9
 """Gap (mm) below which an open foot that approaches has landed."""
 
 INSTANT = 1e-12
-"""Time (s) that counts as none."""
+"""Time (s) below which nothing is taken to have happened."""
 
 TOGETHER = 1e-9
 """Part of a step within which two landings are one."""
@@ -102,6 +106,27 @@ class Options(NamedTuple):
     """Longest step in the air, in units of h."""
 
 
+class Work(NamedTuple):
+    """Arrays of a run that steps write into."""
+
+    start: np.ndarray
+    """State before the step."""
+    trial: np.ndarray
+    """Sums of the tally after a step that is tried."""
+    rows: np.ndarray
+    """Equations of two feet, shape (4, 5)."""
+
+
+def coarser(world: World, factor: float) -> World:
+    """The world with steps so many times longer."""
+    return world._replace(options=world.options._replace(step=factor * world.options.step))
+
+
+def resting(world: World) -> float:
+    """Speed (mm/s) below which a foot does not rebound: what gravity gives it in a step."""
+    return float(world.options.step * world.acting.gravity.size)
+
+
 @kernel
 def _drift(legs, state, t):
     """Positions move on for t seconds at the present rates."""
@@ -119,13 +144,6 @@ def _stiffening(legs, t):
     if legs is None:
         return 0.0
     return t * (0.5 * legs.damping + 0.25 * t * legs.stiffness)
-
-
-@kernel
-def _damping_power(legs, rate_b, rate_f):
-    if legs is None:
-        return 0.0
-    return legs.damping * (rate_b * rate_b + rate_f * rate_f)
 
 
 @kernel
@@ -165,21 +183,22 @@ def _zero(first, last):
 
 
 @kernel
-def _contact_step(walker, plate, contact, state, t, sums, rows):
+def _contact_step(world, state, t, sums, rows):
     """One step of t seconds with at least one foot closed; sets the modes.
 
     Returns the part of the step after which a sliding foot stops, 1 when none does.
     """
-    legs = walker.legs
+    legs = world.walker.legs
     rate_b, rate_f = angle(legs, state, RATE_BACK), angle(legs, state, RATE_FRONT)
-    plate_before = plates.velocity(plate, state[PHASE])
+    v_x, v_y = state[V_X], state[V_Y]
+    plate_before = velocity(world.drive, state[PHASE])
     _drift(legs, state, 0.5 * t)
-    advance_phase(plate, state, t)
-    chain = chain_of(walker, state, _stiffening(legs, t))
-    before = feet_velocities(walker, plate, state, chain)
-    a_x, a_y, a_t, a_b, a_f = free_acceleration(walker, state, chain, 0.0)
+    advance_phase(world.drive, state, t)
+    chain = chain_of(world.walker, state, _stiffening(legs, t))
+    before = feet_velocities(world, state, chain)
+    a_x, a_y, a_t, a_b, a_f = free_acceleration(world, state, chain, 0.0)
     free = (t * a_x, t * a_y, t * a_t, t * a_b, t * a_f)
-    d, turning = feet_changes(chain, free), feet_turning(walker, state, chain)
+    d, turning = feet_changes(chain, free), feet_turning(world.walker, state, chain)
     u = (
         before[0] + d[0] + 0.5 * t * turning[0],
         before[1] + d[1] + 0.5 * t * turning[1],
@@ -188,15 +207,15 @@ def _contact_step(walker, plate, contact, state, t, sums, rows):
     )
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     guess, W = (int(state[MODE_BACK]), int(state[MODE_FRONT])), mobility_of(chain)
-    back, front, F, _ = solve(W, u, closed, (0, 0), guess, contact.friction, rows)
-    part = _stop(W, u, before, back, front, contact.friction, rows)
+    back, front, F, _ = solve(W, u, closed, (0, 0), guess, world.contact.friction, rows)
+    part = _stop(W, u, before, back, front, world.contact.friction, rows)
     accelerate(legs, state, free)
     accelerate(legs, state, push(chain, F))
     state[MODE_BACK], state[MODE_FRONT] = back, front
-    after = feet_velocities(walker, plate, state, chain)
+    after = feet_velocities(world, state, chain)
     _drift(legs, state, 0.5 * t)
 
-    plate_after = plates.velocity(plate, state[PHASE])
+    plate_after = velocity(world.drive, state[PHASE])
     work = 0.5 * (F[1] + F[3]) * (plate_before + plate_after)
     gained = 0.0
     for i in range(4):
@@ -207,17 +226,18 @@ def _contact_step(walker, plate, contact, state, t, sums, rows):
     sums[FRICTION_LOSS] += work - gained
     mean_b = 0.5 * (rate_b + angle(legs, state, RATE_BACK))
     mean_f = 0.5 * (rate_f + angle(legs, state, RATE_FRONT))
-    sums[DAMPING_LOSS] += t * _damping_power(legs, mean_b, mean_f)
+    v_x, v_y = 0.5 * (v_x + state[V_X]), 0.5 * (v_y + state[V_Y])
+    sums[DAMPING_LOSS] += t * power_lost(world, state[PITCH], v_x, v_y, mean_b, mean_f)
     return part
 
 
 @kernel
-def _step(walker, plate, contact, state, t, sums, rows):
+def _step(world, state, t, sums, rows):
     """One step of t seconds; returns the part of it after which a foot stops, else 1."""
     if state[MODE_BACK] == OPEN and state[MODE_FRONT] == OPEN:
-        fly(walker, plate, state, t, sums)
+        fly(world, state, t, sums)
         return 1.0
-    return _contact_step(walker, plate, contact, state, t, sums, rows)
+    return _contact_step(world, state, t, sums, rows)
 
 
 @kernel
@@ -236,21 +256,22 @@ def _crossing(gap_0, rate_0, gap_1, rate_1, t):
 
 
 @kernel
-def _step_to_landing(walker, plate, contact, state, start, t, stops, gap_0, u_0, sums, trial, rows):
+def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
     """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
 
     stops: whether to end at a foot's stop as well. gap_0, u_0: gaps and velocities of the feet
-    now; `start` keeps the state before the step.
+    now.
     """
+    start, trial = work.start, work.trial
     start[:] = state
     part, located, back, front = 1.0, False, False, False
     while True:
         trial[:] = sums
-        turn = _step(walker, plate, contact, state, part * t, trial, rows)
+        turn = _step(world, state, part * t, trial, work.rows)
         if located:
             break
-        chain = chain_of(walker, state, 0.0)
-        gap_1, u_1 = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+        chain = chain_of(world.walker, state, 0.0)
+        gap_1, u_1 = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
         back = start[MODE_BACK] == OPEN and gap_1[0] < 0.0 and (gap_0[0] > 0.0 or u_1[1] < 0.0)
         front = start[MODE_FRONT] == OPEN and gap_1[1] < 0.0 and (gap_0[1] > 0.0 or u_1[3] < 0.0)
         part_b = _crossing(gap_0[0], u_0[1], gap_1[0], u_1[1], t) if back else 2.0
@@ -289,26 +310,26 @@ def _longest_flight(legs, state, options):
 
 
 @kernel
-def _land(walker, plate, contact, state, chain, gap, landed, step, tally, rows):
+def _land(world, state, chain, gap, landed, tally, rows):
     """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
     other's impact may throw onto it; sets who stays there.
     """
+    step = world.options.step
     touching = (
         landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
         landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
     )
-    d = feet_changes(chain, free_acceleration(walker, state, chain, 0.0))
-    turning = feet_turning(walker, state, chain)
-    lift = plates.acceleration(plate, state[PHASE])
-    least = step * abs(walker.gravity_y)
+    d = feet_changes(chain, free_acceleration(world, state, chain, 0.0))
+    turning = feet_turning(world.walker, state, chain)
+    lift = acceleration(world.drive, state[PHASE])
+    least = step * across(world.acting)
     rest = (
         max(step * (lift - d[1] - turning[1]), least),
         max(step * (lift - d[3] - turning[3]), least),
     )
-    e = 0.0 if _swings_back(walker.legs, 2.0 * step) else contact.restitution
-    contact = plates.Contact(e, contact.friction, contact.law)
-    collide(walker, plate, contact, state, chain, touching, rest, tally, rows)
-    u = feet_velocities(walker, plate, state, chain)
+    e = 0.0 if _swings_back(world.walker.legs, 2.0 * step) else world.contact.restitution
+    collide(world, e, state, Instant(chain, mobility_of(chain), rows, tally), touching, rest)
+    u = feet_velocities(world, state, chain)
     if touching[0]:
         state[MODE_BACK] = OPEN if u[1] > rest[0] else max(state[MODE_BACK], STICK)
     if touching[1]:
@@ -316,55 +337,42 @@ def _land(walker, plate, contact, state, chain, gap, landed, step, tally, rows):
 
 
 @kernel
-def advance(walker, plate, contact, options, state, duration, tally):
-    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
+def advance(world, state, duration, tally):
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `world`.
 
-    walker: legs.Walker; plate: plate.Plate; contact: plate.Contact; options: Options;
-    state: as documented in `legs` (its rates are those at the end of the step).
+    The state is laid out as in `world`; its rates are those at the end of the step.
     """
-    start, trial, rows = np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5))
-    sums, h = tally.sums, options.step
+    work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)))
+    sums, h = tally.sums, world.options.step
     begin, t, stalled, back, front = sums[ELAPSED], 0.0, 0, False, False
     stopped = False
     while t < duration:
         sums[ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - INSTANT:
             take_sample(tally.samples, begin + t, state)
-        if corner_height(walker, plate, state) <= 0.0:
+        if corner_height(world, state) <= 0.0:
             return TOPPLED
-        if folded(walker.legs, state):
+        if folded(world.walker.legs, state):
             return FOLDED
-        chain = chain_of(walker, state, 0.0)
-        gap, u = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
+        chain = chain_of(world.walker, state, 0.0)
+        gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
-            _land(walker, plate, contact, state, chain, gap, (back, front), h, tally, rows)
-            u = feet_velocities(walker, plate, state, chain)
+            _land(world, state, chain, gap, (back, front), tally, work.rows)
+            u = feet_velocities(world, state, chain)
         length = h
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if not closed:
-            clear = clear_time(walker, plate, state, chain, gap)
-            length = min(max(clear, h), _longest_flight(walker.legs, state, options))
+            clear = clear_time(world, state, chain, gap)
+            length = min(max(clear, h), _longest_flight(world.walker.legs, state, world.options))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
-        passed, back, front = _step_to_landing(
-            walker,
-            plate,
-            contact,
-            state,
-            start,
-            length,
-            length > SLIVER * h and not stopped,
-            gap,
-            u,
-            sums,
-            trial,
-            rows,
-        )
+        stops = length > SLIVER * h and not stopped
+        passed, back, front = _step_to_landing(world, state, length, stops, gap, u, sums, work)
         stopped = passed < length and not (back or front)
         if closed:
             sums[CONTACT_TIME] += passed
-            settle(walker, plate, state, _stiffening(walker.legs, h), rows)
+            settle(world, state, _stiffening(world.walker.legs, h), work.rows)
         sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
         stalled = stalled + 1 if passed <= INSTANT else 0
         if stalled > STALLED or not math.isfinite(state[Y]):

@@ -16,25 +16,19 @@ import math
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import height, velocity
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, note_event
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
-from walkergen.simulation.relaxed.sustained import BACK_JAMS, NO_JAM, choose_modes
-from walkergen.simulation.relaxed.walker import (
-    OMEGA,
-    PHASE,
-    PITCH,
-    V_X,
-    V_Y,
-    X,
-    Y,
-    across,
-    along,
+from walkergen.simulation.relaxed.state import (
     back_tensor,
     front_tensor,
     impulse_tensor,
     lever,
     rigid_tensor,
 )
+from walkergen.simulation.relaxed.sustained import BACK_JAMS, NO_JAM, choose_modes
+from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y
+from walkergen.theory.impact import NONE
 
 MOST_ROUNDS = 10_000
 # A foot within this many gap tolerances of the plate takes part: what the snap speed can climb.
@@ -42,82 +36,83 @@ CLOSED = 16.0
 
 
 @kernel
-def land(walker, plate, contact, options, state, t, tally):
+def land(world, state, t, tally):
     """Resolve the present instant in place: velocities, contact modes, tally. False: no end.
 
     Every foot within `CLOSED` gap tolerances takes part; t (s) is for the record of events.
     """
-    v_p, v_y = velocity(plate, state[PHASE]), state[V_Y]
-    before = _energy(walker, options, state, v_p)
-    near_back, near_front = _near(walker, plate, options, state)
+    v_p, v_y = velocity(world.drive, state[PHASE]), state[V_Y]
+    before = _energy(world, state, v_p)
+    near = _near(world, state)
     settled = False
     for _ in range(MOST_ROUNDS):
-        struck, finished = _round(
-            walker, contact, options, state, v_p, near_back, near_front, t, tally
-        )
+        struck, finished = _round(world, state, v_p, near, t, tally)
         if not finished:
             break
         if not struck:
-            jammed = choose_modes(walker, plate, contact, options, state, near_back, near_front)
+            jammed = choose_modes(world, state, near[0], near[1])
             if jammed == NO_JAM:
                 settled = True
                 break
-            _stop(walker, state, v_p, walker.d_back if jammed == BACK_JAMS else walker.d_front)
-    tally.sums[PLATE_WORK] += walker.M * v_p * (state[V_Y] - v_y)
-    tally.sums[IMPACT_LOSS] -= _energy(walker, options, state, v_p) - before
+            _stop(
+                world.walker,
+                state,
+                v_p,
+                world.walker.d_back if jammed == BACK_JAMS else world.walker.d_front,
+            )
+    tally.sums[PLATE_WORK] += world.walker.mass * v_p * (state[V_Y] - v_y)
+    tally.sums[IMPACT_LOSS] -= _energy(world, state, v_p) - before
     return settled
 
 
 @kernel
-def _near(walker, plate, options, state):
+def _near(world, state):
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    limit = height(plate, state[PHASE]) + CLOSED * options.gap_tolerance
+    limit = height(world.drive, state[PHASE]) + CLOSED * world.options.gap_tolerance
     return (
-        state[Y] + lever(walker.d_back, sin, cos)[1] <= limit,
-        state[Y] + lever(walker.d_front, sin, cos)[1] <= limit,
+        state[Y] + lever(world.walker.d_back, sin, cos)[1] <= limit,
+        state[Y] + lever(world.walker.d_front, sin, cos)[1] <= limit,
     )
 
 
 @kernel
-def _round(walker, contact, options, state, v_p, near_back, near_front, t, tally):
+def _round(world, state, v_p, near, t, tally):
     """One round of impacts: if any foot was struck, and if every cascade came to an end."""
+    walker = world.walker
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
-    tensor, flexible = rigid_tensor(walker, back), back_tensor(walker.flexible)
-    at_back = _meet(tensor, flexible, back, near_back, state, v_p, contact, options, tally.counts)
-    tensor, flexible = rigid_tensor(walker, front), front_tensor(walker.flexible)
-    at_front = _meet(
-        tensor, flexible, front, near_front, state, v_p, contact, options, tally.counts
-    )
+    counts = tally.counts
+    at_back = _meet(world, back_tensor(walker.flexible), back, near[0], state, v_p, counts)
+    at_front = _meet(world, front_tensor(walker.flexible), front, near[1], state, v_p, counts)
     scale = _share(walker, back, front, at_back, at_front)
-    v_x, v_y, Omega = state[V_X], state[V_Y] - v_p, state[OMEGA]
-    if at_back.kind != 0:
+    v_x, v_y, Omega = state[V_X], state[V_Y] - v_p, state[SPIN]
+    if at_back.kind != NONE:
         _note(tally, t, 0.0, at_back, scale, v_x - Omega * back[1], v_y + Omega * back[0])
-    if at_front.kind != 0:
+    if at_front.kind != NONE:
         _note(tally, t, 1.0, at_front, scale, v_x - Omega * front[1], v_y + Omega * front[0])
     F_x, F_y = at_back.F_x + at_front.F_x, at_back.F_y + at_front.F_y
     torque = _torque(back, at_back) + _torque(front, at_front)
-    state[V_X] += scale * F_x / walker.M
-    state[V_Y] += scale * F_y / walker.M
-    state[OMEGA] += scale * torque / walker.J
-    return at_back.kind != 0 or at_front.kind != 0, at_back.finished and at_front.finished
+    state[V_X] += scale * F_x / walker.mass
+    state[V_Y] += scale * F_y / walker.mass
+    state[SPIN] += scale * torque / walker.inertia
+    return at_back.kind != NONE or at_front.kind != NONE, at_back.finished and at_front.finished
 
 
 @kernel
-def _meet(rigid, own, r, near, state, v_p, contact, options, counts):
-    """The cascade of one foot, if it is closed and approaches."""
-    v_y = state[V_Y] - v_p + state[OMEGA] * r[0]
-    if not near or v_y >= -options.snap_speed:
-        return Landing(0.0, 0.0, 0.0, 0.0, 0, True)
-    v_x = state[V_X] - state[OMEGA] * r[1]
+def _meet(world, own, r, near, state, v_p, counts):
+    """The cascade of one foot, if it is closed and approaches; `own` is its flexible tensor."""
+    v_y = state[V_Y] - v_p + state[SPIN] * r[0]
+    if not near or v_y >= -world.options.snap_speed:
+        return Landing(0.0, 0.0, 0.0, 0.0, NONE, True)
+    v_x, rigid = state[V_X] - state[SPIN] * r[1], rigid_tensor(world.walker, r)
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    return cascade(impulse_tensor(own, rigid, sin, cos), rigid, v_x, v_y, contact, counts)
+    return cascade(impulse_tensor(own, rigid, sin, cos), rigid, v_x, v_y, world.contact, counts)
 
 
 @kernel
 def _share(walker, back, front, at_back, at_front):
     """The kappa of the module's second rule; 1 unless both feet are struck."""
-    if at_back.kind == 0 or at_front.kind == 0:
+    if at_back.kind == NONE or at_front.kind == NONE:
         return 1.0
     torque_back, torque_front = _torque(back, at_back), _torque(front, at_front)
     alone = _work(walker, at_back.F_x, at_back.F_y, torque_back) + _work(
@@ -129,7 +124,7 @@ def _share(walker, back, front, at_back, at_front):
 
 @kernel
 def _work(walker, F_x, F_y, torque):
-    return (F_x * F_x + F_y * F_y) / walker.M + torque * torque / walker.J
+    return (F_x * F_x + F_y * F_y) / walker.mass + torque * torque / walker.inertia
 
 
 @kernel
@@ -146,16 +141,20 @@ def _note(tally, t, foot, hit, scale, v_x, v_y):
 def _stop(walker, state, v_p, d):
     """Stop a jammed foot at once: sliding, it would be pressed ever harder into the plate."""
     r = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
-    v_x, v_y = state[V_X] - state[OMEGA] * r[1], state[V_Y] - v_p + state[OMEGA] * r[0]
+    v_x, v_y = state[V_X] - state[SPIN] * r[1], state[V_Y] - v_p + state[SPIN] * r[0]
     F_x, F_y = stopping_impulse(rigid_tensor(walker, r), v_x, v_y)
-    state[V_X] += F_x / walker.M
-    state[V_Y] += F_y / walker.M
-    state[OMEGA] += (r[0] * F_y - r[1] * F_x) / walker.J
+    state[V_X] += F_x / walker.mass
+    state[V_Y] += F_y / walker.mass
+    state[SPIN] += (r[0] * F_y - r[1] * F_x) / walker.inertia
 
 
 @kernel
-def _energy(walker, options, state, v_p):
+def _energy(world, state, v_p):
     """Kinetic energy in the plate's frame and potential energy, g mm^2/s^2."""
     v_y = state[V_Y] - v_p
-    kinetic = walker.M * (state[V_X] ** 2 + v_y**2) + walker.J * state[OMEGA] ** 2
-    return 0.5 * kinetic + walker.M * (across(options) * state[Y] - along(options) * state[X])
+    kinetic = (
+        world.walker.mass * (state[V_X] ** 2 + v_y**2) + world.walker.inertia * state[SPIN] ** 2
+    )
+    return 0.5 * kinetic + world.walker.mass * (
+        across(world.acting) * state[Y] - along(world.acting) * state[X]
+    )

@@ -1,36 +1,39 @@
-"""The walker: a body and two legs hinged at its anchors (physics.md section 5, model B).
+"""The hinged walker: a body and two legs on hinges at its anchors (docs/physics.md, model B).
 
-Coordinates: x, y and pitch of the body's centre of mass O, and the angles alpha of the legs
-against the body, zero when relaxed. Each leg hangs on a torsional spring with a damper. A braced
-walker is the same with `legs` None: its state has no leg coordinates and its code no springs.
-
-A state is a float64 array: X, Y, PITCH, their rates V_X, V_Y, SPIN, the drive's PHASE, the contact
-mode of either foot, and with legs the angles and their rates. Lengths in mm, masses in g, rad, s.
+Each leg hangs on a torsional spring with a damper; the angles of the legs against the body are zero
+when relaxed. A braced walker is the same with `legs` None: its state has no leg coordinates and its
+code no springs.
 """
 
 import math
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import GRAVITY
-from walkergen.simulation import drive as plates
+from walkergen.simulation.drive import height, velocity
+from walkergen.simulation.effects.compliance import Spring, stiffness
+from walkergen.simulation.world import (
+    ANGLE_BACK,
+    ANGLE_FRONT,
+    COMPLIANT_SIZE,
+    PHASE,
+    PITCH,
+    RATE_BACK,
+    RATE_FRONT,
+    RIGID_SIZE,
+    SPIN,
+    V_X,
+    V_Y,
+    State,
+    World,
+    X,
+    Y,
+)
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
-
-X, Y, PITCH, V_X, V_Y, SPIN, PHASE, MODE_BACK, MODE_FRONT = range(9)
-ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT = range(9, 13)
-RIGID_SIZE, COMPLIANT_SIZE = 9, 13
-
-OK, TOPPLED, FAILED, FOLDED = range(4)
-"""Statuses of `advance`: done; a body corner touches the plate; no progress; a leg at 90 deg."""
-
-Spring = Literal["cantilever", "pseudo-rigid", "frequency"]
-SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, "frequency": 4.12}
-"""k_t l / (E I): static tip stiffness; pseudo-rigid-body pair; first frequency (section 5)."""
 
 
 class Swing(NamedTuple):
@@ -82,9 +85,6 @@ class Walker(NamedTuple):
     corner_front_x: float
     corner_y: float
     """Lower corners of the body."""
-    gravity_x: float | None
-    gravity_y: float
-    """Gravity in the plate's frame, mm/s^2: a slope tilts it; level: x is None."""
     legs: Legs | None
 
 
@@ -94,21 +94,16 @@ def walker_of(
     *,
     damping_ratio: float = 0.05,
     spring: Spring = "cantilever",
-    slope: float | None = None,
 ) -> Walker:
     """The walker of a design with its mass properties; braced designs get legs None.
 
-    damping_ratio is that of a free leg on a held body; slope (rad) is the
-    plate's descent toward +x; None: level, and absent from the compiled code.
+    damping_ratio is that of a free leg on a held body.
     """
     O = np.array(design.anchors[0]) - mass.a  # noqa: E741  (the paper's name)
     half, bottom = 0.5 * design.body.length_mm, -0.5 * design.body.thickness_mm
     legs = None
     if not mass.rigid:
-        second_moment = design.body.depth_mm * design.leg_thickness**3 / 12.0
-        modulus = 1e9 * design.material.youngs_modulus_gpa  # 1 Pa = 1 g/(mm s^2)
-        stiffness = SPRING_FACTORS[spring] * modulus * second_moment / design.legs.length_mm
-        legs = _legs(mass, stiffness, damping_ratio)
+        legs = _legs(mass, stiffness(design, spring), damping_ratio)
     reach = mass.c_A + mass.c_T
     return Walker(
         mass=float(mass.M),
@@ -122,8 +117,6 @@ def walker_of(
         corner_back_x=float(-half - O[0]),
         corner_front_x=float(half - O[0]),
         corner_y=float(bottom - O[1]),
-        gravity_x=None if slope is None else GRAVITY * math.sin(slope),
-        gravity_y=-GRAVITY * math.cos(slope or 0.0),
         legs=legs,
     )
 
@@ -152,19 +145,58 @@ def _swing(mass: MassProperties, inertia: float) -> Swing:
     return Swing(*(float(value) for value in (cos, sin, *mobility, *shares)))
 
 
-def new_state(
-    walker: Walker, plate: plates.Plate, clearance: float, pitch: float = 0.0, phase: float = 0.0
-) -> Array:
+def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0) -> State:
     """A state at rest in the laboratory, relaxed, its lower foot `clearance` mm over the plate."""
+    walker = world.walker
     state = np.zeros(RIGID_SIZE if walker.legs is None else COMPLIANT_SIZE)
     state[PITCH], state[PHASE] = pitch, phase
     cos, sin = math.cos(pitch), math.sin(pitch)
-    feet = [
+    lower = min(
         sin * (anchor_x + walker.reach_x) + cos * (anchor_y + walker.reach_y)
-        for anchor_x, anchor_y in (
-            (walker.back_x, walker.back_y),
-            (walker.front_x, walker.front_y),
-        )
-    ]
-    state[Y] = plates.height(plate, phase) + clearance - min(feet)
+        for anchor_x, anchor_y in _anchors(walker)
+    )
+    state[Y] = height(world.drive, phase) + clearance - lower
     return state
+
+
+def _anchors(walker: Walker) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Back and front anchor in the body's frame, mm."""
+    return (walker.back_x, walker.back_y), (walker.front_x, walker.front_y)
+
+
+def _swings(walker: Walker, state: State) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Angle (rad) and rate (rad/s) of the back and of the front leg against the body."""
+    if walker.legs is None:
+        return (0.0, 0.0), (0.0, 0.0)
+    return (state[ANGLE_BACK], state[RATE_BACK]), (state[ANGLE_FRONT], state[RATE_FRONT])
+
+
+def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
+    cos, sin = math.cos(angle), math.sin(angle)
+    return x * cos - y * sin, x * sin + y * cos
+
+
+def feet(world: World, state: State) -> Array:
+    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
+    walker, pitch, spin = world.walker, state[PITCH], state[SPIN]
+    ground, rising = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
+    rows = []
+    for anchor, (angle, rate) in zip(_anchors(walker), _swings(walker, state), strict=True):
+        A_x, A_y = _turned(*anchor, pitch)
+        r_x, r_y = _turned(walker.reach_x, walker.reach_y, pitch + angle)
+        v_x = state[V_X] - spin * A_y - (spin + rate) * r_y
+        v_y = state[V_Y] + spin * A_x + (spin + rate) * r_x
+        rows.append((state[X] + A_x + r_x, state[Y] + A_y + r_y - ground, v_x, v_y - rising))
+    return np.array(rows)
+
+
+def momentum(world: World, state: State) -> float:
+    """Momentum of body and legs along the plate, g mm/s."""
+    walker, legs = world.walker, world.walker.legs
+    total = walker.mass * state[V_X]
+    if legs is not None:
+        for anchor, (angle, rate) in zip(_anchors(walker), _swings(walker, state), strict=True):
+            _, A_y = _turned(*anchor, state[PITCH])
+            _, C_y = _turned(legs.centre_x, legs.centre_y, state[PITCH] + angle)
+            total += legs.mass * (state[V_X] - state[SPIN] * A_y - (state[SPIN] + rate) * C_y)
+    return float(total)

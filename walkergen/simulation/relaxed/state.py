@@ -1,12 +1,12 @@
-"""The relaxed-legs walker: what a simulation needs of it, its state, and the motion of its points.
+"""The relaxed-legs walker: what a simulation needs of it, and the motion of its points.
 
-Model A of physics.md section 5: a rigid body (x, y, pitch) on two feet fixed to it. An impulse F
-at a foot comes from the flexible tensor H of that foot, then the legs relax at once and the body
-alone receives it: M dv = F, J dOmega = r x F. A braced walker has no flexible tensors: its rigid
+Model A of docs/physics.md section 5: a rigid body (x, y, pitch) on two feet fixed to it. An impulse
+F at a foot comes from the flexible tensor H of that foot, then the legs relax at once and the body
+alone receives it: M dv = F, J dspin = r x F. A braced walker has no flexible tensors: its rigid
 tensor serves both purposes.
 
 Pitch turns counter-clockwise; a point d of the body lies at O + r, r = R(pitch) d, and moves at
-(v_x - Omega r_y, v_y + Omega r_x).
+(v_x - spin r_y, v_y + spin r_x).
 """
 
 import math
@@ -16,22 +16,19 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import Plate, derivative_bound, height
-from walkergen.theory.tensors import InverseMass, feet
+from walkergen.simulation.drive import Drive, derivative_bound, height, velocity
+from walkergen.simulation.effects.acting import across, along
+from walkergen.simulation.world import PHASE, PITCH, RIGID_SIZE, SPIN, V_X, V_Y, State, World, X, Y
+from walkergen.theory.tensors import InverseMass
+from walkergen.theory.tensors import feet as tensors_of
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-State = npt.NDArray[np.float64]
+Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
 
-# Layout of the state: mm, rad, s; the drive's phase in 0..2 pi; the contact mode of each foot.
-X, Y, PITCH, V_X, V_Y, OMEGA, PHASE, MODE_BACK, MODE_FRONT = range(9)
-STATE_SIZE = 9
 # Two places behind a trial state: the energies (g mm^2/s^2) exchanged on the way to it.
 TRIAL_WORK, TRIAL_FRICTION, TRIAL_SIZE = 9, 10, 11
-
-# Modes of a foot; a foot slips forward when it moves toward +x over the plate.
-OPEN, STICK, SLIP_FORWARD, SLIP_BACKWARD = 0.0, 1.0, 2.0, 3.0
 
 
 class Tensor(NamedTuple):
@@ -52,10 +49,10 @@ class FlexibleTensors(NamedTuple):
 class Walker(NamedTuple):
     """A body on two feet; vectors from its centre of mass O, in mm, in the body's frame."""
 
-    M: float
-    """g; of the body (flexible) or of the whole (braced)."""
-    J: float
-    """About O, g mm^2."""
+    mass: float
+    """Mass of the body (flexible legs) or of the whole (braced), g."""
+    inertia: float
+    """Moment of inertia of the same about O, g mm^2."""
     d_back: Point
     """O -> back foot."""
     d_front: Point
@@ -69,27 +66,33 @@ class Walker(NamedTuple):
 
 
 class Options(NamedTuple):
-    """Gravity and the two tolerances, which belong together (`options_for`)."""
+    """The two tolerances, which belong together (`options_for`)."""
 
-    gravity: float
-    """mm/s^2, > 0"""
-    slope: float | None
-    """Descent of the plate toward +x, rad; None: level."""
     gap_tolerance: float
-    """A foot is let this deep into the plate, mm: some tens of roundings of its height."""
+    """Depth to which a foot is let into the plate, mm: some tens of roundings of its height."""
     snap_speed: float
-    """Closed contacts whose normal speeds are below this (mm/s) close for good. It must exceed
-    sqrt(2 a gap_tolerance), the speed that the tolerance itself can feed (physics.md, trap 2)."""
+    """Normal speed (mm/s) below which closed contacts close for good. It must exceed
+    sqrt(2 a gap_tolerance), the speed that the tolerance itself can feed (docs/physics.md section
+    5, trap 2)."""
 
 
-def options_for(
-    walker: Walker, plate: Plate, gravity: float = 9806.65, slope: float | None = None
-) -> Options:
+def options_for(walker: Walker, drive: Drive, gravity: float) -> Options:
     """Options whose tolerances follow from the sizes of walker and drive, so that they scale."""
     size = max(math.hypot(*point) for point in (walker.d_back, walker.d_front, *walker.corners))
-    gap = 64 * np.finfo(float).eps * (size + abs(plate.amplitude))
-    largest_acceleration = gravity + derivative_bound(plate, 2)
-    return Options(gravity, slope, gap, 4.0 * math.sqrt(2.0 * largest_acceleration * gap))
+    gap = 64 * np.finfo(float).eps * (size + abs(drive.amplitude))
+    largest_acceleration = gravity + derivative_bound(drive, 2)
+    return Options(gap, 4.0 * math.sqrt(2.0 * largest_acceleration * gap))
+
+
+def coarser(world: World, factor: float) -> World:
+    """The world with gap tolerances so many times larger, and the snap speed that belongs to it."""
+    gap, snap = world.options
+    return world._replace(options=Options(factor * gap, math.sqrt(factor) * snap))
+
+
+def resting(world: World) -> float:
+    """Speed (mm/s) below which a foot does not rebound."""
+    return float(world.options.snap_speed)
 
 
 def safe_pitch(d_back: Point, d_front: Point, corners: tuple[Point, ...]) -> float:
@@ -106,8 +109,8 @@ def safe_pitch(d_back: Point, d_front: Point, corners: tuple[Point, ...]) -> flo
 
 
 def new(
-    M: float,
-    J: float,
+    mass: float,
+    inertia: float,
     d_back: Point,
     d_front: Point,
     corners: tuple[Point, Point, Point, Point],
@@ -119,7 +122,13 @@ def new(
         back, front = (Tensor(float(H.xx), float(H.xy), float(H.yy)) for H in flexible)
         tensors = FlexibleTensors(back, front)
     return Walker(
-        float(M), float(J), d_back, d_front, corners, safe_pitch(d_back, d_front, corners), tensors
+        float(mass),
+        float(inertia),
+        d_back,
+        d_front,
+        corners,
+        safe_pitch(d_back, d_front, corners),
+        tensors,
     )
 
 
@@ -137,7 +146,7 @@ def walker_of(design: Design, mass: MassProperties) -> Walker:
         (float(back[0]), float(back[1])),
         (float(front[0]), float(front[1])),
         ((left, low), (right, low), (left, high), (right, high)),
-        None if mass.rigid else feet(mass),
+        None if mass.rigid else tensors_of(mass),
     )
 
 
@@ -147,23 +156,39 @@ def level_pitch(walker: Walker) -> float:
     return math.atan((back_y - front_y) / (front_x - back_x))
 
 
-def new_state(
-    walker: Walker, plate: Plate, clearance: float, pitch: float = 0.0, phase: float = 0.0
-) -> State:
-    """At rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
-    state = np.zeros(STATE_SIZE)
+def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0) -> State:
+    """A state at rest in the laboratory, its lower foot `clearance` (mm) over the plate."""
+    walker, state = world.walker, np.zeros(RIGID_SIZE)
     state[PITCH], state[PHASE] = pitch, phase
     sin, cos = math.sin(pitch), math.cos(pitch)
     lower = min(lever(walker.d_back, sin, cos)[1], lever(walker.d_front, sin, cos)[1])
-    state[Y] = height(plate, phase) + clearance - lower
+    state[Y] = height(world.drive, phase) + clearance - lower
     return state
 
 
-def energy(walker: Walker, options: Options, state: State) -> float:
+def energy(world: World, state: State) -> float:
     """Mechanical energy of the relaxed body, g mm^2/s^2."""
-    kinetic = walker.M * (state[V_X] ** 2 + state[V_Y] ** 2) + walker.J * state[OMEGA] ** 2
-    height = across(options) * state[Y] - along(options) * state[X]
-    return float(0.5 * kinetic + walker.M * height)
+    walker = world.walker
+    kinetic = walker.mass * (state[V_X] ** 2 + state[V_Y] ** 2) + walker.inertia * state[SPIN] ** 2
+    lifted = across(world.acting) * state[Y] - along(world.acting) * state[X]
+    return float(0.5 * kinetic + walker.mass * lifted)
+
+
+def feet(world: World, state: State) -> Array:
+    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
+    sin, cos, spin = math.sin(state[PITCH]), math.cos(state[PITCH]), state[SPIN]
+    ground, rising = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
+    rows = []
+    for foot in (world.walker.d_back, world.walker.d_front):
+        r_x, r_y = lever(foot, sin, cos)
+        place = (state[X] + r_x, state[Y] + r_y - ground)
+        rows.append((*place, state[V_X] - spin * r_y, state[V_Y] + spin * r_x - rising))
+    return np.array(rows)
+
+
+def momentum(world: World, state: State) -> float:
+    """Momentum along the plate, g mm/s."""
+    return float(world.walker.mass * state[V_X])
 
 
 @kernel
@@ -173,34 +198,12 @@ def lever(d: Point, sin: float, cos: float) -> Point:
 
 
 @kernel
-def along(options: Options) -> float:
-    """Gravity along the plate, mm/s^2."""
-    return options.gravity * _sine(options.slope)
-
-
-@kernel
-def across(options: Options) -> float:
-    """Gravity into the plate, mm/s^2, positive."""
-    return options.gravity * _cosine(options.slope)
-
-
-@kernel
-def _sine(slope):
-    return 0.0 if slope is None else math.sin(slope)
-
-
-@kernel
-def _cosine(slope):
-    return 1.0 if slope is None else math.cos(slope)
-
-
-@kernel
 def rigid_tensor(walker: Walker, r: Point) -> Tensor:
     """I/M + P(r)/J: how the relaxed body answers to an impulse at r."""
     return Tensor(
-        1.0 / walker.M + r[1] * r[1] / walker.J,
-        -r[0] * r[1] / walker.J,
-        1.0 / walker.M + r[0] * r[0] / walker.J,
+        1.0 / walker.mass + r[1] * r[1] / walker.inertia,
+        -r[0] * r[1] / walker.inertia,
+        1.0 / walker.mass + r[0] * r[0] / walker.inertia,
     )
 
 

@@ -8,13 +8,11 @@ the flow. Impacts follow the impact law; a rebound slower than `snap` stays on t
 ends infinite sequences of impacts. All three laws of restitution are supported.
 """
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation import drive as plates
 from walkergen.simulation.compliant.chain import (
     accelerate,
     chain_of,
@@ -25,10 +23,8 @@ from walkergen.simulation.compliant.chain import (
     push,
 )
 from walkergen.simulation.compliant.contact import (
-    FORWARD,
     FRICTIONLESS,
-    OPEN,
-    STICK,
+    Instant,
     applied,
     collide,
     folded,
@@ -45,16 +41,7 @@ from walkergen.simulation.compliant.flow import (
     shoot,
     slopes_of,
 )
-from walkergen.simulation.compliant.legs import (
-    FAILED,
-    FOLDED,
-    MODE_BACK,
-    MODE_FRONT,
-    OK,
-    PHASE,
-    PITCH,
-    TOPPLED,
-)
+from walkergen.simulation.drive import TWO_PI, velocity
 from walkergen.simulation.record import (
     CONTACT_TIME,
     DAMPING_LOSS,
@@ -68,8 +55,21 @@ from walkergen.simulation.record import (
     take_sample,
     tally_impact,
 )
-
-TWO_PI = 2.0 * math.pi
+from walkergen.simulation.world import (
+    FAILED,
+    FOLDED,
+    FORWARD,
+    MODE_BACK,
+    MODE_FRONT,
+    OK,
+    OPEN,
+    PHASE,
+    PITCH,
+    STICK,
+    TOPPLED,
+    World,
+)
+from walkergen.theory.impact import III_MIRRORED, TYPE_III
 
 TOUCH = 500.0
 """Gap, in roundings of a foot's height, below which a foot that approaches takes part in an impact:
@@ -82,7 +82,7 @@ SHORTEST = 1e-10
 """Step (s) taken over an event that lasts no time, such as friction exactly at its limit."""
 
 INSTANT, REPEATED = 1e-15, 10
-"""Time (s) that is none when so many steps in a row were no longer."""
+"""Time (s) that counts as zero after `REPEATED` steps in a row without more progress."""
 
 STALLED = 10_000
 """Steps below SHORTEST in a row before a run has failed."""
@@ -100,8 +100,19 @@ class Options(NamedTuple):
     """Longest step, s."""
 
 
+def coarser(world: World, factor: float) -> World:
+    """The world with an integration so many times less accurate."""
+    options = world.options
+    return world._replace(options=options._replace(tolerance=factor * options.tolerance))
+
+
+def resting(world: World) -> float:
+    """Speed (mm/s) below which a foot does not rebound."""
+    return float(world.options.snap)
+
+
 @kernel
-def _locate(walker, plate, contact, work, margin_0, t, margin_t):
+def _locate(world, work, margin_0, t, margin_t):
     """Shorten the step of t, which passes an event, to the event; work.trial is the state there.
 
     Returns the time passed, 0 when the event is at once. Illinois' variant of regula falsi.
@@ -109,7 +120,7 @@ def _locate(walker, plate, contact, work, margin_0, t, margin_t):
     low, m_low, high, m_high = 0.0, margin_0, t, margin_t
     while m_low <= 0.0:
         low = 0.5 * high
-        m_low = shoot(walker, plate, contact, work, low)
+        m_low = shoot(world, work, low)
         if m_low <= 0.0:
             high, m_high = low, m_low
             if high < 1e-13:
@@ -122,7 +133,7 @@ def _locate(walker, plate, contact, work, margin_0, t, margin_t):
         # the margin is the least of several and may have a kink: every third cut is in half
         if turn % 3 == 2 or not low < middle < high:
             middle = 0.5 * (low + high)
-        m = shoot(walker, plate, contact, work, middle)
+        m = shoot(world, work, middle)
         if m > 0.0:
             low, m_low, m_high = middle, m, 0.5 * m_high if side == 1 else m_high
             side = 1
@@ -131,15 +142,15 @@ def _locate(walker, plate, contact, work, margin_0, t, margin_t):
             side = -1
         if m == 0.0:
             break
-    shoot(walker, plate, contact, work, high)
+    shoot(world, work, high)
     return high
 
 
 @kernel
-def _lowest(walker, plate, work, t):
+def _lowest(world, work, t):
     """Time within the step at which an open foot turns from falling to rising; 0 when none does."""
-    first = feet_velocities(walker, plate, work.now, chain_of(walker, work.now, 0.0))
-    last = feet_velocities(walker, plate, work.trial, chain_of(walker, work.trial, 0.0))
+    first = feet_velocities(world, work.now, chain_of(world.walker, work.now, 0.0))
+    last = feet_velocities(world, work.trial, chain_of(world.walker, work.trial, 0.0))
     for mode, i in ((MODE_BACK, 1), (MODE_FRONT, 3)):
         if work.now[mode] == OPEN and first[i] < 0.0 < last[i]:
             return t * first[i] / (first[i] - last[i])
@@ -152,31 +163,32 @@ def _direction(v_x):
 
 
 @kernel
-def _hold(walker, plate, contact, state, chain, closed, sums, rows):
+def _hold(world, state, chain, closed, sums, rows):
     """Remove what is left of the velocities of closed feet: normal, and tangential when at rest.
 
     A rebound too slow to be one ends here; what it loses is an impact's loss.
     """
-    u, W = feet_velocities(walker, plate, state, chain), mobility_of(chain)
-    holds = contact.friction >= FRICTIONLESS
+    u, W = feet_velocities(world, state, chain), mobility_of(chain)
+    holds = world.contact.friction >= FRICTIONLESS
     back = (STICK if holds and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
     front = (STICK if holds and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
     F = impulses(W, u, back, front, 0.0, rows)
     d = applied(W, F)
-    accelerate(walker.legs, state, push(chain, F))
-    sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    accelerate(world.walker.legs, state, push(chain, F))
+    sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for i in range(4):
         sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
 
 
 @kernel
-def _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, rows):
+def _stop_jam(world, state, now, closed, sliding):
     """Sliding that friction presses ever harder into the plate (Painleve) stops at once.
 
     The impulse sticks each foot that jams on its own, or both when they jam only together; a foot
     that this would have to pull down leaves instead.
     """
-    u, mu = feet_velocities(walker, plate, state, chain), contact.friction
+    W, tally, rows = now.mobility, now.tally, now.rows
+    u, mu = feet_velocities(world, state, now.chain), world.contact.friction
     back = closed[0] and W.bb_yy <= sliding[0] * mu * W.bb_xy
     front = closed[1] and W.ff_yy <= sliding[1] * mu * W.ff_xy
     if not (back or front):
@@ -186,30 +198,32 @@ def _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, r
         back, front = F[1] >= F[3], F[3] > F[1]
         F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
     d = applied(W, F)
-    accelerate(walker.legs, state, push(chain, F))
-    tally.sums[PLATE_WORK] += (F[1] + F[3]) * plates.velocity(plate, state[PHASE])
+    accelerate(world.walker.legs, state, push(now.chain, F))
+    tally.sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for i in range(4):
         tally.sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
     for foot in range(2):
         if (back, front)[foot]:
             F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
-            kind = 3 if v_x > 0.0 else -3
+            kind = TYPE_III if v_x > 0.0 else III_MIRRORED
             tally_impact(tally.counts, kind, True)
             note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 
 @kernel
-def decide(walker, plate, contact, state, tally, snap, rows):
+def decide(world, state, tally, rows):
     """Impacts of this instant, then the modes of the feet that stay on the plate; in place."""
-    chain = chain_of(walker, state, 0.0)
-    gap, u = gaps(plate, state, chain), feet_velocities(walker, plate, state, chain)
-    touch = TOUCH * level_of(plate, state)
+    snap, friction = world.options.snap, world.contact.friction
+    chain = chain_of(world.walker, state, 0.0)
+    gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
+    touch = TOUCH * level_of(world.drive, state)
     touching = (
         state[MODE_BACK] != OPEN or (gap[0] <= touch and u[1] <= snap),
         state[MODE_FRONT] != OPEN or (gap[1] <= touch and u[3] <= snap),
     )
-    collide(walker, plate, contact, state, chain, touching, (snap, snap), tally, rows)
-    u = feet_velocities(walker, plate, state, chain)
+    now = Instant(chain, mobility_of(chain), rows, tally)
+    collide(world, world.contact.restitution, state, now, touching, (snap, snap))
+    u = feet_velocities(world, state, chain)
     closed = (touching[0] and u[1] <= snap, touching[1] and u[3] <= snap)
     guess = (
         int(state[MODE_BACK]) if closed[0] else OPEN,
@@ -221,22 +235,22 @@ def decide(walker, plate, contact, state, tally, snap, rows):
     # A foot that leaves from inside the plate, if only by rounding, would land again at once.
     state[MODE_BACK] = FORWARD if closed[0] else OPEN
     state[MODE_FRONT] = FORWARD if closed[1] else OPEN
-    settle(walker, plate, state, 0.0, rows)
-    chain = chain_of(walker, state, 0.0)
-    _hold(walker, plate, contact, state, chain, closed, tally.sums, rows)
+    settle(world, state, 0.0, rows)
+    chain = chain_of(world.walker, state, 0.0)
+    _hold(world, state, chain, closed, tally.sums, rows)
     W = mobility_of(chain)
-    _, a = accelerations(walker, plate, state, chain)
-    u = feet_velocities(walker, plate, state, chain)
+    _, a = accelerations(world, state, chain)
+    u = feet_velocities(world, state, chain)
     sliding = (_direction(u[0]), _direction(u[2]))
-    back, front, _, violation = solve(W, a, closed, sliding, guess, contact.friction, rows)
+    back, front, _, violation = solve(W, a, closed, sliding, guess, friction, rows)
     if violation > 1e-9:
-        _stop_jam(walker, plate, contact, state, chain, W, closed, sliding, tally, rows)
-        back, front, _, _ = solve(W, a, closed, (0, 0), guess, contact.friction, rows)
+        _stop_jam(world, state, Instant(chain, W, rows, tally), closed, sliding)
+        back, front, _, _ = solve(W, a, closed, (0, 0), guess, friction, rows)
     state[MODE_BACK], state[MODE_FRONT] = back, front
 
 
 @kernel
-def _accept(walker, plate, contact, state, work, passed, sums, rows):
+def _accept(world, state, work, passed, sums):
     """The step's end becomes the state; drift off the plate is taken away."""
     n = state.size
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
@@ -248,19 +262,19 @@ def _accept(walker, plate, contact, state, work, passed, sums, rows):
     sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
     if closed[0] or closed[1]:
         sums[CONTACT_TIME] += passed
-        settle(walker, plate, state, 0.0, rows)
-        chain = chain_of(walker, state, 0.0)
-        _hold(walker, plate, contact, state, chain, closed, sums, rows)
+        settle(world, state, 0.0, work.rows)
+        chain = chain_of(world.walker, state, 0.0)
+        _hold(world, state, chain, closed, sums, work.rows)
 
 
 @kernel
-def _next(walker, plate, contact, options, work, length):
+def _next(world, work, length):
     """Integrate to the next event or by at most `length`: (time, event, length to try next)."""
-    margins = slopes_of(walker, plate, contact, work.now, work.slopes[0], work.rows)
+    margins = slopes_of(world, work.now, work.slopes[0], work.rows)
     margin_0, t = min(margins[0], margins[1]), length
     while True:
-        margin = shoot(walker, plate, contact, work, t)
-        error = error_of(work, t, options.tolerance)
+        margin = shoot(world, work, t)
+        error = error_of(work, t, world.options.tolerance)
         if error <= 1.0:
             break
         t *= max(0.2, 0.9 * error**-0.2)
@@ -268,23 +282,22 @@ def _next(walker, plate, contact, options, work, length):
             return -1.0, False, t
     grown = t * min(4.0, 0.9 * (error + 1e-12) ** -0.2)
     if margin > 0.0:
-        dip = _lowest(walker, plate, work, t)
+        dip = _lowest(world, work, t)
         if dip <= 0.0:
             return t, False, grown
-        margin = shoot(walker, plate, contact, work, dip)
+        margin = shoot(world, work, dip)
         if margin > 0.0:
-            shoot(walker, plate, contact, work, t)
+            shoot(world, work, t)
             return t, False, grown
-        return _locate(walker, plate, contact, work, margin_0, dip, margin), True, grown
-    return _locate(walker, plate, contact, work, margin_0, t, margin), True, grown
+        return _locate(world, work, margin_0, dip, margin), True, grown
+    return _locate(world, work, margin_0, t, margin), True, grown
 
 
 @kernel
-def advance(walker, plate, contact, options, state, duration, tally):
-    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `legs`.
+def advance(world, state, duration, tally):
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `world`.
 
-    walker: legs.Walker; plate: plate.Plate; contact: plate.Contact; options: Options;
-    state: as documented in `legs`.
+    The state is laid out as in `world`.
     """
     n, sums = state.size, tally.sums
     work = Work(
@@ -293,34 +306,32 @@ def advance(walker, plate, contact, options, state, duration, tally):
         np.zeros(n + 3),
         np.zeros((7, n + 3)),
         np.empty((4, 5)),
-        scales_of(walker, state),
+        scales_of(world, state),
     )
     begin, t, stalled, length = sums[ELAPSED], 0.0, 0, 1e-6
-    decide(walker, plate, contact, state, tally, options.snap, work.rows)
+    decide(world, state, tally, work.rows)
     while t < duration:
         sums[ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - 1e-12:
             take_sample(tally.samples, begin + t, state)
-        if corner_height(walker, plate, state) <= 0.0:
+        if corner_height(world, state) <= 0.0:
             return TOPPLED
-        if folded(walker.legs, state):
+        if folded(world.walker.legs, state):
             return FOLDED
         work.now[:n] = state
         work.now[n:] = 0.0
         until = min(duration - t, max(next_sample(tally.samples) - begin - t, 1e-12))
-        passed, event, grown = _next(
-            walker, plate, contact, options, work, min(length, options.longest, until)
-        )
+        passed, event, grown = _next(world, work, min(length, world.options.longest, until))
         if passed < 0.0 or stalled > STALLED:
             return FAILED
         length = max(grown, 1e-9)
         if event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED)):
             passed = min(SHORTEST, until)
-            shoot(walker, plate, contact, work, passed)
+            shoot(world, work, passed)
         stalled = stalled + 1 if passed <= SHORTEST else 0
-        _accept(walker, plate, contact, state, work, passed, sums, work.rows)
+        _accept(world, state, work, passed, sums)
         t = duration if duration - t - passed < 1e-15 else t + passed
         sums[ELAPSED] = begin + t
         if event:
-            decide(walker, plate, contact, state, tally, options.snap, work.rows)
+            decide(world, state, tally, work.rows)
     return OK

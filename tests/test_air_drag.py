@@ -1,0 +1,126 @@
+"""Air drag: off by default because it is small; forced on, a plate falls at its terminal speed."""
+
+import math
+
+import numpy as np
+import pytest
+
+from walkergen.scene import GRAVITY, Scene
+from walkergen.simulation import record
+from walkergen.simulation.effects import air_drag
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, simulate
+from walkergen.simulation.world import OK, SPIN, V_X, V_Y, X
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+METHODS = [("rigid", "step"), ("compliant", "step"), ("compliant", "event")]
+DESIGN = Design()
+
+
+def plan_of(model, method, air=True, **tables):
+    tables = {key: dict(value) for key, value in tables.items()}
+    tables.setdefault("legs", {})["model"] = model
+    tables.setdefault("run", {})["method"] = method
+    scene = Scene.model_validate(tables | {"effects": {"air_drag": air}})
+    return prepare(scene, DESIGN, solids.mass_of(DESIGN))
+
+
+def fallen(plan, seconds, height=1e6, v_x=0.0):
+    """A walker let go level, high over the plate: its state after a fall, and the tally."""
+    state = plan.start(height, 0.0, 0.5 * math.pi)
+    state[V_X] = v_x
+    tally = record.new(len(state))
+    assert plan.advance(state, seconds, tally) == OK
+    return state, tally
+
+
+def whole_mass(plan):
+    walker = plan.world.walker
+    return walker.mass + (0.0 if walker.legs is None else 2.0 * walker.legs.mass)
+
+
+def test_it_is_off_by_default_and_its_number_says_why():
+    plan = plan_of("compliant", "step", air=None)
+    assert plan.world.acting.air is None
+    (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
+    assert not drag.on
+    assert drag.reason == "small"
+    # 0.5 x 1.2 x 1.2e-6 x sqrt[(24 x 93.6^2)^2 + (224 x 31.2^2)^2] over 0.25 x 0.833 x 9806
+    assert drag.number == pytest.approx(1.06e-4, rel=0.02)
+
+
+def test_a_fast_drive_is_told_that_drag_is_not_small():
+    plan = plan_of("compliant", "step", air=None, drive={"frequency_hz": 5.0, "gamma": 20.0})
+    (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
+    assert drag.number > plan.scene.run.accepted_error
+    assert "NOT small" in drag.reason
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_a_falling_plate_approaches_its_terminal_speed(model, method):
+    """v = v_t tanh(g t / v_t), v_t^2 = 2 M g / (C rho A): the legs' drag is left out."""
+    plan = plan_of(model, method)
+    area = DESIGN.body.length_mm * DESIGN.body.depth_mm
+    push = air_drag.COEFFICIENT * air_drag.DENSITY * area
+    terminal = math.sqrt(2.0 * whole_mass(plan) * GRAVITY / push)
+    seconds = 0.02 if method == "event" else 3.0
+    state, _ = fallen(plan, seconds, height=1e5)
+    expected = terminal * math.tanh(GRAVITY * seconds / terminal)
+    # Steps of second order; relaxed legs that hang in the wind swing by 1e-5 rad, and the body's
+    # centre of mass by their share of it.
+    assert -state[V_Y] == pytest.approx(expected, rel=2e-4)
+    if seconds > 1.0:
+        assert expected > 0.99 * terminal
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for(model, method):
+    plan, still = plan_of(model, method), plan_of(model, method, air=False)
+    seconds = 5e-3
+    state, tally = fallen(plan, seconds, v_x=5000.0)
+    free, _ = fallen(still, seconds, v_x=5000.0)
+    slowed = plan.world.acting.air.ends * 5000.0**2 / whole_mass(plan) * seconds
+    assert free[V_X] - state[V_X] == pytest.approx(slowed, rel=0.02)  # the speed falls by 1 %
+    assert state[X] < free[X]
+    start = plan.start(1e6, 0.0, 0.5 * math.pi)
+    start[V_X] = 5000.0
+    gained = plan.energy(state) - plan.energy(start)
+    lost = tally.sums[record.DAMPING_LOSS]
+    assert lost > 0.0
+    assert -gained == pytest.approx(lost, rel=1e-4)
+
+
+@pytest.mark.parametrize(("model", "method"), METHODS)
+def test_a_run_balances_with_drag_on(model, method):
+    seconds = 0.05 if method == "event" else 0.5
+    plan = plan_of(model, method, run={"seconds": seconds, "discard_seconds": 0.0})
+    result = simulate(plan, 0)
+    assert result.outcome is Outcome.OK
+    assert result.energy_error < (0.02 if method == "step" else 1e-4)
+
+
+def test_no_air_is_the_limit_of_thin_air():
+    """Drag falls in proportion to the density, and without any nothing is left of it."""
+    plan, none = plan_of("rigid", "step"), plan_of("rigid", "step", air=False)
+    still, _ = fallen(none, 0.1, v_x=2000.0)
+    changes = []
+    for factor in (1.0, 1e-2):
+        air = air_drag.Air(*(factor * value for value in plan.world.acting.air))
+        acting = plan.world.acting._replace(air=air)
+        thin = plan._replace(world=plan.world._replace(acting=acting))
+        state, _ = fallen(thin, 0.1, v_x=2000.0)
+        changes.append(np.abs(state - still)[[V_X, V_Y]])
+    assert changes[0] == pytest.approx(100.0 * changes[1], rel=0.03)
+    assert still[SPIN] == 0.0
+
+
+def test_drag_is_against_the_motion_of_a_turned_body():
+    air = air_drag.Air(1e-5, 1e-4)
+    for pitch in np.linspace(-1.5, 1.5, 7):
+        for v in ((30.0, 0.0), (-10.0, 20.0), (3.0, -40.0)):
+            f = np.array(air_drag.force(air, pitch, *v))
+            assert f @ np.array(v) < 0.0
+            turned = np.array([[0.0, -1.0], [1.0, 0.0]])
+            rotated = air_drag.force(air, pitch + 0.5 * math.pi, *(turned @ v))
+            np.testing.assert_allclose(rotated, turned @ f, atol=1e-18)

@@ -1,0 +1,65 @@
+"""The effects of a planar walker: their verdicts, what acts, and the sum of their forces.
+
+A further effect is a file of its own and three lines here: verdict, field, `+`.
+"""
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.effects import air_drag, compliance, harmonic, parts, slope, tensor
+from walkergen.simulation.effects.air_drag import Air
+from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects.slope import Gravity
+
+VERDICTS: tuple[Callable[[Case], Effect], ...] = (
+    tensor.verdict,
+    compliance.verdict,
+    parts.sticking,
+    parts.sustained,
+    parts.pitch,
+    harmonic.verdict,
+    slope.verdict,
+    parts.yaw_and_roll,
+    parts.lane_walls,
+    parts.neighbours,
+    air_drag.verdict,
+)
+"""Every effect, in the order in which `explain` shows them."""
+
+_along, _drag = slope.along, air_drag.force
+
+
+class Acting(NamedTuple):
+    """Parameters of the effects that act on a walker in motion; None where one is off."""
+
+    gravity: Gravity
+    air: Air | None = None
+
+
+def acting(case: Case, on: Callable[[str], bool]) -> Acting:
+    """The effects of a case that are `on` by their names."""
+    descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else None
+    return Acting(
+        slope.gravity_of(descent),
+        air_drag.parameters(case) if on(air_drag.NAME) else None,
+    )
+
+
+@kernel
+def along(acting: Acting) -> float:
+    """Gravity along the plate, mm/s^2."""
+    return _along(acting.gravity.along)
+
+
+@kernel
+def across(acting: Acting) -> float:
+    """Gravity into the plate, mm/s^2, positive."""
+    return acting.gravity.into
+
+
+@kernel
+def body_force(acting, pitch, v_x, v_y):
+    """Force (x, y) on the body beside gravity, g mm/s^2; its power is what the effects take."""
+    return _drag(acting.air, pitch, v_x, v_y)

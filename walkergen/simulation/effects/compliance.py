@@ -1,0 +1,50 @@
+"""Leg compliance: each leg swings on a torsional spring at its anchor, with a damper.
+
+Source: docs/physics.md section 5, model B. Limits: a stiff spring is the braced walker, legs that
+relax at once are model A (tests/test_engines.py).
+"""
+
+import math
+from typing import Literal
+
+from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.walker.design import Design
+
+NAME, SWITCH = "leg compliance", "legs.model"
+
+RELAXED_ERROR = 0.5
+"""Relative error of the relaxed model's mean speed against the compliant model's: of the order of
+the speed itself (benchmarks/models.py measures it), so that a tolerance below it calls for
+compliance."""
+
+Spring = Literal["cantilever", "pseudo-rigid", "frequency"]
+SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, "frequency": 4.12}
+"""Torsional stiffness times length over E I: the static stiffness of the tip, the pseudo-rigid-body
+pair, the first natural frequency (docs/physics.md section 5)."""
+
+
+def verdict(case: Case) -> Effect:
+    """On for the compliant model; the number is a leg's frequency over the drive's."""
+    scene, design = case.scene, case.design
+    if design.braced:
+        return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
+    inertia = float(case.mass.j + case.mass.m * case.mass.c_A @ case.mass.c_A)
+    ratio = natural_frequency(stiffness(design, scene.legs.spring), inertia) / scene.drive.frequency
+    accepted = scene.run.accepted_error
+    reason = f"accepted error {accepted:g} against about {RELAXED_ERROR:g} of the relaxed model"
+    if scene.legs.model != "auto":
+        reason = f"legs.model = {scene.legs.model!r}"
+    meaning = "frequency of a free leg over the drive's"
+    return Effect(NAME, case.model == "compliant", ratio, meaning, reason, SWITCH)
+
+
+def stiffness(design: Design, spring: Spring) -> float:
+    """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad."""
+    second_moment = design.body.depth_mm * design.leg_thickness**3 / 12.0
+    modulus = 1e9 * design.material.youngs_modulus_gpa  # 1 Pa = 1 g/(mm s^2)
+    return SPRING_FACTORS[spring] * modulus * second_moment / design.legs.length_mm
+
+
+def natural_frequency(stiffness: float, inertia: float) -> float:
+    """Natural frequency (Hz) of a leg of that inertia (g mm^2) about its anchor, the body held."""
+    return math.sqrt(stiffness / inertia) / (2.0 * math.pi)

@@ -1,0 +1,70 @@
+"""Model, method and effects that a scene calls for, decided from dimensionless numbers."""
+
+from typing import Literal, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation.effects import air_drag, compliance
+from walkergen.simulation.effects.acting import VERDICTS, Acting, acting
+from walkergen.simulation.effects.effect import Case, Effect, ModelName
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+MethodName = Literal["event", "step"]
+
+
+class Resolved(NamedTuple):
+    """What will be simulated."""
+
+    model: ModelName
+    method: MethodName
+    effects: tuple[Effect, ...]
+    acting: Acting
+
+    def on(self, name: str) -> bool:
+        """True when the effect of that name is simulated. Raises KeyError for an unknown name."""
+        return {effect.name: effect.on for effect in self.effects}[name]
+
+
+def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
+    """Decide the model, the method and every effect.
+
+    Raises InputError where the scene's choices contradict each other or the design.
+    """
+    case = Case(scene, design, mass, _model(scene, design))
+    effects = tuple(verdict(case) for verdict in VERDICTS)
+    on = {effect.name: effect.on for effect in effects}
+    acts = acting(case, on.__getitem__)
+    return Resolved(case.model, _method(scene, case.model, on[air_drag.NAME]), effects, acts)
+
+
+def _model(scene: Scene, design: Design) -> ModelName:
+    wanted = scene.legs.model
+    if design.braced and wanted in ("relaxed", "compliant"):
+        raise InputError(
+            f"{design.name}: braced legs are rigid; model {wanted} is for flexible legs: "
+            "use model 'auto' or 'rigid', or --legs flexible"
+        )
+    if design.braced:
+        return "rigid"
+    if wanted == "auto":
+        exact = scene.run.accepted_error < compliance.RELAXED_ERROR
+        return "compliant" if exact else "relaxed"
+    return wanted
+
+
+def _method(scene: Scene, model: ModelName, drags: bool) -> MethodName:
+    wanted = scene.run.method
+    if wanted == "auto":
+        return "step" if model == "compliant" or drags else "event"
+    if wanted == "step" and model == "relaxed":
+        raise InputError(
+            "run.method = 'step': the relaxed model's cascades of impacts have no time step; "
+            "use method 'event', or model 'compliant'"
+        )
+    if wanted == "event" and model == "rigid" and drags:
+        raise InputError(
+            f"{air_drag.SWITCH} = true: the rigid model's flights from event to event are exact "
+            "only without drag; use method 'step'"
+        )
+    return wanted

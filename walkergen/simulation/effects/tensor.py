@@ -1,0 +1,20 @@
+"""Flexible foot tensor: the legs' joints carry force but no torque in an impact (paper, eqs 8-12).
+
+Limit: heavy joints, legs.model = "rigid", have the tensor of one rigid body (paper, eq. 4).
+"""
+
+from walkergen.simulation.effects.effect import Case, Effect
+
+NAME, SWITCH = "flexible foot tensor", "legs.model"
+
+
+def verdict(case: Case) -> Effect:
+    """On for every model of flexible legs but the rigid one."""
+    if case.design.braced:
+        return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
+    ratio, meaning = float(case.mass.m / case.mass.M), "mass of a leg over the body's"
+    if case.model == "compliant":
+        return Effect(NAME, True, ratio, meaning, "part of the chain of body and legs", "")
+    on = case.model != "rigid"
+    reason = "legs are flexible" if on else "legs.model = 'rigid'"
+    return Effect(NAME, on, ratio, meaning, reason, SWITCH)

@@ -1,0 +1,71 @@
+"""The seam: a model with a method is a handful of functions under names that all models share."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.scene import Scene
+from walkergen.simulation.effects.resolve import Resolved
+from walkergen.simulation.record import Tally
+from walkergen.simulation.world import State, World
+
+Array = npt.NDArray[np.float64]
+
+
+class Model(NamedTuple):
+    """One way to move a walker; every function but `mirrored` and `pose` reads a `World`."""
+
+    start: Callable[[World, float, float, float], State]
+    """start(world, clearance in mm, pitch in rad, phase in rad) -> a state at rest in the
+    laboratory, its legs relaxed, its lower foot `clearance` over the plate."""
+    advance: Callable[[World, State, float, Tally], int]
+    """advance(world, state, seconds, tally) -> a status of `world`; the state changes in place."""
+    energy: Callable[[World, State], float]
+    """Mechanical energy of a state, g mm^2/s^2."""
+    feet: Callable[[World, State], Array]
+    """Back and front foot: rows of x (mm), height over the plate (mm), and v_x, v_y over the plate
+    (mm/s)."""
+    momentum: Callable[[World, State], float]
+    """Momentum of body and legs along the plate, g mm/s."""
+    mirrored: Callable[[State], State]
+    """State of the mirror image."""
+    pose: Callable[[State], tuple[float, float, float]]
+    """Place along x and across it (mm) and heading (rad)."""
+    coarser: Callable[[World, float], World]
+    """The world with the method's accuracy so many times coarser."""
+    resting: Callable[[World], float]
+    """Speed (mm/s) below which a foot does not rebound."""
+    columns: tuple[str, ...]
+    """Names of the state's places that a trajectory shows, from the first on."""
+
+
+class Plan(NamedTuple):
+    """What will be simulated: a scene, what it calls for, and the model in its world."""
+
+    scene: Scene
+    resolved: Resolved
+    model: Model
+    world: World
+
+    def lasting(self, **run: float) -> "Plan":
+        """The same with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        changed = self.scene.run.model_copy(update=run)
+        return self._replace(scene=self.scene.model_copy(update={"run": changed}))
+
+    def start(self, clearance: float, pitch: float, phase: float) -> State:
+        """A state at rest, its lower foot `clearance` (mm) over the plate; angles in rad."""
+        return self.model.start(self.world, clearance, pitch, phase)
+
+    def advance(self, state: State, seconds: float, tally: Tally) -> int:
+        """Advance a state in place; returns a status of `world`."""
+        return self.model.advance(self.world, state, seconds, tally)
+
+    def energy(self, state: State) -> float:
+        """Mechanical energy of a state, g mm^2/s^2."""
+        return float(self.model.energy(self.world, state))
+
+    def feet(self, state: State) -> Array:
+        """Back and front foot, as `Model.feet`."""
+        return self.model.feet(self.world, state)

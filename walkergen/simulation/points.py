@@ -1,0 +1,105 @@
+"""Points: a walker in a scene, simulated; a pure function of its inputs, which a key names.
+
+Whatever needs a simulated speed asks for a point: families, sweeps, surveys and the command line.
+What is asked and what comes back can be sent to other processes, so that any executor of
+`concurrent.futures` may do the work.
+"""
+
+import hashlib
+import json
+from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from walkergen import __version__
+from walkergen.files.progress import Progress
+from walkergen.numerics import kernels
+from walkergen.scene import Scene
+from walkergen.simulation import ensemble
+from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.effects.resolve import MethodName
+from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import RunResult
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+
+class Asked(NamedTuple):
+    """Everything that a point's numbers rest on, apart from the kernels."""
+
+    scene: Scene
+    design: Design
+    mass: MassProperties
+    impacts: bool = False
+    """True to keep every impact of every run."""
+
+
+class Point(NamedTuple):
+    """An ensemble of runs, as the scene's [run] asks for."""
+
+    key: str
+    model: ModelName
+    method: MethodName
+    summary: Summary
+    results: Sequence[RunResult]
+    """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
+
+
+def facts(scene: Scene, design: Design) -> list[Any]:
+    """What a simulation rests on, for keys: no names, and nothing that only the theory reads."""
+    return [
+        scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
+        design.model_dump(mode="json", exclude={"name", "description", "family"}),
+        __version__,
+        kernels.digest(),
+    ]
+
+
+def key(asked: Asked) -> str:
+    """A name of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
+    masses = {name: np.asarray(value).tolist() for name, value in asked.mass._asdict().items()}
+    text = json.dumps([*facts(asked.scene, asked.design), masses, asked.impacts], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Point:
+    """Simulate a point on so many threads (every core by default); Ctrl-C gives the runs done.
+
+    Any number of threads gives equal bits. Raises InputError where the scene contradicts itself
+    or the design, and KeyboardInterrupt when no run was done.
+    """
+    plan = prepare(asked.scene, asked.design, asked.mass)
+    summary, results = ensemble.measure(plan, progress, threads, asked.impacts)
+    return Point(key(asked), plan.resolved.model, plan.resolved.method, summary, results)
+
+
+def each(
+    asked: Sequence[Asked], titles: Sequence[str], progress: Progress, executor: Executor | None
+) -> Iterator[Point]:
+    """Points in their order; progress goes by their titles.
+
+    Without an executor they are simulated one after another, each on every core; with one, each is
+    a task on one thread of its own. Raises KeyboardInterrupt instead of giving half a point.
+    """
+    if executor is not None:
+        tasks = [executor.submit(measure, one, _silent, 1) for one in asked]
+        for number, task in enumerate(tasks):
+            progress(titles[number], number, len(tasks))
+            yield task.result()
+        return
+    for number, one in enumerate(asked):
+
+        def told(_: str, done: int, total: int, number: int = number) -> None:
+            progress(titles[number], number * total + done, len(asked) * total)
+
+        point = measure(one, told)
+        if point.summary.runs < one.scene.run.runs:
+            raise KeyboardInterrupt
+        yield point
+
+
+def _silent(what: str, done: int, total: int) -> None:
+    """A progress that says nothing."""

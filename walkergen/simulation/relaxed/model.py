@@ -1,0 +1,28 @@
+"""Model A, relaxed legs, and the rigid walker from event to event, behind the seam."""
+
+from walkergen.simulation import world
+from walkergen.simulation.drive import Drive
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.resolve import Resolved
+from walkergen.simulation.model import Model
+from walkergen.simulation.relaxed import events, state
+
+EVENTS = Model(
+    start=state.start,
+    advance=events.advance,
+    energy=state.energy,
+    feet=state.feet,
+    momentum=state.momentum,
+    mirrored=world.mirrored,
+    pose=world.pose,
+    coarser=state.coarser,
+    resting=state.resting,
+    columns=world.RIGID_COLUMNS,
+)
+"""From event to event, with flights and contacts as exact as rounding allows."""
+
+
+def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, state.Walker, state.Options]:
+    """Model, walker and options of a case: relaxed legs, or rigid where its mass is."""
+    walker = state.walker_of(case.design, case.mass)
+    return EVENTS, walker, state.options_for(walker, drive, resolved.acting.gravity.size)
