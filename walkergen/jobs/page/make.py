@@ -8,8 +8,8 @@ import base64
 import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
-from importlib.resources import files
 from itertools import pairwise
+from pathlib import Path
 from typing import Any, NamedTuple
 
 import jinja2
@@ -217,7 +217,8 @@ def _hash(script: str) -> str:
 
 
 def _asset(name: str) -> str:
-    return (files("walkergen.jobs.page") / "assets" / name).read_text(encoding="utf-8")
+    """Text of a file that is shipped beside this module."""
+    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
 
 
 @cache
