@@ -231,8 +231,8 @@ def test_broken_files_are_refused_by_name(folder):
         (lines[:-1], "family.csv: 5 rows for 6 members"),
         ([*lines[:-1], lines[-1].replace("35.0", "nan", 1)], "family.csv:7: tilt_deg: must be a"),
         ([*lines[:-1], lines[-1].replace("braced", "", 1)], "family.csv:7: legs: missing"),
-        ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv: not valid CSV"),
-        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 15 cells under 14 headings"),
+        ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv:7: not valid CSV"),
+        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 15 cells, the header has 14"),
     ):
         table.write_text("\n".join(broken), encoding="utf-8")
         assert refused(folder).startswith(told)

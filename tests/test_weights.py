@@ -137,10 +137,10 @@ def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
         (f"part,grams\n{FIVE}", ":2: 1 cells"),
         ("part;grams\nx;1", ":1: columns 'part;grams': must be part and any of grams, body_g"),
         ("part,gram\nx,1", ":1: columns"),
-        ("part,grams,grams\nx,1,2", ":1: columns"),
+        ("part,grams,grams\nx,1,2", ":1: column 'grams' occurs twice"),
         ("grams,leg_g\n1,1", ":1: columns"),
         ("part\nx", ":1: columns"),
-        ("", ":1: columns ''"),
+        ("", ": is empty; give a CSV file"),
     ],
 )
 def test_bad_lines_are_named(read, text, told):

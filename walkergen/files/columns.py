@@ -1,12 +1,13 @@
-"""Columns of numbers from CSV files that people and programs write; bad rows are named, not hidden.
+"""CSV files that people and programs write: whole columns of numbers, or records of text.
 
-A million sound rows take about a second, as with pandas, which would be the largest dependency.
+Every line is parsed alone, so that an open quote spoils no other. Bad rows of numbers are named,
+not hidden. A million sound rows take about a second, as with pandas, which would be the largest
+dependency.
 """
 
 import csv
 import math
-from collections.abc import Iterator, Mapping, Sequence
-from contextlib import contextmanager
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
 from types import MappingProxyType
@@ -16,43 +17,70 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
+from walkergen.files import reading
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
+FORMAT = "a CSV file"
 MOST_ROWS = 20_000_000
 CHUNK = 100_000
+"""Lines that are parsed at once."""
 NAMED = 5
-"""Bad rows named one by one; the others are counted."""
+"""Most bad rows that are named; the others are counted."""
 
 
 class Columns(NamedTuple):
     """The usable rows of a file."""
 
     values: dict[str, Array]
-    """By name, each of shape (rows,); blank cells of optional columns are NaN."""
+    """Columns by name, each of shape (rows,); blank cells of optional columns are NaN."""
     lines: npt.NDArray[np.int64]
     """Line in the file of each row, shape (rows,)."""
     bad: dict[int, str]
-    """What is wrong with each row left out, by its line."""
+    """Reason why each other row was left out, by its line in the file."""
 
     def without(self, wrong: Mask, reason: str) -> "Columns":
-        """The rows outside `wrong` (shape (rows,)); the others join the bad ones."""
+        """Columns without the rows in `wrong` (shape (rows,)), which join the bad ones."""
         bad = self.bad | {int(line): reason for line in self.lines[wrong]}
         kept = {name: values[~wrong] for name, values in self.values.items()}
         return Columns(kept, self.lines[~wrong], bad)
 
 
+class Records(NamedTuple):
+    """Rows of a file as text."""
+
+    names: list[str]
+    """Names of the columns, in the order of the file."""
+    rows: list[tuple[int, dict[str, str]]]
+    """Line in the file of each row, and its cells by the names of their columns."""
+
+
 def header(path: Path) -> list[str]:
-    """Names in the first line; raises InputError when there is none."""
-    with _lines(path) as lines:
-        names = [name.strip() for name in next(csv.reader(lines), [])]
-    if not any(names):
-        raise InputError(f"{path}: is empty; give a CSV file whose first line names its columns")
-    twice = sorted({name for name in names if name and names.count(name) > 1})
-    if twice:
-        raise InputError(f"{path}: column {twice[0]!r} occurs twice; keep one")
-    return names
+    """Names in the first line of a file; raises InputError when there is none, or one is twice."""
+    return _names(reading.lines(path, FORMAT), str(path))
+
+
+def records(lines: Iterable[str], source: str) -> Records:
+    """Rows of the lines of a CSV file, whose first line names the columns; blank rows are left out.
+
+    Raises InputError, which begins with `source` and the line, when a name is missing or occurs
+    twice, when a row has not as many cells as the header, and when a line is not valid CSV.
+    """
+    stream = iter(lines)
+    names = _names(stream, source)
+    rows = []
+    for number, line in enumerate(stream, start=2):
+        row = _cells(line, source, number)
+        if not any(cell.strip() for cell in row):
+            continue
+        if len(row) != len(names):
+            raise InputError(
+                f"{source}:{number}: {len(row)} cells, the header has {len(names)}: separate cells "
+                "by commas and write numbers with a decimal point"
+            )
+        rows.append((number, dict(zip(names, row, strict=True))))
+    return Records(names, rows)
 
 
 def read(
@@ -61,13 +89,15 @@ def read(
     optional: Sequence[str] = (),
     words: Mapping[str, Sequence[str]] = MappingProxyType({}),
 ) -> Columns:
-    """The named columns; rows without finite numbers in the required ones are left out and named.
+    """Columns of numbers by name; rows without finite numbers in the required ones are left out.
 
     Optional columns may have blank cells; those of `words` hold one of a few words, read as its
     place among them. Other columns are not looked at (trackpy's `mass` is a brightness, not a
-    mass). Raises InputError when a required column is missing, or no row is usable.
+    mass). Raises InputError when the file cannot be read, when a required column is missing, and
+    when no row is usable.
     """
-    names = header(path)
+    stream = reading.lines(path, FORMAT)
+    names = _names(stream, str(path))
     missing = [name for name in required if name not in names]
     if missing:
         seen = ", ".join(name for name in names if name)[:200]
@@ -77,59 +107,66 @@ def read(
     chunks: list[list[Array]] = []
     lines: list[npt.NDArray[np.int64]] = []
     bad: dict[int, str] = {}
-    with _lines(path) as stream:
-        next(stream)
-        first = 2
-        while chunk := list(islice(stream, CHUNK)):
-            if first + len(chunk) > MOST_ROWS:
-                raise InputError(f"{path}: more than {MOST_ROWS} rows; split the file")
-            numbers = np.arange(first, first + len(chunk))
-            values, wrong = _parse(chunk, numbers, wanted, places, len(required), words)
-            usable = np.array([bool(line.strip()) for line in chunk])
-            usable[[line - first for line in wrong]] = False
-            chunks.append([column[usable] for column in values])
-            lines.append(numbers[usable])
-            bad |= wrong
-            first += len(chunk)
+    first = 2
+    while chunk := list(islice(stream, CHUNK)):
+        if first + len(chunk) > MOST_ROWS:
+            raise InputError(f"{path}: more than {MOST_ROWS} rows; split the file")
+        numbers = np.arange(first, first + len(chunk))
+        values, wrong = _parse(chunk, numbers, str(path), wanted, places, len(required), words)
+        usable = np.array([bool(line.strip()) for line in chunk])
+        usable[[line - first for line in wrong]] = False
+        chunks.append([column[usable] for column in values])
+        lines.append(numbers[usable])
+        bad |= wrong
+        first += len(chunk)
     if not sum(len(part) for part in lines):
-        told = summary(bad) or "no rows after the header"
-        raise InputError(f"{path}: nothing to read: {told}")
+        reason = summary(bad) or "no rows after the header"
+        raise InputError(f"{path}: nothing to read: {reason}")
     joined = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
     return Columns(dict(zip(wanted, joined, strict=True)), np.concatenate(lines), bad)
 
 
 def summary(bad: dict[int, str]) -> str:
-    """How many rows were left out, and why the first few; '' when none was."""
+    """Number of the rows that were left out and the reasons for the first few; '' without any."""
     if not bad:
         return ""
-    told = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:NAMED])
+    named = "; ".join(f"line {line}: {bad[line]}" for line in sorted(bad)[:NAMED])
     more = f"; and {len(bad) - NAMED} more" if len(bad) > NAMED else ""
-    return f"{len(bad)} bad row{'s' if len(bad) > 1 else ''} left out: {told}{more}"
+    return f"{len(bad)} bad row{'s' if len(bad) > 1 else ''} left out: {named}{more}"
 
 
-@contextmanager
-def _lines(path: Path) -> Iterator[Iterator[str]]:
+def _names(stream: Iterator[str], source: str) -> list[str]:
+    """Names in the first line of a stream, which is used up; raises InputError."""
+    names = [name.strip() for name in _cells(next(stream, ""), source, 1)]
+    if not any(names):
+        raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
+    twice = sorted({name for name in names if name and names.count(name) > 1})
+    if twice:
+        raise InputError(f"{source}:1: column {twice[0]!r} occurs twice; keep one")
+    return names
+
+
+def _cells(line: str, source: str, number: int) -> list[str]:
+    """Cells of a line, of which there are none in an empty one; raises InputError."""
     try:
-        with path.open(encoding="utf-8-sig") as stream:
-            yield stream
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise InputError(f"{path}: not a CSV file in UTF-8: {error}") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
+        return next(csv.reader([line]), [])
+    except csv.Error as error:
+        raise InputError(f"{source}:{number}: not valid CSV: {error}") from None
 
 
 def _parse(
     chunk: list[str],
     numbers: npt.NDArray[np.int64],
+    source: str,
     names: Sequence[str],
     places: Sequence[int],
     required: int,
     words: Mapping[str, Sequence[str]],
 ) -> tuple[list[Array], dict[int, str]]:
-    """Columns of a chunk of lines, and what is wrong by line; the first `required` are finite."""
+    """Columns of a chunk of lines of given numbers, and the reasons why lines are bad, by number.
+
+    Numbers in the first `required` columns are finite in every line that is not bad.
+    """
     rows: list[list[str]] = []
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell
         if not all(map(str.strip, chunk)):
@@ -140,7 +177,7 @@ def _parse(
             ).T
         )
     except ValueError:
-        rows = [next(csv.reader([line]), []) for line in chunk]
+        rows = [_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         cells = zip(names, places, strict=True)
         values = [
             np.array([_number(row, place, n >= required, words.get(name, ())) for row in rows])
@@ -150,7 +187,7 @@ def _parse(
     for n, (name, place, column) in enumerate(zip(names, places, values, strict=True)):
         unusable = ~np.isfinite(column) if n < required else np.isinf(column)
         for index in np.flatnonzero(unusable):
-            row = rows[index] if rows else next(csv.reader([chunk[index]]))
+            row = rows[index] if rows else _cells(chunk[index], source, numbers[index])
             if row:
                 seen = f"{row[place].strip()[:30]!r}" if place < len(row) else "missing"
                 expected = f"one of {', '.join(words[name])}" if name in words else "a number"
@@ -159,10 +196,11 @@ def _parse(
 
 
 _UNREADABLE = -math.inf
-"""Stands for text where an optional number may stand."""
+"""Value of a cell that holds neither a number nor, where it may, nothing."""
 
 
 def _number(row: list[str], place: int, optional: bool, known: Sequence[str]) -> float:
+    """Value of a cell: its number or its place among known words; NaN when blank and optional."""
     text = row[place].strip() if place < len(row) else ""
     try:
         return float(known.index(text) if known and text else text)

@@ -14,8 +14,9 @@ import annotated_types
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from walkergen.errors import GeometryError, InputError
+from walkergen.files import reading
 
-LARGEST_FILE_BYTES = 1_000_000
+MOST_BYTES = 1_000_000
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
@@ -36,7 +37,7 @@ def read(path: Path, model: type[Model]) -> Model:
 
     Raises InputError that lists every mistake with its line.
     """
-    text = _text(path)
+    text = reading.text(path, "a TOML file", MOST_BYTES)
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -65,26 +66,6 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
         raise InputError("\n".join(lines)) from None
-
-
-def _text(path: Path) -> str:
-    try:
-        if path.is_dir():
-            raise InputError(f"{path}: is a folder; give a TOML file")
-        size = path.stat().st_size
-        if size > LARGEST_FILE_BYTES:
-            raise InputError(
-                f"{path}: {size} bytes; a design has at most {LARGEST_FILE_BYTES}: "
-                "is this the right file?"
-            )
-        return path.read_text(encoding="utf-8")
-    except FileNotFoundError:
-        raise InputError(f"{path}: no such file") from None
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8; give a TOML file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:

@@ -5,9 +5,7 @@ with its brace). Two of them give the third. Grams alone scale body and legs ali
 follow the balance, but not the predicted speed, which depends on their ratios only.
 """
 
-import csv
 import difflib
-import io
 import math
 import re
 from collections import defaultdict
@@ -17,8 +15,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.errors import InputError, OutputError
-from walkergen.files import output
+from walkergen.errors import InputError
+from walkergen.files import columns, output, reading
 from walkergen.walker import mass, names
 from walkergen.walker.design import Design, Weighed
 from walkergen.walker.mass import MassProperties
@@ -27,7 +25,7 @@ from walkergen.walker.solids import Solids
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
 HEADER = ",".join(("part", *QUANTITIES))
-LARGEST_FILE_BYTES = 10_000_000
+MOST_BYTES = 10_000_000
 FACTOR = 10.0
 """A mass this many times the mesh's, or its fraction, is taken for a wrong unit or part."""
 
@@ -62,10 +60,7 @@ def filled(path: Path) -> bool:
     """True when a file exists that holds more than names: somebody's work, to be kept."""
     if not path.is_file():
         return False
-    try:
-        lines = path.read_text(encoding="utf-8", errors="replace").splitlines()
-    except OSError as error:
-        raise OutputError(f"{str(path)!r}: cannot be read: {error.strerror}") from None
+    lines = reading.content(path).decode("utf-8", "replace").splitlines()
     header, *rows = [line.rstrip(",;\t ") for line in lines] or [HEADER]
     return header != HEADER or any(SEPARATOR.search(row) for row in rows)
 
@@ -146,39 +141,15 @@ def total_error(weighed: Weighings) -> float | None:
 
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Lines of the file by their numbers, cells by column; lines without any cell left out."""
-    reader = csv.reader(io.StringIO(_text(path), newline=""))
-    header = [cell.strip() for cell in next(reader, [])]
-    wrong = [cell for cell in header if cell not in ("part", *QUANTITIES)]
-    repeated = len(set(header)) < len(header)
-    if wrong or repeated or "part" not in header or len(header) < 2:
+    """Rows of a file by their lines, cells by column. Raises InputError for columns of others."""
+    found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    wrong = [name for name in found.names if name not in ("part", *QUANTITIES)]
+    if wrong or "part" not in found.names or len(found.names) < 2:
         raise InputError(
-            f"{path}:1: columns {', '.join(header)[:80]!r}: must be part and any of "
+            f"{path}:1: columns {', '.join(found.names)[:80]!r}: must be part and any of "
             f"{', '.join(QUANTITIES)}, separated by commas"
         )
-    rows = []
-    for cells in reader:
-        if not any(cell.strip() for cell in cells):
-            continue
-        if len(cells) != len(header):
-            raise InputError(
-                f"{path}:{reader.line_num}: {len(cells)} cells, the header has {len(header)}: "
-                "write numbers with a decimal point"
-            )
-        rows.append((reader.line_num, dict(zip(header, cells, strict=True))))
-    return rows
-
-
-def _text(path: Path) -> str:
-    try:
-        if path.stat().st_size > LARGEST_FILE_BYTES:
-            raise InputError(f"{path}: more than {LARGEST_FILE_BYTES} bytes: is it the right file?")
-        return path.read_text(encoding="utf-8-sig")
-    except UnicodeDecodeError:
-        raise InputError(f"{path}: not a text file in UTF-8; give a CSV file") from None
-    except (OSError, ValueError) as error:
-        reason = getattr(error, "strerror", None) or str(error)
-        raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
+    return found.rows
 
 
 def _values(row: Mapping[str, str]) -> dict[str, float]:

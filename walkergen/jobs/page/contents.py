@@ -1,6 +1,5 @@
-"""What a family's folder holds, read back and compared with its manifest."""
+"""Contents of a family's folder, read back and compared with its manifest."""
 
-import csv
 import hashlib
 import io
 import json
@@ -11,6 +10,8 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from walkergen.errors import InputError
+from walkergen.files import columns, reading
+from walkergen.files.columns import Records
 from walkergen.files.output import MANIFEST
 
 State = Literal["as written", "changed", "missing"]
@@ -20,7 +21,7 @@ Digest = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
 
 class Manifest(BaseModel):
-    """What the page needs of manifest.json; whatever else it holds is kept as it is."""
+    """Parts of manifest.json that the page needs; other keys are kept as they are."""
 
     model_config = ConfigDict(frozen=True, extra="allow", strict=True, allow_inf_nan=False)
 
@@ -36,28 +37,25 @@ class Contents(NamedTuple):
 
     manifest: Manifest
     files: Mapping[str, bytes]
-    """Every file that the manifest lists and the folder has, by its name in the manifest."""
+    """Bytes of every file that the manifest lists and the folder has, by its listed name."""
     states: Mapping[str, State]
-    """Every file that the manifest lists, by hash."""
+    """State of every file that the manifest lists, by comparing hashes."""
 
     def named(self, state: State) -> list[str]:
         """Files in a state, in the manifest's order."""
         return [name for name, found in self.states.items() if found == state]
 
-    def rows(self, name: str) -> list[list[str]]:
-        """The cells of a CSV file, its headings first. Raises InputError."""
+    def records(self, name: str) -> Records:
+        """Rows of a CSV file as text. Raises InputError when it is not one."""
         text = self.files[name].decode("utf-8", "replace")
-        try:
-            return list(csv.reader(io.StringIO(text, newline=""))) or [[]]
-        except csv.Error as error:
-            raise InputError(f"{name}: not valid CSV: {error}; write the folder again") from None
+        return columns.records(io.StringIO(text, newline=None), name)
 
 
 def read(folder: Path) -> Contents:
     """Read every file that the folder's manifest lists and compare its hash.
 
-    Raises InputError for a folder that has no manifest, or none that `family` wrote, for one whose
-    manifest names files outside it, and for files that cannot be read.
+    Raises InputError for a folder without a manifest that `family` wrote, for a manifest that names
+    files outside its folder, for files that cannot be read and for more than LARGEST_FOLDER_BYTES.
     """
     manifest = _manifest(folder)
     files: dict[str, bytes] = {}
@@ -68,7 +66,7 @@ def read(folder: Path) -> Contents:
         if not path.is_file():
             states[name] = "missing"
             continue
-        data = _bytes(path)
+        data = reading.content(path)
         total += len(data)
         if total > LARGEST_FOLDER_BYTES:
             raise InputError(
@@ -81,6 +79,7 @@ def read(folder: Path) -> Contents:
 
 
 def _manifest(folder: Path) -> Manifest:
+    """Manifest of a folder; raises InputError when there is none or it is not one of ours."""
     path = folder / MANIFEST
     if not path.is_file():
         raise InputError(
@@ -88,7 +87,7 @@ def _manifest(folder: Path) -> Manifest:
         )
     advice = "write the folder again with `walkergen family`"
     try:
-        return Manifest.model_validate(json.loads(_bytes(path)))
+        return Manifest.model_validate(json.loads(reading.content(path)))
     except ValidationError as error:
         mistake = error.errors()[0]
         where = ".".join(map(str, mistake["loc"])) or "its contents"
@@ -98,7 +97,7 @@ def _manifest(folder: Path) -> Manifest:
 
 
 def _inside(folder: Path, name: str) -> Path:
-    """The path of a listed file; a manifest is text, and never a way out of its folder."""
+    """Path of a listed file; raises InputError when it would lead out of the folder."""
     path = folder / name
     try:
         if folder.resolve() in path.resolve().parents:
@@ -106,10 +105,3 @@ def _inside(folder: Path, name: str) -> Path:
     except ValueError:  # a NUL in the name
         pass
     raise InputError(f"{folder / MANIFEST}: files: {name!r} is not inside the folder")
-
-
-def _bytes(path: Path) -> bytes:
-    try:
-        return path.read_bytes()
-    except OSError as error:
-        raise InputError(f"{path}: cannot be read: {error.strerror}") from None

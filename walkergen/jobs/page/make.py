@@ -1,4 +1,4 @@
-"""The page: one HTML file that shows a family's folder and needs nothing but itself.
+"""Page of a family: one HTML file that shows its folder and needs nothing but itself.
 
 Everything that comes from files is escaped by the template engine, and a content security policy
 lets only the page's own scripts run and nothing be fetched.
@@ -28,34 +28,34 @@ HEADINGS = {
     "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
     "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
 }  # fmt: skip
-"""Of columns of family.csv, as in its Markdown; a column that is not here keeps its name."""
+"""Headings of columns of family.csv, as in its Markdown; other columns keep their names."""
 
 ERRORS = {"speed_mm_s": "speed_sd_mm_s", "sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
-"""Columns that are shown together with another one, behind ±."""
+"""Column of the error that stands behind ± in a column's cells, by that column."""
 
 NOTE = "note"
 
 
 class Cell(NamedTuple):
-    """What a table shows, and what it is sorted by."""
+    """Cell of a table: the text that is shown, and the value that the table is sorted by."""
 
     text: str
     value: str
 
 
 class Table(NamedTuple):
-    """The family's table as the page shows it."""
+    """Table of the family as the page shows it."""
 
     headings: list[str]
     rows: list[list[Cell]]
     common: dict[str, str]
-    """Words that are the same in every row, and therefore said once, by heading."""
+    """Words that are equal in every row, and therefore said once, by heading."""
     notes: list[str]
     """Notes of rows; note k is marked [k]."""
 
 
 class Map(NamedTuple):
-    """A table of plates/, which lists what lies where."""
+    """Table of plates/, which lists what lies where."""
 
     name: str
     headings: Sequence[str]
@@ -63,9 +63,9 @@ class Map(NamedTuple):
 
 
 def render(contents: Contents, version: str) -> bytes:
-    """The page as UTF-8; equal folders give equal bytes.
+    """Page as UTF-8; equal folders give equal bytes.
 
-    Raises InputError when the family's table or an STL file cannot be read.
+    Raises InputError when a table or an STL file of the folder is not as `family` writes it.
     """
     made = members.of(contents)
     manifest = contents.manifest
@@ -101,7 +101,7 @@ def render(contents: Contents, version: str) -> bytes:
 
 
 def table(made: Sequence[Member]) -> Table:
-    """The family's table: numbers to four digits or to their errors; equal words said once."""
+    """Table of the family: numbers to four digits or to their errors; equal words said once."""
     notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
     columns = [column for column in made[0].row if column not in ERRORS.values()]
     common = {
@@ -120,7 +120,7 @@ def table(made: Sequence[Member]) -> Table:
 
 
 def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """The manifest as groups of key and value: a group for every table of its top level."""
+    """Settings of a manifest, text by key, in a group for every table of its top level."""
     groups: dict[str, dict[str, str]] = {"run": {}}
     for key, value in data.items():
         if isinstance(value, Mapping):
@@ -131,7 +131,7 @@ def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
 
 
 def caption(contents: Contents) -> str:
-    """What the speeds rest on: the first paragraph of family.md, as text."""
+    """Caption of the speeds, which says what they rest on: the first paragraph of family.md."""
     source = contents.files.get(TABLE_PAGE, b"").decode("utf-8", "replace")
     tokens = MarkdownIt("js-default").parse(source)
     following = (after for token, after in pairwise(tokens) if token.type == "paragraph_open")
@@ -140,13 +140,13 @@ def caption(contents: Contents) -> str:
 
 
 def markup(source: bytes) -> markupsafe.Markup:
-    """A Markdown file as HTML, without raw HTML and pictures."""
+    """HTML of a Markdown file, without its pictures and with its own HTML shown as text."""
     text = source.decode("utf-8", "replace")
     return markupsafe.Markup(MarkdownIt("js-default").disable("image").render(text))
 
 
 def _is_sheet(name: str) -> bool:
-    """Print sheets: every Markdown file of the folder but the table's."""
+    """True for a print sheet: any Markdown file of the folder but the table's."""
     return name.endswith(".md") and name != TABLE_PAGE
 
 
@@ -165,7 +165,7 @@ def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
 
 
 def _fixed(value: float) -> str:
-    """One decimal, without a minus on zero."""
+    """Number with one decimal, without a minus on zero."""
     return _minus(f"{round(value, 1) + 0.0:.1f}")
 
 
@@ -174,7 +174,7 @@ def _minus(text: str) -> str:
 
 
 def _part(member: Member) -> dict[str, Any]:
-    """What the viewer needs of a member; corners are little-endian float32, exactly the STL's."""
+    """Data of a member for the viewer; corners are float32, little-endian, exactly the STL's."""
     mesh = member.corners
     data = None if mesh is None else base64.b64encode(mesh.astype("<f4").tobytes()).decode()
     return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "corners": data}
@@ -185,14 +185,14 @@ def _plates(contents: Contents, suffix: str) -> list[str]:
 
 
 def _picture(contents: Contents, name: str) -> str | None:
-    """A PNG file as a data URL; None when the folder has none."""
+    """Data URL of a PNG file; None when the folder has none."""
     data = contents.files.get(name)
     return None if data is None else f"data:image/png;base64,{base64.b64encode(data).decode()}"
 
 
 def _map(contents: Contents, name: str) -> Map:
-    headings, *rows = contents.rows(name)
-    return Map(name, headings, rows)
+    records = contents.records(name)
+    return Map(name, records.names, [list(row.values()) for _, row in records.rows])
 
 
 def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
@@ -212,7 +212,7 @@ def _told(value: Any) -> str:
 
 
 def _hash(script: str) -> str:
-    """A script's hash as a content security policy names it."""
+    """Hash of a script as a content security policy names it."""
     return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 

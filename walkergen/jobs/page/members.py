@@ -1,7 +1,6 @@
 """The members of a family read back from its files: a row of family.csv and a mesh from stl/."""
 
 import math
-from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -85,32 +84,26 @@ def corners(data: bytes, file: str) -> Corners:
     return found
 
 
-def _rows(contents: Contents, expected: int) -> Sequence[dict[str, str]]:
+def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
+    """Rows of the table, with all that the page cannot do without; raises InputError."""
     if TABLE not in contents.files:
         raise InputError(
             f"{TABLE}: missing; the page is made from it: write the folder again with "
             "`walkergen family`"
         )
-    headings, *lines = contents.rows(TABLE)
-    if len(lines) != expected or not 0 < expected <= MOST_ROWS:
+    rows = contents.records(TABLE).rows
+    if len(rows) != expected or not 0 < expected <= MOST_ROWS:
         raise InputError(
-            f"{TABLE}: {len(lines)} rows for {expected} members of the manifest; a page shows 1 to "
+            f"{TABLE}: {len(rows)} rows for {expected} members of the manifest; a page shows 1 to "
             f"{MOST_ROWS}, a row each"
         )
-    return [_row(headings, cells, line) for line, cells in enumerate(lines, start=2)]
-
-
-def _row(headings: Sequence[str], cells: Sequence[str], line: int) -> dict[str, str]:
-    """A checked line of the table; what the page cannot do without is there."""
-    if len(cells) != len(headings):
-        raise InputError(f"{TABLE}:{line}: {len(cells)} cells under {len(headings)} headings")
-    row = dict(zip(headings, cells, strict=True))
-    for column in NUMBERS:
-        if number(row.get(column, "")) is None:
-            raise InputError(
-                f"{TABLE}:{line}: {column}: must be a number, not {row.get(column, '')!r}"
-            )
-    for column in TEXTS:
-        if not row.get(column):
-            raise InputError(f"{TABLE}:{line}: {column}: missing")
-    return row
+    for line, row in rows:
+        for column in NUMBERS:
+            if number(row.get(column, "")) is None:
+                raise InputError(
+                    f"{TABLE}:{line}: {column}: must be a number, not {row.get(column, '')!r}"
+                )
+        for column in TEXTS:
+            if not row.get(column):
+                raise InputError(f"{TABLE}:{line}: {column}: missing")
+    return [row for _, row in rows]
