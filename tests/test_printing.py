@@ -12,6 +12,7 @@ import pytest
 import trimesh
 
 from walkergen.errors import SolidError
+from walkergen.files import stl
 from walkergen.printing import export
 from walkergen.printing import packing as plate
 from walkergen.printing.export import Item, Solid
@@ -109,7 +110,7 @@ def test_stl_is_closed_and_keeps_the_volume() -> None:
 def test_stl_normals_are_unit_and_point_outwards() -> None:
     mesh = prism()
     data = export.stl_bytes(mesh, "an L")
-    records = np.frombuffer(data, export.STL_TRIANGLE, offset=84)
+    records = np.frombuffer(data, stl.TRIANGLE, offset=84)
     assert np.allclose(np.linalg.norm(records["normal"], axis=1), 1.0, atol=1e-6)  # 32-bit floats
     below = records["corners"][:, :, 2].max(axis=1) == 0.0
     assert (records["normal"][below] == (0.0, 0.0, -1.0)).all()
@@ -118,7 +119,7 @@ def test_stl_normals_are_unit_and_point_outwards() -> None:
 
 def test_a_triangle_without_area_has_no_normal_and_no_warning() -> None:
     flat = Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]]))
-    record = np.frombuffer(export.stl_bytes(flat, ""), export.STL_TRIANGLE, offset=84)
+    record = np.frombuffer(export.stl_bytes(flat, ""), stl.TRIANGLE, offset=84)
     assert (record["normal"] == 0.0).all()
 
 

@@ -14,14 +14,12 @@ from functools import cache
 from typing import Any, NamedTuple
 
 import lib3mf
-import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.walker.mass import Array, Mesh
+from walkergen.files import stl
+from walkergen.walker.mass import Mesh
 
-STL_HEADER_BYTES = 80
-STL_TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
 APPLICATION = "walkergen"
 
 PRUSASLICER_NAMESPACE = b'<model xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06" '
@@ -32,41 +30,31 @@ NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]"
 
 
 class Solid(NamedTuple):
-    """One shape of a 3MF file, stored once however many copies are printed."""
+    """Shape in a 3MF file, stored once however many copies are printed."""
 
     name: str
     mesh: Mesh
 
 
 class Item(NamedTuple):
-    """One printed copy of a solid."""
+    """Printed copy of a solid."""
 
     solid: int
-    """Index into the solids."""
+    """Index of the copy's solid in the list of solids."""
     part_number: str
     x: float
-    """Where the left of the solid's bounding box goes, mm."""
+    """Place of the left of the solid's bounding box, mm."""
     y: float
-    """Where the front of the solid's bounding box goes, mm."""
+    """Place of the front of the solid's bounding box, mm."""
 
 
 def stl_bytes(mesh: Mesh, header: str) -> bytes:
-    """Binary STL in mm with unit normals (zero for a triangle without area).
-
-    The first 80 bytes begin with "binary STL", because readers take "solid" for the text format;
-    what the header holds beyond ASCII or beyond their end is lost.
-    """
-    records = np.zeros(len(mesh.triangles), STL_TRIANGLE)
-    corners = mesh.vertices[mesh.triangles]
-    records["corners"] = corners
-    records["normal"] = _unit_normals(corners)
-    start = f"binary STL, mm: {header}".encode("ascii", "replace")[:STL_HEADER_BYTES]
-    count = len(records).to_bytes(4, "little")
-    return start.ljust(STL_HEADER_BYTES) + count + records.tobytes()
+    """Binary STL of a mesh in mm, with its header after the words "binary STL, mm: "."""
+    return stl.pack(mesh.vertices[mesh.triangles], header)
 
 
 def part_3mf(mesh: Mesh, name: str) -> bytes:
-    """3MF file of one part, in the positive octant with its corner at the origin."""
+    """3MF file of a single part in mm, in the positive octant with its corner at the origin."""
     return threemf_bytes([Solid(name, mesh)], [Item(0, name, 0.0, 0.0)], name)
 
 
@@ -100,11 +88,11 @@ def threemf_bytes(
 
 
 def for_prusaslicer(data: bytes) -> bytes:
-    """The same 3MF file, declared to be PrusaSlicer's own, so that copies stay copies.
+    """3MF file of the same content, declared to be PrusaSlicer's own, so that copies stay copies.
 
     PrusaSlicer then lists each solid once with its copies, numbered from 0 in the order of the
     items, and slices it once; of other files it makes an object of every item. It looks for its
-    namespace by the prefix, which lib3mf does not let one choose. Measured with PrusaSlicer 2.5.
+    namespace by the prefix, which lib3mf does not let us choose. Measured with PrusaSlicer 2.5.
     """
     source, target = zipfile.ZipFile(io.BytesIO(data)), io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
@@ -124,6 +112,7 @@ def _wrapper() -> Any:
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
+    """Object of a model for a solid, its corner moved to the origin; raises SolidError."""
     name = _xml_safe(solid.name)
     added = model.AddMeshObject()
     added.SetName(name)
@@ -140,21 +129,15 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
 
 
 def _as_structures(structure: type[ctypes.Structure], rows: npt.NDArray[Any]) -> Any:
-    """A C array of structures from a numpy array with one row each, without a Python loop."""
+    """C array of structures from a numpy array with a row for each, without a Python loop."""
     return (structure * len(rows)).from_buffer_copy(rows.tobytes())
 
 
-def _unit_normals(corners: Array) -> Array:
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
-    units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
-    return units
-
-
 def _identifier(*words: str | int) -> str:
-    """A UUID that depends on nothing but the words."""
+    """UUID that depends on nothing but the words."""
     return str(uuid.uuid5(uuid.NAMESPACE_OID, "/".join(map(str, (APPLICATION, *words)))))
 
 
 def _xml_safe(text: str) -> str:
+    """Text with "_" in place of what XML cannot hold."""
     return NOT_XML.sub("_", text)

@@ -1,31 +1,27 @@
-"""The members of a family read back from its files: a row of family.csv and a mesh from stl/."""
+"""Members of a family read back from its files: a row of family.csv and a mesh from stl/."""
 
 import math
 from typing import NamedTuple
 
-import numpy as np
-import numpy.typing as npt
-
 from walkergen.errors import InputError
+from walkergen.files import stl
+from walkergen.files.stl import Corners
 from walkergen.jobs.page.contents import Contents
 
 TABLE = "family.csv"
-STL_HEADER_BYTES, STL_RECORD_BYTES = 84, 50
 NUMBERS = ("tilt_deg", "speed_mm_s", "speed_sd_mm_s")
 TEXTS = ("legs", "law")
 MOST_ROWS = 2000
 
-Corners = npt.NDArray[np.float32]
-
 
 class Member(NamedTuple):
-    """One walker as its files tell."""
+    """Walker of a family, as its files describe it."""
 
     name: str
     row: dict[str, str]
-    """Its line of family.csv, as text."""
+    """Row of family.csv, text by column."""
     corners: Corners | None
-    """(triangles, 3, 3) in mm, exactly as in the STL file; None when that is missing."""
+    """Corners (triangles, 3, 3) in mm, exactly as in the STL file; None without that file."""
 
     @property
     def legs(self) -> str:
@@ -38,13 +34,13 @@ class Member(NamedTuple):
         return float(self.row["tilt_deg"])
 
     def number(self, column: str) -> float | None:
-        """A number of its row; None where the table has no such column or leaves it empty."""
+        """Number in a column of the row; None where there is no such column, or no number in it."""
         text = self.row.get(column, "")
         return number(text) if text else None
 
 
 def number(text: str) -> float | None:
-    """The finite number that a text is, or None."""
+    """Finite number that a text stands for, or None."""
     try:
         value = float(text)
     except ValueError:
@@ -53,10 +49,10 @@ def number(text: str) -> float | None:
 
 
 def of(contents: Contents) -> list[Member]:
-    """The members in the manifest's order, which is also that of the rows of family.csv.
+    """Members in the manifest's order, which is also that of the rows of family.csv.
 
     Raises InputError when the table is missing, is not one of ours or has another length, and when
-    an STL file cannot be read.
+    an STL file is not sound.
     """
     names = contents.manifest.members
     rows = _rows(contents, len(names))
@@ -64,24 +60,8 @@ def of(contents: Contents) -> list[Member]:
     for name, row in zip(names, rows, strict=True):
         file = f"stl/{name}.stl"
         data = contents.files.get(file)
-        members.append(Member(name, row, None if data is None else corners(data, file)))
+        members.append(Member(name, row, None if data is None else stl.unpack(data, file)))
     return members
-
-
-def corners(data: bytes, file: str) -> Corners:
-    """Corners (triangles, 3, 3) of a binary STL file. Raises InputError, naming the file."""
-    count = int.from_bytes(data[80:84], "little")
-    size = STL_HEADER_BYTES + STL_RECORD_BYTES * count
-    if len(data) != size or count == 0:
-        raise InputError(
-            f"{file}: {len(data)} bytes is no binary STL file of {count} triangles; "
-            "write the folder again with `walkergen family`"
-        )
-    record = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
-    found: Corners = np.frombuffer(data, record, offset=STL_HEADER_BYTES)["corners"]
-    if not np.isfinite(found).all():
-        raise InputError(f"{file}: a corner is not finite; write the folder again")
-    return found
 
 
 def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:

@@ -1,0 +1,53 @@
+"""Binary STL files: a header, the number of triangles, and a record for each, in 32-bit floats."""
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+
+Array = npt.NDArray[np.float64]
+Corners = npt.NDArray[np.float32]
+
+HEADER_BYTES = 80
+COUNT_BYTES = 4
+TRIANGLE = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("attribute", "<u2")])
+
+
+def pack(corners: Array, header: str) -> bytes:
+    """Binary STL of corners (triangles, 3, 3) in mm; a triangle without area has a zero normal.
+
+    The header begins with "binary STL", because readers take "solid" for the text format; whatever
+    it would hold beyond ASCII or beyond its 80 bytes is lost.
+    """
+    records = np.zeros(len(corners), TRIANGLE)
+    records["corners"] = corners
+    records["normal"] = _unit_normals(corners)
+    start = f"binary STL, mm: {header}".encode("ascii", "replace")[:HEADER_BYTES]
+    count = len(records).to_bytes(COUNT_BYTES, "little")
+    return start.ljust(HEADER_BYTES) + count + records.tobytes()
+
+
+def unpack(data: bytes, source: str) -> Corners:
+    """Corners (triangles, 3, 3) of a binary STL, in its unit, exactly as they stand there.
+
+    Raises InputError, which begins with `source`, when the length is not that of a binary STL with
+    triangles, or when a corner is not finite.
+    """
+    start = HEADER_BYTES + COUNT_BYTES
+    count = int.from_bytes(data[HEADER_BYTES:start], "little")
+    if len(data) != start + count * TRIANGLE.itemsize or count == 0:
+        raise InputError(
+            f"{source}: {len(data)} bytes is no binary STL file of {count} triangles; write it anew"
+        )
+    corners: Corners = np.frombuffer(data, TRIANGLE, offset=start)["corners"]
+    if not np.isfinite(corners).all():
+        raise InputError(f"{source}: a corner is not finite; write the file anew")
+    return corners
+
+
+def _unit_normals(corners: Array) -> Array:
+    """Normals of length 1, shape (triangles, 3); zero for a triangle without area."""
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    units: Array = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    return units
