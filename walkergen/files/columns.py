@@ -31,7 +31,7 @@ NAMED = 5
 
 
 class Columns(NamedTuple):
-    """The usable rows of a file."""
+    """Usable rows of a file as numbers."""
 
     values: dict[str, Array]
     """Columns by name, each of shape (rows,); blank cells of optional columns are NaN."""
@@ -57,7 +57,7 @@ class Records(NamedTuple):
 
 
 def header(path: Path) -> list[str]:
-    """Names in the first line of a file; raises InputError when there is none, or one is twice."""
+    """Names in the first line of a file; raises InputError for no name and for equal names."""
     return _names(reading.lines(path, FORMAT), str(path))
 
 
@@ -70,16 +70,16 @@ def records(lines: Iterable[str], source: str) -> Records:
     stream = iter(lines)
     names = _names(stream, source)
     rows = []
-    for number, line in enumerate(stream, start=2):
-        row = _cells(line, source, number)
+    for at, line in enumerate(stream, start=2):
+        row = _cells(line, source, at)
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(names):
             raise InputError(
-                f"{source}:{number}: {len(row)} cells, the header has {len(names)}: separate cells "
+                f"{source}:{at}: {len(row)} cells, the header has {len(names)}: separate cells "
                 "by commas and write numbers with a decimal point"
             )
-        rows.append((number, dict(zip(names, row, strict=True))))
+        rows.append((at, dict(zip(names, row, strict=True))))
     return Records(names, rows)
 
 
@@ -102,8 +102,8 @@ def read(
     if missing:
         seen = ", ".join(name for name in names if name)[:200]
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
-    wanted = [name for name in (*required, *optional, *words) if name in names]
-    places = [names.index(name) for name in wanted]
+    wanted = (*required, *optional, *words)
+    places = {name: names.index(name) for name in wanted if name in names}
     chunks: list[list[Array]] = []
     lines: list[npt.NDArray[np.int64]] = []
     bad: dict[int, str] = {}
@@ -112,18 +112,27 @@ def read(
         if first + len(chunk) > MOST_ROWS:
             raise InputError(f"{path}: more than {MOST_ROWS} rows; split the file")
         numbers = np.arange(first, first + len(chunk))
-        values, wrong = _parse(chunk, numbers, str(path), wanted, places, len(required), words)
+        values, wrong = _parse(chunk, numbers, str(path), places, len(required), words)
         usable = np.array([bool(line.strip()) for line in chunk])
         usable[[line - first for line in wrong]] = False
         chunks.append([column[usable] for column in values])
         lines.append(numbers[usable])
         bad |= wrong
         first += len(chunk)
-    if not sum(len(part) for part in lines):
+    if not any(map(len, lines)):
         reason = summary(bad) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
-    joined = [np.concatenate(parts) for parts in zip(*chunks, strict=True)]
-    return Columns(dict(zip(wanted, joined, strict=True)), np.concatenate(lines), bad)
+    joined = map(np.concatenate, zip(*chunks, strict=True))
+    return Columns(dict(zip(places, joined, strict=True)), np.concatenate(lines), bad)
+
+
+def number(text: str) -> float | None:
+    """Finite number that a text stands for, or None."""
+    try:
+        value = float(text)
+    except ValueError:
+        return None
+    return value if math.isfinite(value) else None
 
 
 def summary(bad: dict[int, str]) -> str:
@@ -146,20 +155,19 @@ def _names(stream: Iterator[str], source: str) -> list[str]:
     return names
 
 
-def _cells(line: str, source: str, number: int) -> list[str]:
+def _cells(line: str, source: str, at: int) -> list[str]:
     """Cells of a line, of which there are none in an empty one; raises InputError."""
     try:
         return next(csv.reader([line]), [])
     except csv.Error as error:
-        raise InputError(f"{source}:{number}: not valid CSV: {error}") from None
+        raise InputError(f"{source}:{at}: not valid CSV: {error}") from None
 
 
 def _parse(
     chunk: list[str],
     numbers: npt.NDArray[np.int64],
     source: str,
-    names: Sequence[str],
-    places: Sequence[int],
+    places: Mapping[str, int],
     required: int,
     words: Mapping[str, Sequence[str]],
 ) -> tuple[list[Array], dict[int, str]]:
@@ -171,20 +179,18 @@ def _parse(
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell
         if not all(map(str.strip, chunk)):
             raise ValueError("blank lines, which loadtxt would drop")
-        values = list(
-            np.loadtxt(
-                chunk, delimiter=",", usecols=places, comments=None, quotechar='"', ndmin=2
-            ).T
+        table = np.loadtxt(
+            chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2
         )
+        values = list(table.T)
     except ValueError:
         rows = [_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
-        cells = zip(names, places, strict=True)
         values = [
             np.array([_number(row, place, n >= required, words.get(name, ())) for row in rows])
-            for n, (name, place) in enumerate(cells)
+            for n, (name, place) in enumerate(places.items())
         ]
     wrong: dict[int, str] = {}
-    for n, (name, place, column) in enumerate(zip(names, places, values, strict=True)):
+    for n, ((name, place), column) in enumerate(zip(places.items(), values, strict=True)):
         unusable = ~np.isfinite(column) if n < required else np.isinf(column)
         for index in np.flatnonzero(unusable):
             row = rows[index] if rows else _cells(chunk[index], source, numbers[index])

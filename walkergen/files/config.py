@@ -10,7 +10,6 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-import annotated_types
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from walkergen.errors import GeometryError, InputError
@@ -18,13 +17,15 @@ from walkergen.files import reading
 
 MOST_BYTES = 1_000_000
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
+SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
+"""Signs of the limits of a number, by pydantic's names of them."""
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 
 
 class Section(BaseModel):
-    """A table of a TOML file: frozen, strict numbers, unknown keys and NaN refused."""
+    """Table of a TOML file: frozen, with strict numbers; unknown keys and NaN are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
@@ -35,9 +36,9 @@ Model = TypeVar("Model", bound=Section)
 def read(path: Path, model: type[Model]) -> Model:
     """Read and validate a TOML file; its stem is the default of `name`.
 
-    Raises InputError that lists every mistake with its line.
+    Raises InputError when the file cannot be read, or with every mistake in it and its line.
     """
-    text = reading.text(path, "a TOML file", MOST_BYTES)
+    text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
     try:
         data = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -54,14 +55,17 @@ def read(path: Path, model: type[Model]) -> Model:
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "") -> Model:
-    """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes."""
+    """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes.
+
+    Raises InputError, or GeometryError for parts that cannot be built, a line for every mistake.
+    """
     try:
         return model.model_validate(data)
     except GeometryError as error:
         lines = []
-        for told in str(error).splitlines():  # each begins with its key
-            line = _line_of(_split_key(told.split(" ", 1)[0]), text)
-            lines.append(f"{source}:{line}: {told}" if line else f"{source}: {told}")
+        for problem in str(error).splitlines():  # each begins with its key
+            line = _line_of(_split_key(problem.split(" ", 1)[0]), text)
+            lines.append(f"{source}:{line}: {problem}" if line else f"{source}: {problem}")
         raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
@@ -69,6 +73,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
+    """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
     location = tuple(str(part) for part in mistake["loc"])
     line = _line_of(location, text)
     where = f"{source}:{line}" if line else source
@@ -99,9 +104,7 @@ def _line_of(location: tuple[str, ...], text: str) -> int | None:
             key = table + _split_key(pair[1])
         else:
             continue
-        if key == location[: len(key)] and len(key) >= len(location) - 1 and key != table:
-            return number
-        if key == location:
+        if key == location or (key == location[:-1] and key != table):
             return number
     return None
 
@@ -111,6 +114,7 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 
 
 def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:
+    """End of a line on an unknown key: the known key most like it, or all of its table."""
     known = [".".join(path) for path in _keys(model)]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
     if close:
@@ -121,6 +125,7 @@ def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:
 
 
 def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+    """Keys of a table and of all tables in it, each as the path that leads to it."""
     found: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         found.append((*prefix, name))
@@ -131,24 +136,22 @@ def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str,
 
 
 def _section_of(annotation: Any) -> type[Section] | None:
-    for candidate in (annotation, *get_args(annotation)):
-        if isinstance(candidate, type) and issubclass(candidate, Section):
-            return candidate
-    return None
+    """Table that a key of this annotation holds; None when it holds none."""
+    kinds = (annotation, *get_args(annotation))
+    return next((one for one in kinds if isinstance(one, type) and issubclass(one, Section)), None)
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
+    """Table at the end of a path of keys; None when the path leads to none."""
+    found: type[Section] | None = model
     for name in location:
-        field = model.model_fields.get(name)
-        inner = _section_of(field.annotation) if field else None
-        if inner is None:
-            return None
-        model = inner
-    return model
+        field = found.model_fields.get(name) if found else None
+        found = _section_of(field.annotation) if field else None
+    return found
 
 
 def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
-    """What a key may hold, in words, from the model's own constraints; '' when it has none."""
+    """Values that a key may hold, in words, from the model's constraints; '' when it has none."""
     table = _model_at(location[:-1], model) if location else None
     field = table.model_fields.get(location[-1]) if table and location else None
     if field is None:
@@ -157,31 +160,21 @@ def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
         return f"must be a table [{location[-1]}] of keys"
     metadata, types = list(field.metadata), [field.annotation]
     while types:
-        one = types.pop()
-        metadata += getattr(one, "__metadata__", ())
-        types += [part for part in get_args(one) if get_origin(one) is not Literal]
-        if get_origin(one) is Literal:
-            return "must be one of " + ", ".join(repr(choice) for choice in get_args(one))
+        annotation = types.pop()
+        if get_origin(annotation) is Literal:
+            return "must be one of " + ", ".join(map(repr, get_args(annotation)))
+        metadata += getattr(annotation, "__metadata__", ())
+        types += get_args(annotation)
     if any(getattr(item, "pattern", None) == NAME_PATTERN for item in metadata):
         return "must be 1 to 64 letters, digits, - or _, the first a letter or digit"
-    bounds = _bounds(metadata)
-    if bounds:
-        return f"must be a number {bounds}" + (
-            f" ({field.description})" if field.description else ""
-        )
+    if bounds := _bounds(metadata):
+        described = f" ({field.description})" if field.description else ""
+        return f"must be a number {bounds}{described}"
     return f"must be {field.description}" if field.description else ""
 
 
 def _bounds(metadata: list[Any]) -> str:
-    words = []
-    for item in metadata:
-        for part in getattr(item, "metadata", None) or [item]:
-            if isinstance(part, annotated_types.Gt):
-                words.append(f"> {part.gt:g}")
-            elif isinstance(part, annotated_types.Ge):
-                words.append(f">= {part.ge:g}")
-            elif isinstance(part, annotated_types.Lt):
-                words.append(f"< {part.lt:g}")
-            elif isinstance(part, annotated_types.Le):
-                words.append(f"<= {part.le:g}")
-    return " and ".join(words)
+    """Limits of a number in words, from the constraints of its field; '' when it has none."""
+    parts = [part for item in metadata for part in getattr(item, "metadata", None) or [item]]
+    limits = [(sign, getattr(part, key, None)) for part in parts for key, sign in SIGNS.items()]
+    return " and ".join(f"{sign} {limit:g}" for sign, limit in limits if limit is not None)

@@ -10,18 +10,10 @@ from pathlib import Path
 from walkergen.errors import InputError
 
 
-def content(path: Path, format: str = "a file", most_bytes: int | None = None) -> bytes:
-    """Bytes of a file. Raises InputError when it cannot be read or exceeds `most_bytes`."""
-    with _explained(path, format, most_bytes):
+def content(path: Path) -> bytes:
+    """Bytes of a file, whatever its format. Raises InputError when it cannot be read."""
+    with _explained(path, "a file"):
         return path.read_bytes()
-
-
-def text(path: Path, format: str, most_bytes: int | None = None) -> str:
-    """Text of a UTF-8 file, without the byte order mark that some editors put first.
-
-    Raises InputError when the file cannot be read, is not UTF-8 or exceeds `most_bytes`.
-    """
-    return "".join(lines(path, format, most_bytes))
 
 
 def lines(path: Path, format: str, most_bytes: int | None = None) -> Iterator[str]:
@@ -35,7 +27,7 @@ def lines(path: Path, format: str, most_bytes: int | None = None) -> Iterator[st
 
 
 @contextmanager
-def _explained(path: Path, format: str, most_bytes: int | None) -> Iterator[None]:
+def _explained(path: Path, format: str, most_bytes: int | None = None) -> Iterator[None]:
     """Guard of the reading of a file; raises InputError, in words, for whatever stops it."""
     try:
         if path.is_dir():

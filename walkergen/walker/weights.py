@@ -27,24 +27,24 @@ QUANTITIES = ("grams", "body_g", "leg_g")
 HEADER = ",".join(("part", *QUANTITIES))
 MOST_BYTES = 10_000_000
 FACTOR = 10.0
-"""A mass this many times the mesh's, or its fraction, is taken for a wrong unit or part."""
+"""Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
 
 COPY = re.compile(r"-[1-9][0-9]*$")
 SEPARATOR = re.compile(r"[,;\t]")
 
 
 class Mean(NamedTuple):
-    """Repeated weighings of one quantity."""
+    """Mean of repeated weighings of a quantity."""
 
     mean: float
-    """g"""
+    """Mean mass, g."""
     error: float | None
     """Standard error of the mean, g; None for a single weighing."""
     weighings: int
 
 
 class Weighings(NamedTuple):
-    """What was weighed of one part, over all its copies."""
+    """Masses that were weighed of a part, over all its copies."""
 
     grams: Mean | None = None
     body_g: Mean | None = None
@@ -52,12 +52,12 @@ class Weighings(NamedTuple):
 
 
 def template(parts: Iterable[str]) -> str:
-    """A weights.csv to fill in: a line for every part, without numbers."""
+    """Text of a weights.csv to fill in: a line for every part, without numbers."""
     return "\n".join([HEADER, *(part + "," * len(QUANTITIES) for part in parts)]) + "\n"
 
 
 def filled(path: Path) -> bool:
-    """True when a file exists that holds more than names: somebody's work, to be kept."""
+    """True when a file exists that holds more than names: work to keep. Raises InputError."""
     if not path.is_file():
         return False
     lines = reading.content(path).decode("utf-8", "replace").splitlines()
@@ -68,15 +68,15 @@ def filled(path: Path) -> bool:
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Mean masses by the names of members, copies (NAME-3) taken together.
 
-    Raises InputError that names every bad line, and every unknown part with its near matches.
+    Raises InputError when the file is no table of masses, or with every line of a wrong mass and
+    every unknown part with its near matches.
     """
     rows, parts = _rows(path), [names.part(design) for design in members]
     found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
-            values = _values(row)
-            if values:
+            if values := _values(row):
                 part = _known(row["part"].strip(), parts)
                 for quantity, value in values.items():
                     found[part][quantity].append(value)
@@ -93,7 +93,7 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
 
 
 def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
-    """The design with weighed masses in place of the mesh's.
+    """Design with weighed masses in place of the mesh's.
 
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
@@ -122,7 +122,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
 
 
 def meshed(design: Design) -> Design:
-    """The design with its mesh's masses, whatever was weighed."""
+    """Design with its mesh's masses, whatever was weighed."""
     plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
     return design.model_copy(update={"weighed": plain})
 
@@ -141,7 +141,7 @@ def total_error(weighed: Weighings) -> float | None:
 
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
-    """Rows of a file by their lines, cells by column. Raises InputError for columns of others."""
+    """Rows of a weights.csv by their lines, cells by column; raises InputError."""
     found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
     wrong = [name for name in found.names if name not in ("part", *QUANTITIES)]
     if wrong or "part" not in found.names or len(found.names) < 2:
@@ -153,23 +153,19 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
 
 
 def _values(row: Mapping[str, str]) -> dict[str, float]:
+    """Masses of a row in g by quantity, without blank cells; raises InputError."""
     found = {}
     for quantity in QUANTITIES:
-        cell = row.get(quantity, "").strip()
-        if not cell:
-            continue
-        try:
-            value = float(cell)
-        except ValueError:
-            value = math.nan
-        if not 0.0 < value < math.inf:
-            raise InputError(f"{quantity} = {cell[:30]!r}: must be a number > 0, in grams")
-        found[quantity] = value
+        if cell := row.get(quantity, "").strip():
+            value = columns.number(cell)
+            if value is None or value <= 0.0:
+                raise InputError(f"{quantity} = {cell[:30]!r}: must be a number > 0, in grams")
+            found[quantity] = value
     return found
 
 
 def _known(name: str, parts: Sequence[str]) -> str:
-    """The part of a name as in stl/ or, with the number of its copy, as on a plate map."""
+    """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
     for candidate in (name, COPY.sub("", name)):
         if candidate in parts:
             return candidate
@@ -179,13 +175,14 @@ def _known(name: str, parts: Sequence[str]) -> str:
 
 
 def _mean(values: Sequence[float]) -> Mean:
+    """Mean of masses in g, with its standard error from their spread."""
     count = len(values)
     error = float(np.std(values, ddof=1)) / math.sqrt(count) if count > 1 else None
     return Mean(float(np.mean(values)), error, count)
 
 
 def write_template(folder: Path, parts: Iterable[str]) -> None:
-    """Write folder/weights.csv to fill in, unless somebody has."""
+    """Write folder/weights.csv to fill in, unless somebody has. Raises InputError, OutputError."""
     path = folder / FILE
     if not filled(path):
         output.write(path, template(parts).encode())

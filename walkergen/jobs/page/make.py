@@ -16,9 +16,10 @@ import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
+from walkergen.files.columns import number
 from walkergen.jobs.page import chart, members, references
 from walkergen.jobs.page.contents import Contents
-from walkergen.jobs.page.members import Member, number
+from walkergen.jobs.page.members import Member
 
 TABLE_PAGE, SPEED, PREVIEW = "family.md", "speed.png", "preview.png"
 
@@ -54,14 +55,6 @@ class Table(NamedTuple):
     """Notes of rows; note k is marked [k]."""
 
 
-class Map(NamedTuple):
-    """Table of plates/, which lists what lies where."""
-
-    name: str
-    headings: Sequence[str]
-    rows: Sequence[Sequence[str]]
-
-
 def render(contents: Contents, version: str) -> bytes:
     """Page as UTF-8; equal folders give equal bytes.
 
@@ -82,7 +75,7 @@ def render(contents: Contents, version: str) -> bytes:
         "caption": caption(contents),
         "pictures": {name: _picture(contents, name) for name in (SPEED, PREVIEW)},
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
-        "maps": [_map(contents, name) for name in _plates(contents, ".csv")],
+        "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
         "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
         "settings": settings(manifest.model_dump(exclude={"members", "files"})),
         "references": references.cited(
@@ -188,11 +181,6 @@ def _picture(contents: Contents, name: str) -> str | None:
     """Data URL of a PNG file; None when the folder has none."""
     data = contents.files.get(name)
     return None if data is None else f"data:image/png;base64,{base64.b64encode(data).decode()}"
-
-
-def _map(contents: Contents, name: str) -> Map:
-    records = contents.records(name)
-    return Map(name, records.names, [list(row.values()) for _, row in records.rows])
 
 
 def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:

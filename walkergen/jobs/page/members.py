@@ -1,10 +1,10 @@
 """Members of a family read back from its files: a row of family.csv and a mesh from stl/."""
 
-import math
 from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import stl
+from walkergen.files.columns import number
 from walkergen.files.stl import Corners
 from walkergen.jobs.page.contents import Contents
 
@@ -37,15 +37,6 @@ class Member(NamedTuple):
         """Number in a column of the row; None where there is no such column, or no number in it."""
         text = self.row.get(column, "")
         return number(text) if text else None
-
-
-def number(text: str) -> float | None:
-    """Finite number that a text stands for, or None."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def of(contents: Contents) -> list[Member]:
