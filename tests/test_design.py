@@ -35,7 +35,7 @@ def test_toml_round_trip(tmp_path):
             "weighed": {"body_mass_g": 0.8},
         }
     )
-    assert config.read(written(tmp_path, design.to_toml()), Design) == design
+    assert config.read(written(tmp_path, templates.dump(design, "mine")), Design) == design
 
 
 def test_whole_numbers_are_numbers(tmp_path):

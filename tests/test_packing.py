@@ -62,7 +62,8 @@ def test_every_shipped_printer_is_tested() -> None:
 
 def test_a_bed_is_usable_at_the_extremes_of_its_ranges() -> None:
     tight = Printer(bed_width_mm=50.0, bed_depth_mm=50.0, height_mm=1.0, margin_mm=20.0)
-    assert min(tight.usable_bed) > 0.0
+    assert plate.capacity(part("small", (10.0, 10.0, 1.0)), tight) == 1
+    assert plate.capacity(part("large", (10.0, 10.1, 1.0)), tight) == 0
 
 
 def test_a_wrong_printer_is_refused_with_key_and_range() -> None:

@@ -1,4 +1,4 @@
-"""Design: what a person chooses about a walker; validated once, here.
+"""Design of a walker: all that a person chooses about it, validated once, here.
 
 Geometry in the x-y plane with the middle of the body at the origin, y up; both legs leave the
 body's bottom face at their anchors, tilted so that the feet lie behind them for tilt > 0, and the
@@ -26,7 +26,7 @@ Point = tuple[float, float]
 
 
 class Body(Section):
-    """The massive top: a rectangle in the x-y plane, extruded by its depth."""
+    """Massive top of a walker: a rectangle in the x-y plane, extruded by its depth."""
 
     length_mm: Length = 28.0
     depth_mm: Length = 8.0
@@ -34,7 +34,7 @@ class Body(Section):
 
 
 class Legs(Section):
-    """Both legs are alike; `kind` says which of the two thicknesses applies."""
+    """Legs of a walker, which are alike; `kind` says which of the two thicknesses applies."""
 
     kind: Kind = "flexible"
     tilt_deg: Tilt = 10.0
@@ -47,14 +47,14 @@ class Legs(Section):
 
 
 class Material(Section):
-    """Printed material; solid infill is assumed."""
+    """Material that a walker is printed of, with solid infill."""
 
     density_g_cm3: Annotated[float, Field(gt=0, le=100)] = 1.24
     youngs_modulus_gpa: Annotated[float, Field(gt=0, le=1e4)] = 3.0
 
 
 class Weighed(Section):
-    """Masses from a balance, which override the mesh's; and how well masses are known."""
+    """Masses from a balance, which override the mesh's, and the spread of masses."""
 
     body_mass_g: MassGram | None = None
     leg_mass_g: MassGram | None = None
@@ -62,7 +62,7 @@ class Weighed(Section):
 
 
 class Family(Section):
-    """Which members `walkergen family` makes when the command line does not say."""
+    """Members that `walkergen family` makes when the command line does not say which."""
 
     tilt_deg: Annotated[list[Tilt], Field(min_length=1, max_length=1000)] = Field(
         default_factory=lambda: [float(tilt) for tilt in range(0, 50, 5)]
@@ -78,7 +78,7 @@ class Family(Section):
 
 
 class Design(Section):
-    """One walker. Construction raises GeometryError when its parts cannot be built as drawn."""
+    """Design of a walker. Construction raises GeometryError for parts that cannot be built."""
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -91,8 +91,7 @@ class Design(Section):
 
     @model_validator(mode="after")
     def _buildable(self) -> "Design":
-        problems = _problems(self)
-        if problems:
+        if problems := _problems(self):
             raise GeometryError("\n".join(problems))
         return self
 
@@ -113,7 +112,7 @@ class Design(Section):
 
     @property
     def anchor_to_foot(self) -> Point:
-        """From the anchor (centre line on the bottom face) to the point that touches the plate, mm.
+        """Vector from an anchor (centre line on the bottom face) to where the leg touches, in mm.
 
         Flat foot (cut parallel to the plate): the middle of the cut. Square (cut across the leg):
         its lower corner. Round (a half circle): the lowest point of the arc. The centre line from
@@ -130,7 +129,7 @@ class Design(Section):
 
     @property
     def brace_offset(self) -> float:
-        """From an anchor to the middle of its brace along x, mm: the brace stands on the foot."""
+        """Distance along x from an anchor to the middle of its brace, which is on the foot, mm."""
         sin = math.sin(self.tilt)
         if self.legs.foot == "round":
             return -(self.legs.length_mm - 0.5 * self.leg_thickness) * sin
@@ -138,14 +137,14 @@ class Design(Section):
 
     @property
     def anchors(self) -> tuple[Point, Point]:
-        """Back and front anchor on the body's bottom face, from the middle of the body, mm."""
+        """Back and front anchors on the body's bottom face, from the middle of the body, mm."""
         half_spacing = 0.5 * self.legs.contact_spacing_mm
         shift = -self.anchor_to_foot[0]
         bottom = -0.5 * self.body.thickness_mm
         return (shift - half_spacing, bottom), (shift + half_spacing, bottom)
 
     def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None) -> "Design":
-        """The same design with another tilt or kind of legs, validated anew."""
+        """Design with another tilt or kind of legs. Raises InputError or GeometryError."""
         changes = {"tilt_deg": tilt_deg, "kind": kind}
         data = self.model_dump()
         data["legs"] |= {key: value for key, value in changes.items() if value is not None}
@@ -154,7 +153,7 @@ class Design(Section):
     def members(
         self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None
     ) -> list["Design"]:
-        """Every variant of a family, kinds outermost; by default those of its [family] table.
+        """Variants of a family, kinds outermost; by default those of its [family] table.
 
         Raises GeometryError, with the limit that was passed, if any member cannot be built.
         """
@@ -179,23 +178,17 @@ class Design(Section):
 
     @property
     def mark(self) -> str:
-        """What the part shows: its tilt in digits, its notches drawn with #, or nothing."""
+        """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
         return word(self.marks, self.family.tilt_deg, self.legs.tilt_deg)
 
     @property
     def unmarked(self) -> "Design":
-        """The same design without marks."""
+        """Design without marks, otherwise the same."""
         return self.model_copy(update={"marks": Marks()})
-
-    def to_toml(self) -> str:
-        """The design as TOML that `read` takes back."""
-        import tomli_w
-
-        return tomli_w.dumps(self.model_dump(exclude_none=True))
 
 
 def _problems(design: Design) -> list[str]:
-    """What cannot be built, one line each, with the limit that was passed."""
+    """Problems that keep a design from being built, a line each, with the limit passed."""
     found = []
     for text in _impossible(design, design.legs.tilt_deg):
         limit = _largest_tilt(design)
@@ -207,6 +200,7 @@ def _problems(design: Design) -> list[str]:
 
 
 def _impossible(design: Design, tilt_deg: float) -> list[str]:
+    """Problems of body, legs and braces at a tilt in deg, whatever the design's own tilt is."""
     legs, body = design.legs, design.body
     thickness = design.leg_thickness
     trial = design.model_copy(update={"legs": legs.model_copy(update={"tilt_deg": tilt_deg})})
@@ -244,6 +238,7 @@ def _impossible(design: Design, tilt_deg: float) -> list[str]:
 
 
 def _impossible_brace(trial: Design, tilt: float, half_width: float, half_body: float) -> list[str]:
+    """Problems of the braces at the trial's tilt, here in rad and without sign; widths in mm."""
     legs = trial.legs
     brace = legs.brace_thickness_mm
     found = []
@@ -276,8 +271,5 @@ def _largest_tilt(design: Design) -> float | None:
     good, bad = 0.0, design.legs.tilt_deg
     for _ in range(40):
         middle = 0.5 * (good + bad)
-        if _impossible(design, middle):
-            bad = middle
-        else:
-            good = middle
+        good, bad = (good, middle) if _impossible(design, middle) else (middle, bad)
     return math.copysign(math.floor(abs(good) * 100) / 100, good)
