@@ -133,6 +133,12 @@ def test_stl_has_the_standard_length_and_is_never_taken_for_text(header: str) ->
     assert data[:80].isascii()
 
 
+def test_stl_gives_its_corners_back() -> None:
+    mesh = prism(shift=(0.1, 0.2, 0.3))
+    found = stl.unpack(export.stl_bytes(mesh, "an L"), "l.stl")
+    assert (found == mesh.vertices[mesh.triangles].astype("f4")).all()
+
+
 def test_equal_meshes_give_equal_stl_whatever_their_memory_layout() -> None:
     mesh = prism()
     other = Mesh(np.asfortranarray(mesh.vertices), mesh.triangles.astype(np.int32))

@@ -1,0 +1,68 @@
+"""The one reader of people's files: what it forgives, what it refuses, what it leaves alone."""
+
+from pathlib import Path
+
+import pytest
+
+from walkergen.errors import InputError
+from walkergen.files import columns, config, reading
+from walkergen.walker.design import Design
+
+
+def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_bytes(b"\xef\xbb\xbf[legs]\r\ntilt_deg = 12\r\n")
+    assert list(reading.lines(path, "a TOML file")) == ["[legs]\n", "tilt_deg = 12\n"]
+    assert config.read(path, Design).legs.tilt_deg == 12.0
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [
+        (".", "is a folder; give a CSV file"),
+        ("none.csv", "no such file"),
+        ("latin.csv", "not a CSV file in UTF-8: byte 0xe9; save it as UTF-8"),
+        ("large.csv", "11 bytes, more than 10: is it the right file?"),
+        ("x" * 300, "cannot be read: File name too long"),
+        ("a\0b", "cannot be read: embedded null byte"),
+    ],
+)
+def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypatch, name, told):
+    (tmp_path / "latin.csv").write_bytes(b"caf\xe9\n")
+    (tmp_path / "large.csv").write_bytes(b"0123456789\n")
+    monkeypatch.chdir(tmp_path)
+    with pytest.raises(InputError) as caught:
+        list(reading.lines(Path(name), "a CSV file", 10))
+    assert str(caught.value).endswith(told)
+    assert name[:60] in str(caught.value).replace("\\x00", "\0")
+    assert "\n" not in str(caught.value)
+
+
+def test_a_mistake_of_the_code_that_reads_is_not_blamed_on_the_file(tmp_path):
+    path = tmp_path / "sound.csv"
+    path.write_text("a\n1\n")
+    with pytest.raises(ValueError, match="mine"):
+        [int(f"mine {line}") for line in reading.lines(path, "a CSV file")]
+
+
+def test_records_are_cells_by_column_and_line():
+    found = columns.records(["a, b\n", '1,"x,y"\n', "\n", " , \n", '2,"open\n', "3,z\n"], "mine")
+    assert found.names == ["a", "b"]
+    assert found.rows == [
+        (2, {"a": "1", "b": "x,y"}), (5, {"a": "2", "b": "open\n"}), (6, {"a": "3", "b": "z"}),
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("lines", "told"),
+    [
+        ([], "mine: is empty"),
+        (["a,a\n"], "mine:1: column 'a' occurs twice"),
+        (["a,b\n", "\n", "1,2,3\n"], "mine:3: 3 cells, the header has 2"),
+        (["a\n", "x" * 200_000], "mine:2: not valid CSV: field larger"),
+    ],
+)
+def test_records_are_refused_by_their_line(lines, told):
+    with pytest.raises(InputError) as caught:
+        columns.records(lines, "mine")
+    assert str(caught.value).startswith(told)
