@@ -24,10 +24,10 @@ def accuracy(
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
     only: Annotated[
-        str, typer.Option("--only", metavar="LADDERS", help="models, steps, statistics, shape.")
+        str, typer.Option("--only", metavar="LADDERS", help="Comma-separated ladders to measure.")
     ] = "models,steps,statistics,shape",
     budget: Annotated[
-        str, typer.Option("--budget", metavar="TIME", help="For the simulations: 60s, 5min, 1h.")
+        str, typer.Option("--budget", metavar="TIME", help="Time for simulating: 60s, 5min, 1h.")
     ] = "100s",
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -60,7 +60,7 @@ def accuracy(
 
 
 def parse_time(text: str) -> float:
-    """Seconds of "60s", "5min" or "1h". Raises InputError."""
+    """Convert "60s", "5min" or "1h" into seconds. Raises InputError outside 1 s to 24 h."""
     units = {"min": 60.0, "s": 1.0, "h": 3600.0}
     unit = next((unit for unit in units if text.endswith(unit)), "")
     try:

@@ -13,18 +13,20 @@ if TYPE_CHECKING:
 
 
 def analyse(
-    file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="Tracks of walkers.")],
-    fps: Annotated[float | None, typer.Option(help="Frames per second of a film.")] = None,
-    mm_per_px: Annotated[float | None, typer.Option(help="Millimetres per pixel.")] = None,
+    file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="File of tracks of walkers.")],
+    fps: Annotated[float | None, typer.Option(help="Frames per second of the film.")] = None,
+    mm_per_px: Annotated[
+        float | None, typer.Option(help="Millimetres per pixel of the film.")
+    ] = None,
     y_down: Annotated[
-        bool, typer.Option("--y-down", help="y grows downward, as rows of an image do.")
+        bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")
     ] = False,
     lane: Annotated[
-        bool, typer.Option("--lane", help="The walkers ran in a lane along x; y says nothing.")
+        bool, typer.Option("--lane", help="Ignore y: the walkers ran in a lane along x.")
     ] = False,
     lag_ms: Annotated[
         float | None,
-        typer.Option(help="Lag of displacements along and across the body; 40 unless given."),
+        typer.Option(help="Lag of displacements along and across the body, ms; 40 by default."),
     ] = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
@@ -34,8 +36,8 @@ def analyse(
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
     A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading
-    theta (rad) or theta_deg, counted from x toward y. A simulation is what simulate --trajectory
-    writes. Tracks at several plate speeds say so in a column plate_speed_mm_s.
+    theta (rad) or theta_deg, counted from x toward y. A simulation is a file that simulate
+    --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s.
     """
     from walkergen.analysis.tracks import Units
     from walkergen.files import output
@@ -53,7 +55,7 @@ def analyse(
 
 
 def _motion_as_json(found: "Analysed") -> None:
-    """Print everything measured, and what was noted while reading."""
+    """Print everything measured, and the notes made while reading, as JSON."""
     from walkergen.jobs.analyse import tables as motion_tables
 
     data = motion_tables.as_dict(found.motion)
@@ -62,7 +64,7 @@ def _motion_as_json(found: "Analysed") -> None:
 
 
 def _show_motion(found: "Analysed", title: str) -> None:
-    """Print the table of what was measured."""
+    """Print the table of measured quantities, and the notes made while reading."""
     from rich.console import Console
 
     from walkergen.jobs.analyse import tables as motion_tables

@@ -42,7 +42,7 @@ def check(
 
 
 def _show_checked(found: "Checked", printer: "Printer") -> None:
-    """Print how walls come out in lines, warnings and advice; errors follow as such."""
+    """Print the walls in printed lines, warnings and advice; errors are left to `checks.refuse`."""
     from walkergen.printing import checks
 
     print(f"{'wall':8s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")

@@ -25,7 +25,7 @@ def explain(
     friction: opt.Friction = None,
     gamma: opt.Gamma = None,
     frequency: opt.Frequency = None,
-    cost: Annotated[bool, typer.Option(help="Measure what the effects cost.")] = True,
+    cost: Annotated[bool, typer.Option(help="Measure the CPU time that each effect costs.")] = True,
     json: opt.AsJson = False,
 ) -> None:
     """Say which effects a scene calls for, why, how large they are and what they cost."""

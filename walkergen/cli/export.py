@@ -15,13 +15,13 @@ def export(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     formats: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="stl, 3mf, or stl,3mf.")
+        str, typer.Option("--format", metavar="FORMAT", help="File formats: stl, 3mf, or stl,3mf.")
     ] = "stl",
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Write walkers as STL or 3MF files, one a walker."""
+    """Write walkers as STL or 3MF files, one file per walker."""
     from walkergen.jobs.orders import make as batch
 
     wanted = [word.strip() for word in formats.split(",")]

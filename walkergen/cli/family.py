@@ -32,13 +32,13 @@ def family(
     weights: opt.WeightsFile = None,
     out: opt.Out = None,
     simulate: Annotated[
-        bool, typer.Option("--simulate", help="Simulate every walker as well (minutes).")
+        bool, typer.Option("--simulate", help="Simulate every walker as well (takes minutes).")
     ] = False,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     measured: Annotated[
         Path | None,
-        typer.Option("--measured", metavar="FILE", help="CSV of measured speeds, for speed.png."),
+        typer.Option("--measured", metavar="FILE", help="Measured speeds (CSV) for speed.png."),
     ] = None,
     pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
     strict: opt.Strict = False,
@@ -86,7 +86,7 @@ def family(
 
 
 def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured | None":
-    """Measured speeds on the scene's plate; what is left out is told on the error stream."""
+    """Read speeds measured on the scene's plate; name rows left out on the error stream."""
     if path is None:
         return None
     from walkergen.analysis import speeds

@@ -13,14 +13,14 @@ if TYPE_CHECKING:
 
 
 def fit(
-    file: Annotated[Path, typer.Argument(metavar="SPEEDS.csv", help="Measured speeds by tilt.")],
+    file: Annotated[Path, typer.Argument(metavar="SPEEDS.csv", help="File of measured speeds.")],
     design: Annotated[
-        str, typer.Option("--design", metavar="DESIGN", help="A template's name or a TOML file.")
+        str, typer.Option("--design", metavar="DESIGN", help="Walker: a template or a TOML file.")
     ] = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
     fix: Annotated[
         list[str] | None,
-        typer.Option("--fix", metavar="NAME=VALUE", help="Not fitted; restitution=0.8, say."),
+        typer.Option("--fix", metavar="NAME=VALUE", help="Parameter to hold: restitution=0.8."),
     ] = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
@@ -31,8 +31,8 @@ def fit(
 ) -> None:
     """Estimate friction, restitution and impact speed from measured speeds against tilt.
 
-    Columns of the CSV file: tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or
-    braced) and plate_speed_mm_s, which are the design's and the scene's otherwise.
+    The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or
+    braced; otherwise the design's) and plate_speed_mm_s (otherwise the scene's).
     """
     from walkergen.files import output
     from walkergen.jobs.fit import make as calibration
@@ -51,7 +51,7 @@ def fit(
 
 
 def _fit_as_json(found: "Fitted") -> None:
-    """Print the fitted parameters and what was noted."""
+    """Print the fitted parameters and the notes on them as JSON."""
     from walkergen.jobs.fit import tables as fit_tables
 
     data = fit_tables.as_dict(found.fit)
@@ -59,7 +59,7 @@ def _fit_as_json(found: "Fitted") -> None:
 
 
 def _show_fit(found: "Fitted", title: str) -> None:
-    """Print the table of fitted parameters and what to make of them."""
+    """Print the table of fitted parameters, the quality of the fit and the notes."""
     from rich.console import Console
 
     from walkergen.jobs.fit import tables as fit_tables

@@ -19,17 +19,17 @@ def movie(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     seconds: Annotated[
-        float | None, typer.Option("--seconds", help="Simulated time shown.")
+        float | None, typer.Option("--seconds", help="Simulated time to show, s.")
     ] = None,
     periods: Annotated[
         float | None,
-        typer.Option("--periods", help="The same in periods of the drive."),
+        typer.Option("--periods", help="Time to show, in periods of the drive."),
     ] = None,
     slow: Annotated[
         float | None,
-        typer.Option("--slow", metavar="N", help="Play N times slower."),
+        typer.Option("--slow", metavar="N", help="Play N times slower than real time."),
     ] = None,
-    fps: Annotated[int, typer.Option("--fps", help="Frames a second: 10, 20, 25, 50.")] = 25,
+    fps: Annotated[int, typer.Option("--fps", help="Frames per second: 10, 20, 25 or 50.")] = 25,
     model: opt.Model = None,
     method: opt.Method = None,
     law: opt.LawName = None,
@@ -41,7 +41,7 @@ def movie(
     seed: opt.Seed = None,
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="The GIF; the MP4 comes beside it."),
+        typer.Option("--out", metavar="FILE", help="GIF to write; the MP4 comes beside it."),
     ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,

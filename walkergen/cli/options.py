@@ -15,64 +15,74 @@ if TYPE_CHECKING:
     from walkergen.walker.design import Design, Kind
 
 PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
-"""The templates that commands take unless told otherwise."""
+"""Templates of the walker, the scene and the printer that commands use by default."""
 
 MOST_TILTS = 1000
 MOST_COPIES = 5000
 
 DesignName = Annotated[
-    str, typer.Argument(metavar="DESIGN", help="A template's name or the path of a TOML file.")
+    str, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.")
 ]
 OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
-OneKind = Annotated[str | None, typer.Option("--legs", metavar="KIND", help="flexible or braced.")]
+OneKind = Annotated[
+    str | None, typer.Option("--legs", metavar="KIND", help="Kind of legs: flexible or braced.")
+]
 Tilt = Annotated[
     str | None,
-    typer.Option("--tilt", metavar="DEG", help="Tilts: 10, or 5,10,15, or FIRST:LAST:STEP."),
+    typer.Option("--tilt", metavar="DEG", help="Tilts, deg: 10, or 5,10,15, or FIRST:LAST:STEP."),
 ]
 LegKinds = Annotated[
-    str | None, typer.Option("--legs", metavar="KIND", help="flexible, braced, or flexible,braced.")
+    str | None,
+    typer.Option(
+        "--legs", metavar="KIND", help="Kinds of legs: flexible, braced, or flexible,braced."
+    ),
 ]
 SceneName = Annotated[
-    str, typer.Option("--scene", metavar="SCENE", help="A template's name or a TOML file.")
+    str, typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file.")
 ]
 Restitution = Annotated[
     float | None, typer.Option("--restitution", help="Coefficient of restitution, 0..1.")
 ]
-Friction = Annotated[float | None, typer.Option("--friction", help="Coulomb friction, >= 0.")]
+Friction = Annotated[float | None, typer.Option("--friction", help="Friction coefficient, >= 0.")]
 ModeName = Annotated[
     str,
-    typer.Option("--mode", metavar="MODE", help="coulomb (feet may stick) or paper (eq. 15)."),
+    typer.Option(
+        "--mode", metavar="MODE", help="Theory: coulomb (feet may stick) or paper (eq. 15)."
+    ),
 ]
 LawName = Annotated[
     str | None,
-    typer.Option("--law", metavar="LAW", help="Law of restitution: poisson, newton, stronge."),
+    typer.Option("--law", metavar="LAW", help="Law of restitution: poisson, newton or stronge."),
 ]
 Seconds = Annotated[
     float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
 ]
-Runs = Annotated[int | None, typer.Option("--runs", help="Independent simulated runs.")]
-Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' phases and drops.")]
+Runs = Annotated[int | None, typer.Option("--runs", help="Number of simulated runs.")]
+Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' random starts.")]
 Model = Annotated[
-    str | None, typer.Option("--model", metavar="MODEL", help="rigid, relaxed, compliant or auto.")
+    str | None,
+    typer.Option("--model", metavar="MODEL", help="Model: rigid, relaxed, compliant or auto."),
 ]
 Method = Annotated[
-    str | None, typer.Option("--method", metavar="METHOD", help="event, step or auto.")
+    str | None, typer.Option("--method", metavar="METHOD", help="Method: event, step or auto.")
 ]
 Gamma = Annotated[float | None, typer.Option("--gamma", help="Peak acceleration over g.")]
 Frequency = Annotated[float | None, typer.Option("--frequency", help="Frequency of the drive, Hz.")]
 Step = Annotated[
-    float | None, typer.Option("--step", metavar="MICROSECONDS", help="Step of method step.")
+    float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step of method step.")
 ]
 Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
 PrinterName = Annotated[
-    str, typer.Option("--printer", metavar="PRINTER", help="A template's name or a TOML file.")
+    str, typer.Option("--printer", metavar="PRINTER", help="Printer: a template or a TOML file.")
 ]
 Copies = Annotated[
     str,
-    typer.Option("--copies", metavar="COPIES", help="Copies of each: 8; or by tilt: 10:20,15:40."),
+    typer.Option(
+        "--copies", metavar="COPIES", help="Copies of each walker: 8; or by tilt: 10:20,15:40."
+    ),
 ]
 MaxParts = Annotated[
-    int, typer.Option("--max-parts", min=1, max=5000, help="Most parts on one plate.")
+    int, typer.Option("--max-parts", min=1, max=5000, help="Largest number of parts on a plate.")
 ]
 ForPrusaSlicer = Annotated[
     bool,
@@ -84,17 +94,15 @@ WeightsFile = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="FOLDER", help="Folder to write; out/NAME by default."),
+    typer.Option("--out", metavar="FOLDER", help="Folder to write to; out/NAME by default."),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
-Strict = Annotated[
-    bool, typer.Option("--strict", help="Refuse what prints otherwise than predicted, too.")
-]
+Strict = Annotated[bool, typer.Option("--strict", help="Refuse parts that get warnings, too.")]
 Quiet = Annotated[bool, typer.Option("--quiet", help="Print nothing but errors.")]
 
 
 def design_of(name: str) -> "Design":
-    """The design of a template's name or a file's path."""
+    """Load the design with a template's name or at a file's path."""
     from walkergen.files import templates
     from walkergen.walker.design import Design
 
@@ -102,7 +110,7 @@ def design_of(name: str) -> "Design":
 
 
 def one_design(name: str, tilt: float | None, legs: str | None) -> "Design":
-    """The one walker that a command line asks for."""
+    """Load the single walker that a command line asks for. Raises InputError for two kinds."""
     design = design_of(name)
     kind = parse_kinds(legs) if legs is not None else [design.legs.kind]
     if len(kind) != 1:
@@ -112,7 +120,7 @@ def one_design(name: str, tilt: float | None, legs: str | None) -> "Design":
 
 
 class Changes(NamedTuple):
-    """What the command line changes in a scene; None keeps the scene's own value."""
+    """Values that the command line sets in a scene; None keeps the scene's own value."""
 
     restitution: float | None = None
     friction: float | None = None
@@ -128,7 +136,7 @@ class Changes(NamedTuple):
 
 
 def scene_of(name: str, changes: Changes) -> "Scene":
-    """The scene of a name or path, with the command line's values in place of its own."""
+    """Load the scene with a name or at a path, and put in the command line's values."""
     from walkergen.files import templates
     from walkergen.files.config import validate
     from walkergen.scene import Scene
@@ -136,7 +144,7 @@ def scene_of(name: str, changes: Changes) -> "Scene":
     scene = templates.load(name, "scenes", Scene)
     data: dict[str, dict[str, Any]] = scene.model_dump(exclude_none=True)
     if changes.gamma is not None or changes.frequency is not None:
-        # Two numbers determine the drive: the new ones, completed from the scene's own.
+        # Two numbers determine the drive: those given, completed from the scene's own.
         drive = {key: value for key, value in data["drive"].items() if key.startswith("second_")}
         drive["frequency_hz"] = _given(changes.frequency, scene.drive.frequency)
         drive["gamma"] = _given(changes.gamma, scene.drive.peak_gamma)
@@ -158,7 +166,7 @@ def _given(value: float | None, otherwise: float) -> float:
 
 
 def printers_of(text: str) -> "list[Printer]":
-    """The printers of a comma-separated list of names or paths."""
+    """Load the printers of a comma-separated list. Raises InputError for a name that repeats."""
     from walkergen.files import templates
     from walkergen.printing.printers import Printer
 
@@ -171,7 +179,7 @@ def printers_of(text: str) -> "list[Printer]":
 
 
 def mode_of(mode: str, scene: "Scene") -> "Mode":
-    """The mode by its name; mode paper exists for Poisson's law only."""
+    """Check a mode's name. Raises InputError; so does mode paper unless the law is Poisson's."""
     from walkergen.theory.speed import MODES
 
     if mode not in MODES:
@@ -185,7 +193,7 @@ def mode_of(mode: str, scene: "Scene") -> "Mode":
 
 
 def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool) -> "list[Design]":
-    """The variants a command line asks for; without options the design's own, or its family."""
+    """List the variants asked for; without options the design alone or, if `whole`, its family."""
     tilts = parse_tilts(tilt) if tilt is not None else None
     kinds = parse_kinds(legs) if legs is not None else None
     if not whole:
@@ -197,7 +205,7 @@ def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool
 def batch_of(
     design: "Design", tilt: str | None, legs: str | None, copies: str, whole: bool
 ) -> "tuple[list[Design], list[int]]":
-    """The variants a command line asks for and how many of each to print."""
+    """List the variants that a command line asks for, and the number of copies of each."""
     if ":" not in copies:
         members = members_of(design, tilt, legs, whole)
         return members, [_count(copies, copies)] * len(members)
@@ -224,7 +232,7 @@ def _count(word: str, text: str) -> int:
 
 
 def parse_tilts(text: str) -> list[float]:
-    """Tilts in degrees from 10, from 5,10,15 or from FIRST:LAST:STEP (both ends included)."""
+    """Parse tilts in degrees: 10, or 5,10,15, or FIRST:LAST:STEP with both ends included."""
     found: list[float] = []
     for piece in text.split(","):
         numbers = [_number(word, text) for word in piece.split(":")]
@@ -262,7 +270,7 @@ def _range(first: float, last: float, step: float, text: str) -> list[float]:
 
 
 def parse_kinds(text: str) -> "list[Kind]":
-    """Kinds of legs from a comma-separated list."""
+    """Parse kinds of legs from a comma-separated list. Raises InputError."""
     from walkergen.walker.design import KINDS
 
     kinds: list[Any] = [word.strip() for word in text.split(",")]

@@ -23,15 +23,15 @@ def plate(
     copies: opt.Copies = "1",
     printers: Annotated[
         str,
-        typer.Option("--printer", metavar="PRINTER", help="Names or TOML files, commas between."),
+        typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files."),
     ] = opt.PRINTER,
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Refuse to use more plates than this.")
+        int | None, typer.Option(min=1, max=1000, help="Largest number of plates to use.")
     ] = None,
     how_many: Annotated[
-        bool, typer.Option("--how-many", help="Only say how many of each fit on one plate.")
+        bool, typer.Option("--how-many", help="Print how many of each fit on a plate.")
     ] = False,
     strict: opt.Strict = False,
     out: opt.Out = None,
@@ -66,7 +66,7 @@ def plate(
 
 
 def _show_placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "Design") -> None:
-    """Print how many copies of each part lie on each plate, the files, and how to read marks."""
+    """Print the number of copies of each part on each plate, the files, and how to read marks."""
     from collections import Counter
 
     from walkergen.walker import names
@@ -87,6 +87,6 @@ def _show_placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "De
 
 
 def _show_room(rows: "Sequence[Room]") -> None:
-    """Print how many copies fit on one plate."""
+    """Print how many copies of each walker fit on one plate of each printer."""
     for row in rows:
         print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")

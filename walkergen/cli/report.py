@@ -14,10 +14,10 @@ if TYPE_CHECKING:
 
 
 def report(
-    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="What `family` wrote.")],
+    folder: Annotated[Path, typer.Argument(metavar="FOLDER", help="Folder that family wrote.")],
     out: Annotated[
         Path | None,
-        typer.Option("--out", metavar="FILE", help="FOLDER/report.html by default."),
+        typer.Option("--out", metavar="FILE", help="Page to write; FOLDER/report.html by default."),
     ] = None,
     json: opt.AsJson = False,
 ) -> None:
@@ -37,7 +37,7 @@ def report(
 
 
 def _show_page(path: Path, found: "Contents", json: bool) -> None:
-    """Print where the page is, and which of the family's files are not as they were written."""
+    """Print where the page is, and which of the family's files were changed or are missing."""
     changed, missing = found.named("changed"), found.named("missing")
     if json:
         show.as_json({"file": str(path), "changed": changed, "missing": missing})

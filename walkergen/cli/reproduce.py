@@ -19,11 +19,11 @@ def reproduce(
     design: opt.DesignName = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
     scene_fitted: Annotated[
-        str, typer.Option("--scene-fitted", metavar="SCENE", help="With the contact that fits.")
+        str, typer.Option("--scene-fitted", metavar="SCENE", help="Scene whose contact fits best.")
     ] = "lane-90hz-fitted",
     tilt: opt.Tilt = None,
     gamma: Annotated[
-        str | None, typer.Option("--gamma", metavar="G", help="Of figure 5: 1.2,1.8,2.4.")
+        str | None, typer.Option("--gamma", metavar="G", help="Drives of figure 5: 1.2,1.8,2.4.")
     ] = None,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
@@ -32,7 +32,7 @@ def reproduce(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Hold the paper's figures 2, 3 and 5 against theory and simulation (minutes)."""
+    """Compare the paper's figures 2, 3 and 5 with theory and simulation (takes minutes)."""
     from walkergen.jobs.paper import make as side_by_side
 
     chosen = opt.design_of(design)
@@ -58,7 +58,7 @@ def reproduce(
 
 
 def parse_gammas(text: str) -> list[float]:
-    """Peak accelerations over g, with commas between. Raises InputError."""
+    """Parse comma-separated peak accelerations over g. Raises InputError outside 0..50."""
     try:
         values = [float(word) for word in text.split(",")]
     except ValueError:
@@ -69,7 +69,7 @@ def parse_gammas(text: str) -> list[float]:
 
 
 def _comparison_as_json(rows: "Sequence[Compared]", folder: Path) -> None:
-    """Print every comparison with its verdict, and where the figures are."""
+    """Print every comparison with its verdict, and where the figures are, as JSON."""
     listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
     show.as_json({"rows": listed, "folder": str(folder)})
 

@@ -17,12 +17,12 @@ if TYPE_CHECKING:
 def selftest(
     only: Annotated[
         str | None,
-        typer.Option("--only", metavar="NAME-OR-SECTION", help="A case's name or section: 6.7."),
+        typer.Option("--only", metavar="NAME-OR-SECTION", help="Case to run, or section: 6.7."),
     ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if one fails."""
+    """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
     from walkergen.jobs.selftest import make as hard
 
     jobs = hard.choose(only)
@@ -40,7 +40,7 @@ def selftest(
 
 
 def _hard_cases_as_json(results: "Sequence[Result]") -> None:
-    """Print every check of every hard case; a value that is no number is null."""
+    """Print every check of every hard case as JSON; values that are not finite become null."""
     rows = []
     for result in results:
         checks = [
@@ -79,7 +79,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
             table.add_row(*name, str(len(result.checks)), *values)
         if result.error:
             table.add_row(*name, str(len(result.checks)), result.error, "", "", "FAILED")
-    wide = None if sys.stdout.isatty() else 160  # a log has room
+    wide = None if sys.stdout.isatty() else 160  # a log need not fit 80 columns
     Console(highlight=False, width=wide).print(table, markup=False)
     checks = sum(len(result.checks) for result in results)
     failed = sum(not result.holds for result in results)
@@ -91,7 +91,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
 
 
 def _room(value: float, limit: float) -> float:
-    """Limit over value: how many times larger the value might be; 0 when it is no number."""
+    """Limit over value: the factor by which the value could grow; 0 when it is not finite."""
     if not math.isfinite(value):
         return 0.0
     return limit / value if value > 0.0 else math.inf

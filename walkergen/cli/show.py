@@ -1,4 +1,4 @@
-"""What commands print: JSON, tables, progress."""
+"""Output of the commands: JSON, tables, progress."""
 
 import json
 import sys
@@ -20,7 +20,7 @@ def as_json(data: dict[str, Any]) -> None:
 
 
 def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()) -> None:
-    """Print {"rows": [...]} of named tuples, side by side with `more`, and the files written."""
+    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files."""
     listed = [row._asdict() for row in rows]
     for table in more:
         for row, extra in zip(listed, table, strict=False):
@@ -32,7 +32,7 @@ def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path
 
 
 def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
-    """Print the files written, one a line or as JSON."""
+    """Print the paths of the files written, one per line or as JSON."""
     if json:
         as_json({"files": [str(path) for path in paths]})
     elif not quiet:
@@ -46,7 +46,7 @@ def predictions(
     simulated: "Sequence[Simulated]" = (),
     weighed: "Sequence[Weighing]" = (),
 ) -> None:
-    """Print the table of predicted speeds, its notes and what it rests on."""
+    """Print the table of predicted speeds, its notes and caption, and the weighed masses."""
     from rich.console import Console
 
     from walkergen.jobs.family import tables
@@ -62,7 +62,7 @@ def predictions(
 
 
 def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
-    """Print the warnings of the printability checks, a line each, on the error stream."""
+    """Print the warnings of the printability checks on the error stream, one per line."""
     from walkergen.printing import checks
 
     for finding in checks.grouped(findings):
@@ -71,7 +71,7 @@ def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
 
 
 def templates(rows: "Sequence[Entry]") -> None:
-    """Print the shipped templates by kind."""
+    """Print the names and descriptions of the shipped templates, by kind."""
     for kind in dict.fromkeys(row.kind for row in rows):
         print(kind)
         for row in rows:
@@ -81,7 +81,7 @@ def templates(rows: "Sequence[Entry]") -> None:
 
 @contextmanager
 def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """A progress bar on the terminal's error stream; silent when not wanted or not a terminal."""
+    """Show a progress bar on the error stream, if `wanted` and the stream is a terminal."""
     try:
         if wanted and sys.stderr.isatty():
             with _bar(title) as update:

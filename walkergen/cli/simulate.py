@@ -41,14 +41,14 @@ def simulate(
         Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
     ] = None,
     form: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="Of the trajectory: csv or npz.")
+        str, typer.Option("--format", metavar="FORMAT", help="Trajectory's format: csv or npz.")
     ] = "csv",
     rate: Annotated[
         float, typer.Option("--rate", min=1e-3, max=1e7, help="Trajectory samples per second.")
     ] = 1000.0,
     error: Annotated[
         str | None,
-        typer.Option("--error", metavar="ERROR", help="Choose the cheapest setting: 5% or 3mm/s."),
+        typer.Option("--error", metavar="ERROR", help="Error to meet at least cost: 5% or 3mm/s."),
     ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -101,7 +101,7 @@ def _met(
 
 
 def _check_error(**chosen: object) -> None:
-    """--error chooses these itself."""
+    """Refuse options whose values --error chooses itself. Raises InputError."""
     for name, value in chosen.items():
         if value is not None:
             raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
@@ -122,7 +122,7 @@ def _summary_as_dict(point: "Point", scene: "Scene", met: "Met | None") -> dict[
 
 
 def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
-    """What --error chose, why, and what came out."""
+    """Rows of the summary on what --error chose, the reason, and the error obtained."""
     choice = met.choice
     source = "on record" if met.on_record else "measured just now"
     bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s

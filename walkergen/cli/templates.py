@@ -28,7 +28,7 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
 
 @app.command("show")
 def show_template(name: str) -> None:
-    """Print a template."""
+    """Print a template's TOML file."""
     from walkergen.files import templates
 
     print(templates.find(name).read_text(encoding="utf-8"), end="")
