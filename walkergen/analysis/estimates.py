@@ -1,4 +1,4 @@
-"""From sums over tracks to numbers with errors: what is computed, and when it is refused."""
+"""Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
 from collections.abc import Mapping, Sequence
@@ -15,13 +15,13 @@ Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 SIGNIFICANT = 3.0
-"""Standard errors by which a rate or an offset has to differ from 0 to be inverted or reported."""
+"""Standard errors by which a rate or an offset must differ from 0 to be inverted or reported."""
 
 DECAYED = 0.2
-"""Share of the direction that has to be lost at the longest fitted lag: less is extrapolation."""
+"""Share of the direction that must be lost at the longest fitted lag for a rate to be known."""
 
 FEWEST_SAMPLES = 8
-"""Independent samples below which every error, and so every number, is refused."""
+"""Number of independent samples below which every error, and so every estimate, is refused."""
 
 UNITS = {
     "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
@@ -30,7 +30,7 @@ UNITS = {
     "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
-"""What is estimated, and in which unit (as keys write it).
+"""Names of all estimates, and the unit of each as keys write it.
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
@@ -44,11 +44,11 @@ TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_
 
 IN_A_LANE = "along a lane, where direction does not turn"
 HEADINGS_KNOWN = "headings are known: see body_speed"
-"""Refusals that no better film would change; tables leave such lines out."""
+"""Reasons of refusals that no better film would change; tables leave such lines out."""
 
 
 class Estimate(NamedTuple):
-    """A number with its standard error; both None when refused, and then `reason` says why."""
+    """A number with its standard error; both are None when refused, and `reason` then says why."""
 
     value: float | None
     se: float | None
@@ -56,27 +56,27 @@ class Estimate(NamedTuple):
 
 
 class Frame(NamedTuple):
-    """What sums are turned into numbers with, the same for the whole and for every replicate."""
+    """Settings that turn sums into numbers, the same for all data and for every replicate."""
 
     grid: Grid
     interval: float
-    """Between samples of a track, s."""
+    """Time between samples of a track, s."""
     lane: bool
     headed: bool
-    """Whether headings are known."""
+    """True when headings are known."""
     square_errors: Array
-    """Of the mean squared displacement by lag, mm^2; NaN where it is not to be fitted."""
+    """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
-    """Of the correlation: of its real parts by lag, then of its imaginary parts."""
+    """Errors of the correlation: of its real parts by lag, then of its imaginary parts."""
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
-    """Sums over their numbers; NaN where there are none."""
+    """Mean values: sums over numbers of pairs; NaN where there are no pairs."""
     return np.where(pairs > 0, sums / np.maximum(pairs, 1.0), np.nan)
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Every number of UNITS, NaN where it has no meaning or no fit, and the fits' own."""
+    """Compute every number of UNITS, and the fit's msd_*; NaN where it has no meaning or no fit."""
     found = dict.fromkeys((*UNITS, "msd_speed2", "msd_rate", "msd_offset"), math.nan)
     found["lane_speed"] = _ratio(sums.run) / frame.interval
     _spread(found, "parallel", sums.along)
@@ -102,7 +102,7 @@ def _spread(found: dict[str, float], name: str, powers: Array) -> None:
 
 
 def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Rate at which the direction forgets itself, mean turning, and the speed they go with."""
+    """Fit the rate at which the direction is lost, the mean turning, and the speed."""
     window = 0.0 if frame.headed else frame.grid.step * frame.interval
     lag = frame.grid.turn_lags * frame.interval
     values = np.asarray(mean(sums.turn, sums.turn_pairs), dtype=complex)
@@ -125,7 +125,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
-        # Noise of the headings, and their turning within an interval, shorten the projection.
+        # Noise of the headings, and turning within an interval, shorten the projected displacement.
         shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
         raw = _ratio(sums.body) / frame.interval
         found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
@@ -137,25 +137,25 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
 
 
 def _within(decay: float) -> float:
-    """Mean of exp(-decay t) over t in 0..1: what is left of a heading over an interval."""
+    """Mean of exp(-decay t) over t in 0..1: the part of a heading that is left over an interval."""
     return -math.expm1(-decay) / decay if decay else 1.0
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
-    """Amplitude, rate and turn near those of the best fit, the turn followed from lag to lag."""
+    """Guess amplitude, rate and turn for the fit; the turn is followed from lag to lag."""
     size = np.abs(values)
     turn = 0.0
     for at, value, error in zip(lag, values, errors, strict=True):
         if abs(value) > 3.0 * error:
             turn += float(np.angle(value * np.exp(-1j * turn * at))) / at
     fallen = np.flatnonzero(size < size[0] / math.e)
-    # Without such a fall, the rate by which the last lag lies below the first.
+    # Without a fall to 1/e: the rate by which the last lag lies below the first.
     at, fall = (fallen[0], 1.0) if len(fallen) else (-1, math.log(size[0] / size[-1]))
     return float(size[0]), fall / lag[at], turn
 
 
 def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Ballistic and diffusive limits of one persistent walk (paper's figure 6a), and its offset."""
+    """Fit the mean squared displacement of a persistent walk (paper's figure 6a) and its offset."""
     lag = frame.grid.square_lags * frame.interval
     values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)
@@ -180,7 +180,7 @@ def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) 
 
 
 def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Spread about the mean run in a lane, 2 D lag, from the last decade of fitted lags."""
+    """Fit the spread about the mean run in a lane, 2 D lag, over the last decade of fitted lags."""
     lag = frame.grid.square_lags * frame.interval
     values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)
@@ -202,10 +202,10 @@ def judge(
     means: Mapping[str, tuple[float, str]],
     longest_s: float,
 ) -> dict[str, Estimate]:
-    """Values with jackknife errors, or refusals.
+    """Attach jackknife errors to the values, or refuse them.
 
-    `means` has the errors, or the reasons of refusal, of what the samples are too short for;
-    `longest_s` is the longest lag.
+    `means` has errors, or reasons of refusal, for means over samples too short to be independent;
+    `longest_s` is the longest fitted lag, s.
     """
     errors = {name: error for name, (error, _) in means.items()}
     for name in values.keys() - errors.keys():
@@ -239,7 +239,7 @@ def _meaningless(frame: Frame) -> dict[str, str]:
 def _unresolved(
     values: Mapping[str, float], errors: Mapping[str, float], frame: Frame, longest_s: float
 ) -> dict[str, str]:
-    """Rates that the data cannot tell from zero: a quotient by one has no error bar."""
+    """Refuse quotients by rates that the data cannot tell from zero: these have no error bar."""
     found = {}
     if frame.lane:
         if not values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]:
@@ -265,7 +265,7 @@ def _unresolved(
 
 
 def with_error(one: Estimate) -> str:
-    """A value with its error to two digits of the error, or the reason why there is none."""
+    """Format a value with its error to two digits of the error, or the reason of its refusal."""
     if one.value is None or one.se is None:
         return one.reason
     if not one.se > 0:

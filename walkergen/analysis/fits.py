@@ -1,4 +1,4 @@
-"""The contact's parameters from measured speeds, by weighted least squares.
+"""Least squares for the contact: restitution, friction and impact speed from measured speeds.
 
 The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
 (physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly at
@@ -20,76 +20,76 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 RANGES = {"restitution": (0.0, 1.0), "friction": (1e-3, 5.0), "impact_speed_factor": (1e-3, 100.0)}
-"""What can be fitted, and within which range it is sought."""
+"""Names of the parameters that can be fitted, and the range in which each is sought."""
 
 GRID = {"restitution": np.linspace(0.0, 1.0, 33), "friction": np.geomspace(1e-3, 5.0, 145)}
-"""Where the search starts from: speeds have kinks and more than one minimum in friction."""
+"""Grid that the search starts from: speeds have kinks and several minima in friction."""
 
 ALIGNED = 0.05
-"""Smallest eigenvalue of the normalised information below which parameters go together; for two of
-them it is 1 - |correlation|."""
+"""Smallest eigenvalue of the normalised information below which parameters are called aligned; for
+two parameters it is 1 - |correlation|."""
 
 NEARLY_STILL = 0.05
-"""Speed over plate speed below which walkers are not fitted: rigid legs have some 1e-3."""
+"""Speed over plate speed below which walkers are not fitted; rigid legs reach some 1e-3."""
 
 SINGULAR = 1e-6
-"""Share of the information below which there is none: differences of speeds have 1e-9."""
+"""Share of the information that counts as none: differences of speeds are known to 1e-9."""
 
 VAGUE = 3.0
 """Ratio of an interval's ends from which a parameter counts as not determined."""
 
 
 class Speeds(NamedTuple):
-    """Measured speeds and what the theory needs to predict them, n of each."""
+    """Measured speeds of n walkers, and what the theory needs to predict them."""
 
     speed: Array
-    """mm/s"""
+    """Measured speeds, mm/s, shape (n,)."""
     se: Array | None
-    """Standard errors, mm/s; None when unknown: then the scatter about the fit tells them."""
+    """Standard errors, mm/s; None when unknown: the scatter about the fit then replaces them."""
     plate_speed: Array
-    """Peak speed of the plate, mm/s."""
+    """Peak speed of the plate under each walker, mm/s, shape (n,)."""
     back: InverseMass
-    """Tensors at the back feet, entries of shape (n,)."""
+    """Inverse-mass tensors at the back feet, 1/g, entries of shape (n,)."""
     front: InverseMass
     law: LawName
     mode: Mode
 
 
 class ContactFit(NamedTuple):
-    """Parameters of the contact that describe measured speeds best."""
+    """Parameters of the contact that describe measured speeds best, and how well they are known."""
 
     values: dict[str, float]
-    """All of RANGES, fixed or fitted."""
+    """Values of all parameters in RANGES, fixed or fitted."""
     errors: dict[str, float | None]
-    """Standard errors of the fitted, from the covariance; None where it does not exist."""
+    """Standard errors of the fitted parameters, from the covariance; None where it has none."""
     intervals: dict[str, tuple[float | None, float | None]]
-    """68 % intervals of the fitted by profile likelihood; None: no end within the range."""
+    """Intervals (68 %) of fitted parameters by profile likelihood; None: no end in the range."""
     covariance: Array
-    """Of the fitted, in their order; of what the speeds depend on at all (pseudo-inverse)."""
+    """Covariance of the fitted parameters, in their order; 0 for those without any effect."""
     correlation: Array
     chi2: float | None
-    """None without standard errors of the speeds."""
+    """Sum of squared residuals in standard errors; None when the speeds have no standard errors."""
     dof: int
     p_value: float | None
     predicted: Array
     """Fitted speeds, mm/s, shape (n,)."""
     notes: list[str]
-    """What the speeds do not tell, and where the theory fails to describe them."""
+    """Notes on parameters that the speeds do not determine, and on misfits of the theory."""
 
     @property
     def free(self) -> list[str]:
-        """Names of what was fitted."""
+        """Names of the fitted parameters."""
         return list(self.errors)
 
 
 def tensors(masses: Sequence[MassProperties]) -> tuple[InverseMass, InverseMass]:
-    """Tensors at the back and the front feet of n walkers, entries of shape (n,)."""
+    """Inverse-mass tensors at the back and the front feet of n walkers, entries of shape (n,)."""
     both = [feet(mass) for mass in masses]
     return tuple(InverseMass(*np.array([pair[foot] for pair in both]).T) for foot in (0, 1))  # type: ignore[return-value]
 
 
 def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | float) -> Array:
-    """Speeds (mm/s) at impact_speed_factor 1: shape of the parameters, then (n,)."""
+    """Predicted speeds (mm/s) at impact_speed_factor 1; shape of the parameters, then (n,)."""
     e, mu = np.asarray(restitution)[..., None], np.asarray(friction)[..., None]
     mean = 0.5 * (
         factor(speeds.back, e, mu, speeds.mode, speeds.law)
@@ -99,10 +99,10 @@ def unit_speeds(speeds: Speeds, restitution: Array | float, friction: Array | fl
 
 
 def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = True) -> ContactFit:
-    """The parameters not `fixed`, by weighted least squares; profiles take about a second.
+    """Fit the parameters not in `fixed` by weighted least squares; profiles take about a second.
 
-    Raises InputError when there are fewer speeds than parameters plus one, or when the theory
-    gives nearly speed 0 to all walkers.
+    Raises InputError when all are fixed, when there are fewer speeds than free parameters
+    plus one, or when the theory gives nearly speed 0 to all walkers.
     """
     free = [name for name in RANGES if name not in fixed]
     dof = len(speeds.speed) - len(free)
@@ -149,7 +149,7 @@ def _errors(speeds: Speeds) -> Array:
 
 
 def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float], float]:
-    """Best parameters with some held, and their chi2: a grid, refined from its lowest point."""
+    """Search the best parameters, with some held, and their chi2: by a grid, then by descent."""
     from scipy.optimize import least_squares
 
     names = [name for name in GRID if name not in fixed]
@@ -182,7 +182,7 @@ def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float],
 
 
 def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
-    """The best impact_speed_factor for speeds at factor 1, shape (..., n) to (...)."""
+    """Best impact_speed_factor for speeds computed at factor 1, shape (..., n) to (...)."""
     if held is not None:
         return np.full(unit.shape[:-1], held)
     weights = _errors(speeds) ** -2.0
@@ -193,7 +193,7 @@ def _scale(unit: Array, speeds: Speeds, held: float | None) -> Array:
 
 
 def jacobian(speeds: Speeds, values: Mapping[str, float], free: Sequence[str]) -> Array:
-    """Derivatives of the speeds by the free parameters, shape (n, free), central differences."""
+    """Derivatives of the speeds by the free parameters, shape (n, free), by central differences."""
     columns = []
     for name in free:
         step = 1e-5 * max(values[name], 0.01)
@@ -216,11 +216,11 @@ def _interval(
     least: float,
     scale: float,
 ) -> tuple[float | None, float | None]:
-    """Where the best chi2 at a given value of one parameter passes the least by `scale`."""
+    """Interval of a parameter outside which the best chi2 exceeds its minimum by `scale`."""
     from scipy.optimize import brentq
 
     def excess(value: float) -> float:
-        if value == values[name]:  # the search from a grid need not find `least` to every digit
+        if value == values[name]:  # the search from a grid need not give `least` to every digit
             return -scale
         return _best(speeds, {**fixed, name: value})[1] - least - scale
 
@@ -239,7 +239,7 @@ def _interval(
 
 
 class _Knowledge(NamedTuple):
-    """What the speeds tell of the parameters near the best ones."""
+    """Covariance of the parameters near the best fit, and names of those left undetermined."""
 
     errors: dict[str, float | None]
     covariance: Array
@@ -247,13 +247,13 @@ class _Knowledge(NamedTuple):
     unseen: list[str]
     """Parameters that no speed depends on."""
     together: list[str]
-    """Parameters of the combination that is known least."""
+    """Parameters that form the least-known combination."""
     level: float
-    """Eigenvalue of the normalised information that belongs to it."""
+    """Eigenvalue of the normalised information for that combination."""
 
 
 def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) -> _Knowledge:
-    """Covariance by the eigenvectors of the information; `slopes` (n, free) in standard errors."""
+    """Covariance from the information's eigenvectors; `slopes` (n, free) in standard errors."""
     information = slopes.T @ slopes
     norm = np.sqrt(np.diag(information))
     weight = norm * np.maximum([abs(values[name]) for name in free], 0.01)
@@ -293,7 +293,7 @@ def _aligned(
     values: Mapping[str, float],
     intervals: Mapping[str, tuple[float | None, float | None]],
 ) -> list[str]:
-    """Parameters of which only a combination is known."""
+    """Note on parameters of which only a combination is known."""
     if known.level > ALIGNED or len(known.together) < 2:
         return []
     together = known.together
@@ -309,7 +309,7 @@ def _hazy(
     values: Mapping[str, float],
     intervals: Mapping[str, tuple[float | None, float | None]],
 ) -> list[str]:
-    """Parameters that the speeds depend on, but too little for their errors."""
+    """Notes on parameters that the speeds depend on, but too weakly for their errors."""
     return [
         f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
         for name, error in known.errors.items()

@@ -1,4 +1,4 @@
-"""Sums over all pairs of samples a lag apart, with gaps, by fast Fourier transform.
+"""Sums over all pairs of samples a lag apart, with gaps allowed, by fast Fourier transform.
 
 A sum and the number of its pairs are kept apart, so that tracks, and pieces of tracks, add up.
 Samples that are NaN take part in no pair.
@@ -16,9 +16,9 @@ Lags = npt.NDArray[np.int64]
 def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     """Sum of |r(t + lag) - r(t)|^2 and number of pairs, each of shape (lags,).
 
-    `position` (times, dimensions). The mean drift is taken out before the transforms and put back
-    after, so that digits are lost to the spread about it, not to the length of the run: relative
-    errors stay near 1e-16 (spread / displacement)^2 (Calandrini et al. 2011, without the drift).
+    `position` has shape (times, dimensions). The mean drift is removed before the transforms and
+    added back afterwards, so that digits are lost to the spread about it, not to the length of the
+    run: relative errors stay near 1e-16 (spread / displacement)^2 (after Calandrini et al. 2011).
     """
     seen: npt.NDArray[np.bool_] = ~np.isnan(position.sum(axis=1))
     reachable = lags < len(position)
@@ -55,7 +55,7 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
 def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
     """Sum of conj(z(t)) z(t + lag) and number of pairs, each of shape (lags,).
 
-    `series` (times,), of order 1: errors of the sums are near 1e-16 times the number of samples.
+    `series` has shape (times,) and values of order 1: errors are near 1e-16 times their number.
     """
     seen = ~np.isnan(series)
     reachable = lags < len(series)
@@ -72,7 +72,7 @@ def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
 
 
 def spread_out(longest: int, count: int, shortest: int = 1) -> Lags:
-    """At most `count` whole lags from `shortest` to `longest`, evenly on a logarithmic scale."""
+    """At most `count` whole lags from `shortest` to `longest`, even on a logarithmic scale."""
     if longest < shortest:
         return np.zeros(0, np.int64)
     return np.unique(np.rint(np.geomspace(shortest, longest, count)).astype(np.int64))

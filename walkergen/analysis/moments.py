@@ -1,4 +1,4 @@
-"""Sums over tracks that every statistic of motion is made of, and the samples that they come from.
+"""Sums over tracks that every statistic of motion derives from, and their independent samples.
 
 Everything here is additive: the moments of two tracks, or of two pieces of one, are their sum. So
 one jackknife over independent samples gives the error of whatever is computed from the sums.
@@ -18,35 +18,35 @@ Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
 
 ENOUGH_PARTICLES = 8
-"""From this many particles on each is one independent sample; below, tracks are cut in pieces."""
+"""Number of particles from which each is one sample; with fewer, tracks are cut in pieces."""
 
 PIECES = 10
-"""At least so many pieces are cut, in all, of fewer particles."""
+"""Least number of pieces, in all, that the tracks of few particles are cut into."""
 
 MOST_GROUPS = 64
-"""Samples beyond this many are put together: more groups do not sharpen an error's error much."""
+"""Largest number of samples; further ones are merged, since they hardly sharpen the error."""
 
 
 class Grid(NamedTuple):
-    """At which lags, in samples of the tracks, and in which bins to sum."""
+    """Lags (in samples of the tracks) and bins over which to sum."""
 
     step: int
-    """Lag of the displacements whose density is asked for."""
+    """Lag of the displacements along and across the heading."""
     square_lags: lagged.Lags
     turn_lags: lagged.Lags
     bins: tuple[Array, Array]
-    """Edges (mm) for displacements along and across; empty when not asked for."""
+    """Edges (mm) of bins for displacements along and across; empty when there is no density."""
 
 
 class Moments(NamedTuple):
-    """Sums over one or many tracks; `grid` names the lags and bins."""
+    """Sums over one or many tracks, at the lags and in the bins of a `Grid`."""
 
     run: Array
-    """Displacement along x (mm) from first to last sample, and steps between them."""
+    """Displacement along x (mm) from first to last sample, and number of steps between them."""
     body: Array
-    """Displacement along the heading (mm) over neighbouring samples, and number of these."""
+    """Displacement along the heading (mm) over neighbouring samples, and number of such pairs."""
     turned: Array
-    """Change of heading (rad) over neighbouring samples, and number of these."""
+    """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
     """Number, sum (mm), sum of squares of displacements over `step` along the heading."""
     across: Array
@@ -54,30 +54,30 @@ class Moments(NamedTuple):
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
     turn: Complex
-    """Sum of the products of headings (of displacements over `step`, mm^2, without them) by lag."""
+    """Sum of products of headings by lag; without headings, of displacements over `step`, mm^2."""
     turn_pairs: Array
     density_along: Array
-    """Displacements in each bin."""
+    """Number of displacements along the heading in each bin."""
     density_across: Array
 
 
 def total(parts: Iterable[Moments]) -> Moments:
-    """The sum."""
+    """Sum of several moments, field by field."""
     fields: list[Any] = [sum(field[1:], field[0]) for field in zip(*parts, strict=True)]
     return Moments(*fields)
 
 
 def without(whole: Moments, part: Moments) -> Moments:
-    """The difference."""
+    """Difference of two moments, field by field."""
     fields: list[Any] = [a - b for a, b in zip(whole, part, strict=True)]
     return Moments(*fields)
 
 
 def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
-    """Groups of independent samples, and the length that half of all time is spent in or above.
+    """Groups of independent samples, and the length at which half of all time is in longer samples.
 
-    Particles when there are enough; otherwise at least PIECES pieces of their tracks, of about
-    equal length. Pieces are independent as far as increments forget: `motion` checks it.
+    Samples are particles when there are enough, otherwise at least PIECES pieces of their tracks of
+    about equal length. Pieces are independent only if increments decorrelate: `motion` checks it.
     """
     long = [track for track in tracks if len(track.position) > 1]
     pieces = _cut(long) if in_pieces(tracks) else long
@@ -90,9 +90,9 @@ def samples(tracks: Sequence[Track]) -> tuple[list[list[Track]], int]:
 
 
 def in_pieces(tracks: Sequence[Track]) -> bool:
-    """Whether there are too few particles to be the samples, so that their tracks are cut.
+    """True when there are too few particles to be the samples, so that their tracks are cut.
 
-    Particles count by the time that they were seen: many stubs do not make up for few tracks.
+    Particles count by the time for which they were seen: many stubs do not make up for few tracks.
     """
     lengths = np.array([len(track.position) - 1.0 for track in tracks])
     return bool(lengths.sum() ** 2 < ENOUGH_PARTICLES * (lengths**2).sum())
@@ -114,7 +114,7 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
 
 
 def measure(track: Track, grid: Grid) -> Moments:
-    """The moments of one track."""
+    """Moments of one track."""
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
@@ -134,13 +134,13 @@ def measure(track: Track, grid: Grid) -> Moments:
 
 
 def planar(track: Track) -> Complex:
-    """Position x + i y, mm, shape (times,); NaN where it was not seen; y = 0 in a lane."""
+    """Position x + i y, mm, shape (times,); NaN where the walker was not seen; y = 0 in a lane."""
     result: Complex = track.position @ np.array([1.0, 1.0j])[: track.position.shape[1]]
     return result
 
 
 def direction(track: Track, step: int) -> Complex:
-    """Unit vectors of the heading; without it, displacements over `step` (mm): shape (times,)."""
+    """Unit vectors of the heading, or else displacements over `step` (mm); shape (times,)."""
     if track.heading is not None:
         unit: Complex = np.exp(1j * track.heading)
         return unit
@@ -149,9 +149,9 @@ def direction(track: Track, step: int) -> Complex:
 
 
 def displacements(track: Track, step: int) -> tuple[Array, Array]:
-    """Displacements over `step` along and across the heading at their start (mm); no NaN.
+    """Displacements over `step` along and across the heading at their start (mm), without NaN.
 
-    Along and across x in a lane; none on a plane without headings, where the direction of motion
+    In a lane they are along and across x. On a plane without headings there are none: the direction
     would have to be taken from the displacement itself.
     """
     none = np.zeros(0)

@@ -25,65 +25,65 @@ from walkergen.numerics.statistics import Line, line_through_origin
 Array = npt.NDArray[np.float64]
 
 FITTED = 4
-"""Curves are fitted up to this fraction of a sample's length: longer lags are too few to count."""
+"""Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
 INDEPENDENT = 8.0
-"""Correlation times that pieces have to last to be independent: errors are then 7 % low at most."""
+"""Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
 
 
 class Curve(NamedTuple):
-    """Values with their errors along a lag (s) or in bins (mm), each of shape (n,)."""
+    """Values with their errors at lags (s) or in bins (mm), each of shape (n,)."""
 
     at: Array
     value: Array
     se: Array
-    """NaN where samples are too short to tell."""
+    """Standard errors of the values; NaN where samples are too short for them."""
 
 
 class Motion(NamedTuple):
-    """What a file of tracks says of the motion."""
+    """Statistics of motion that a file of tracks gives."""
 
     estimates: dict[str, Estimate]
-    """By the names of UNITS."""
+    """Estimates by the names of UNITS."""
     particles: int
     samples: int
-    """Independent ones, which the errors come from."""
+    """Number of independent samples, which the errors come from."""
     tracked_s: float
     lag_s: float
-    """Of the displacements along and across: the asked one, to whole samples."""
+    """Lag of the displacements along and across, rounded to whole samples, s."""
     method: str
-    """What `speed` is and what the errors come from, in words."""
+    """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """What makes the headings look wrong."""
+    """Reasons to think that the headings are wrong."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     msd_fit: tuple[float, ...] | None
-    """speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    """Parameters speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
     correlation: Curve
-    """Modulus of the correlation of headings by lag (without them: of displacements, mm^2)."""
+    """Modulus of the correlation of headings by lag (without headings: of displacements, mm^2)."""
     parallel: Curve
-    """Density (1/mm) of the displacement along the heading at `lag_s`, by its bins' middles."""
+    """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
     by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
-    """Speed at each plate speed (mm/s), where the file has several."""
+    """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
-    """Of speed against plate speed, through the origin."""
+    """Line of speed against plate speed, through the origin."""
 
 
 JUMPING = 0.01
 """Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
 LAG_S = 0.04
-"""Lag of the displacements unless another is asked for (paper's figure 6c)."""
+"""Lag of the displacements by default, s (paper's figure 6c)."""
 
 
 def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
-    """Statistics of all tracks; displacements along and across the body are taken over `lag_s`.
+    """Compute the statistics of all tracks; displacements along and across the body span `lag_s`.
 
-    Without one it is LAG_S, or one sample where that is longer.
+    `lag_s` (s) is by default LAG_S, or one sample where that is longer.
 
     With tracks at several plate speeds only the speed at each, and the line through the origin
     (paper's figure 5), mean something; the other numbers are refused. Raises InputError when the
-    lag is below one sample or nothing is seen twice.
+    lag is below one sample or beyond the longest track, or when no particle is seen twice.
     """
     shortest, longest = tracks.interval, max(len(t.position) for t in tracks.tracks)
     lag_s = max(LAG_S, shortest) if lag_s is None else lag_s
@@ -161,7 +161,7 @@ def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
     longest = max(len(track.position) for track in tracks.tracks)
     moved = [moments.displacements(track, step) for track in tracks.tracks]
     along, across = (np.concatenate(parts) for parts in zip(*moved, strict=True))
-    # Displacements without headings have to share no position, whose noise would correlate them.
+    # Displacements without headings must not share a position, whose noise would correlate them.
     first = 1 if headed else step + 1
     turns = np.zeros(0, np.int64) if tracks.lane else lagged.spread_out(length // FITTED, 32, first)
     squares = lagged.spread_out(max(longest // 4, 1), 64)
@@ -169,9 +169,9 @@ def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
 
 
 def _bins(values: Array, step: int) -> Array:
-    """Edges by the rule of Freedman and Diaconis for the displacements that do not overlap."""
+    """Edges of bins by Freedman and Diaconis' rule, counting displacements without overlap."""
     if len(values) < 2 or np.ptp(values) <= 1e-9 * np.abs(values).max():
-        return np.zeros(0)  # rounding has no density
+        return np.zeros(0)  # equal up to rounding: there is no density
     low, high = np.quantile(values, [0.25, 0.75])
     width = 2.0 * (high - low) / (len(values) / step) ** (1 / 3)
     count = math.ceil(np.ptp(values) / width) if width > 0 else 1
@@ -183,7 +183,7 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
 
 
 def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: int) -> Curve:
-    """The first of the values, with the spread of the others as its error."""
+    """Curve of the first values, with the jackknife error of the others."""
     known = at <= length // 2
     return Curve(at.astype(float), values[0], np.where(known, _jackknife(values[1:]), np.nan))
 
@@ -199,11 +199,11 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
 
 
 def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[float, str]]:
-    """Errors of mean speeds that stay correlated for longer than pieces can be told apart by.
+    """Errors of mean speeds whose correlation lasts too long for pieces to be independent.
 
-    Their own correlation time then says how many of them are independent, or that there are too
-    few. What is made of products over a lag does not depend on the direction at its start and can
-    do with pieces of any length.
+    The speeds' own correlation time then gives the number of independent samples, or shows that
+    they are too few. Products over a lag do not depend on the direction at its start, so that for
+    them pieces of any length are good enough.
     """
     block = step * tracks.interval
     runs, bodies = [], []
@@ -236,7 +236,7 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
 
 
 def _doubts(tracks: Tracks) -> list[str]:
-    """Headings that jump, or that fit the displacements only when turned or mirrored."""
+    """Doubts about headings that jump, or that fit displacements only when turned or mirrored."""
     jumps = pairs = 0
     along = mirrored = 0.0 + 0.0j
     for track in tracks.tracks:

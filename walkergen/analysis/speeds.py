@@ -15,29 +15,29 @@ Array = npt.NDArray[np.float64]
 MOST_SPEEDS = 2000
 
 SAME_PLATE = 0.05
-"""Relative difference of plate speeds that count as one: amplitudes are read to a few percent."""
+"""Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
 
 
 class Measured(NamedTuple):
-    """Speeds of walkers; arrays of shape (n,)."""
+    """Measured speeds of walkers; arrays of shape (n,)."""
 
     tilt: Array
-    """deg"""
+    """Tilts of the legs, deg."""
     legs: list[Kind]
     speed: Array
-    """mm/s"""
+    """Measured speeds, mm/s."""
     se: Array | None
-    """Standard errors, mm/s; None when the file has none."""
+    """Standard errors of the speeds, mm/s; None when the file has none."""
     plate_speed: Array
     """Peak speed of the plate, mm/s."""
     bad: str
-    """Which rows were left out, and why; "" when all are used."""
+    """Rows that were left out, and why; "" when all are used."""
 
 
 def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
 
-    `kind` and `plate_speed` (mm/s) stand in where the file says nothing. Raises InputError.
+    `kind` and `plate_speed` (mm/s) stand in where the file has none. Raises InputError.
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
     table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
@@ -64,7 +64,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
 
 
 def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
-    """The speeds measured on a plate of that peak speed (mm/s), within SAME_PLATE."""
+    """Select the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE."""
     same = np.abs(measured.plate_speed / plate_speed - 1.0) <= SAME_PLATE
     away = int(np.count_nonzero(~same))
     left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"

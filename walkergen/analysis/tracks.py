@@ -19,20 +19,20 @@ from walkergen.files.columns import Columns
 Array = npt.NDArray[np.float64]
 
 MOST_FRAMES = 50_000_000
-"""Of all tracks together, gaps included."""
+"""Largest number of frames of all tracks together, gaps included."""
 
 REGULAR = 0.01
-"""Times may lie off the regular grid by this share of the interval."""
+"""Share of the interval by which times may lie off the regular grid."""
 
 
 class Track(NamedTuple):
-    """One walker at regular times; NaN where it was not seen."""
+    """Positions of one walker at regular times; NaN where it was not seen."""
 
     particle: int
     position: Array
-    """Shape (times, dimensions), mm: x in a lane; x, y on a plane, y to the left of x."""
+    """Shape (times, dimensions), mm: x in a lane; x and y on a plane, with y to the left of x."""
     heading: Array | None
-    """Shape (times,), rad, from x toward y; None when the file has none."""
+    """Heading, shape (times,), rad, from x toward y; None when the file has none."""
     plate_speed: float | None = None
     """Peak speed of the plate, mm/s; None when the file does not say."""
 
@@ -45,28 +45,28 @@ class Tracks(NamedTuple):
     """Time between neighbouring samples of a track, s."""
     bad_rows: int
     told: str
-    """Which rows were left out, in words; '' when none was."""
+    """Description of the rows that were left out; '' when none was."""
 
     @property
     def lane(self) -> bool:
-        """Whether positions lie along a lane, not on a plane."""
+        """True when positions lie along a lane, not on a plane."""
         return bool(self.tracks[0].position.shape[1] == 1)
 
 
 class Units(NamedTuple):
-    """What the command line says of a file."""
+    """Units and axes of a file, as the command line gives them."""
 
     fps: float | None = None
     """Frames per second of a film."""
     mm_per_px: float | None = None
     y_down: bool = False
-    """Whether y grows downward in the file, as rows of an image do."""
+    """True when y grows downward in the file, as rows of an image do."""
     lane: bool = False
-    """Whether the walkers ran along a lane in x, so that y says nothing."""
+    """True when the walkers ran along a lane in x, so that y is ignored."""
 
 
 def read(path: Path, units: Units) -> Tracks:
-    """Tracks of a CSV file.
+    """Read the tracks of a CSV file.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
     usable, or when times do not lie on a regular grid. Bad rows are left out and named in `told`.
@@ -84,7 +84,7 @@ def read(path: Path, units: Units) -> Tracks:
 
 
 def _trajectory(path: Path, units: Units) -> Tracks:
-    """A simulated trajectory; its y_mm is height over the plate and its pitch is no heading."""
+    """Read a simulated trajectory; its y_mm is height over the plate, its pitch no heading."""
     for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
         if given is not None:
             raise InputError(f"{flag} {given:g}: {path} has its own t_s and x_mm; leave it out")
@@ -105,7 +105,7 @@ def _trajectory(path: Path, units: Units) -> Tracks:
 
 
 def _interval(path: Path, times: Array, particle: Array) -> float:
-    """Time between samples: the commonest step within a particle."""
+    """Time between samples, s: the commonest step of a particle."""
     order = np.lexsort((times, particle))
     same = np.diff(particle[order]) == 0
     steps = np.diff(times[order])[same]
@@ -114,7 +114,7 @@ def _interval(path: Path, times: Array, particle: Array) -> float:
         raise InputError(f"{path}: no particle has two different times; nothing moves")
     low = float(np.median(steps))
     close = steps[np.abs(steps - low) < REGULAR * low]
-    # Written times are rounded: the mean over all close steps is the best interval there is.
+    # Written times are rounded: the mean over all close steps is the best estimate.
     return float(close.mean())
 
 
@@ -157,14 +157,14 @@ def _film_units(path: Path, units: Units) -> tuple[float, float]:
 
 
 def _particles(table: Columns) -> Array:
-    """Number of each row's particle; 0 for all when the file does not number them."""
+    """Number of each row's particle; 0 for all rows when the file does not number particles."""
     return table.values.get("particle", np.zeros(len(table.lines)))
 
 
 def _assemble(
     path: Path, table: Columns, steps: Array, position: Array, heading: Array | None, tick: float
 ) -> Tracks:
-    """Rows, in any order, as tracks on the coarsest grid that holds all of their steps."""
+    """Sort rows into tracks, on the coarsest grid of times that holds all of their steps."""
     particle = _particles(table)
     plate = table.values.get("plate_speed_mm_s", np.full(len(steps), np.nan))
     order = np.lexsort((steps, particle))

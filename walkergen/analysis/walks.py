@@ -1,6 +1,6 @@
-"""What a persistent walk looks like, and least squares: correlation and displacement against lag.
+"""Correlation and squared displacement of a persistent walk against lag, and their least squares.
 
-A walker of constant speed v whose direction turns at mean rate omega and forgets itself at rate
+A walker of constant speed v whose direction turns at mean rate omega and decorrelates at rate
 gamma has velocity correlation <conj(v(t)) v(t + tau)> = v^2 exp((-gamma + i omega) tau) with
 v = v_x + i v_y (active Brownian motion with a turning bias: van Teeffelen and Loewen 2008).
 """
@@ -16,10 +16,10 @@ Complex = npt.NDArray[np.complex128]
 
 
 def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float = 0.0) -> Complex:
-    """Correlation at lags (s): amplitude exp((-rate + i turn) lag); rates in 1/s and rad/s.
+    """Correlation at lags (s): amplitude exp((-rate + i turn) lag); rate in 1/s, turn in rad/s.
 
-    With a `window` (s): that of mean velocities over windows of this length, whose starts lie
-    `lag` >= window apart: the same times (sinh(z)/z)^2, z = (rate - i turn) window / 2, exactly.
+    With a `window` (s) it is that of mean velocities over windows of this length whose starts lie
+    `lag` >= window apart: exactly (sinh(z)/z)^2 as large, with z = (rate - i turn) window / 2.
     """
     exponent = complex(rate, -turn)
     z = 0.5 * exponent * window
@@ -29,10 +29,11 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
 
 
 def squared(lag: Array, speed2: float, rate: float, offset: float, turn: float = 0.0) -> Array:
-    """Mean squared displacement (mm^2) at lags (s) of the same walk on a plane, plus `offset`.
+    """Mean squared displacement (mm^2) at lags (s) of a persistent walk on a plane, plus `offset`.
 
-    speed2 lag^2 at short lags, 4 D lag at long ones, D = `diffusivity`; for turn = 0 it is Fuerth's
-    formula (1920). The offset is twice the variance of a position's noise, over all dimensions.
+    It is speed2 lag^2 at short lags and 4 D lag at long ones, D = `diffusivity`; for turn = 0 it is
+    Fuerth's formula (1920). The offset is twice the variance of the position's noise, summed over
+    the dimensions.
     """
     exponent = complex(rate, -turn)
     z = exponent * lag
@@ -55,7 +56,7 @@ def fit(
     errors: Array,
     start: Sequence[float],
 ) -> Array | None:
-    """Parameters of model(lag, *parameters) by weighted least squares; None if none are found.
+    """Fit model(lag, *parameters) by weighted least squares; None when no parameters fit.
 
     `values` and the model may be complex, with the same error for both parts.
     """
@@ -68,7 +69,7 @@ def fit(
         return np.asarray(difference, dtype=float)
 
     scale = np.where(np.asarray(start) == 0.0, 1.0 / lag[-1], np.abs(start))
-    # Far trial points may overflow; they are rejected.
+    # Far trial points may overflow: they are rejected.
     with np.errstate(over="ignore", invalid="ignore"):
         found = least_squares(residuals, start, x_scale=scale, max_nfev=200)
     return np.asarray(found.x) if found.success else None
