@@ -53,21 +53,21 @@ class Kind(IntEnum):
 
 
 class Impact(NamedTuple):
-    """Outcome of one impact: impulse (g mm/s), velocity of the foot after (mm/s), its type."""
+    """Outcome of one impact: impulse (g mm/s), velocity of the foot after it (mm/s), and type."""
 
     F_x: float
     F_y: float
     v_x: float
     v_y: float
     kind: int
-    """A value of `Kind`."""
+    """Type of the impact, a value of `Kind`."""
     sticks: bool
-    """True when the foot stops and stays stuck (|H_xy| <= mu H_xx) until it leaves."""
+    """True when the foot stops and sticks until it leaves: |H_xy| <= mu H_xx."""
 
 
 @kernel
 def determinant(H_xx: float, H_xy: float, H_yy: float) -> float:
-    """H_xx H_yy - H_xy^2 to nearly full precision, also for a tensor of condition 1e12 and more.
+    """Determinant H_xx H_yy - H_xy^2 to nearly full precision, even at conditions beyond 1e12.
 
     The rounding errors of both products are recovered exactly (Dekker 1971, Veltkamp splitting),
     valid while entries stay below about 1e150.
@@ -100,11 +100,11 @@ def impact(
     friction: float,
     law: int,
 ) -> Impact:
-    """Impulse and outcome of one impact; the kernel of everything that collides.
+    """Compute impulse and outcome of one impact; the kernel of everything that collides.
 
-    H (1/g) positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0, law a value
-    of `Law`: not checked here (`resolve` does). Homogeneous of degree 1 in the velocity. v_y >= 0
-    gives no impulse and `Kind.NONE`.
+    H (1/g) must be positive definite, velocity in mm/s, 0 <= restitution <= 1, friction >= 0, law
+    a value of `Law`: not checked here (`resolve` does). Homogeneous of degree 1 in the velocity.
+    For v_y >= 0 there is no impulse and the type is `Kind.NONE`.
     """
     if v_y >= 0.0:
         return Impact(0.0, 0.0, v_x, v_y, NONE, False)
@@ -120,7 +120,7 @@ def impact(
         slope_x2 = H_xy + ratio_2 * H_xx
         slope_y2 = H_yy + ratio_2 * H_xy
 
-    # Until then: slide against friction, until the normal impulse `stop` (perhaps for ever).
+    # Before the stop: slide against friction up to the normal impulse `stop` (perhaps infinite).
     ratio_1 = ratio_2
     slope_x1 = slope_x2
     slope_y1 = slope_y2
@@ -131,7 +131,7 @@ def impact(
         slope_y1 = H_yy + ratio_1 * H_xy
         stop = -v_x / slope_x1 if slope_x1 * v_x < 0.0 else math.inf
 
-    # Compression; in the first segment slope_y1 <= 0 is possible (jamming): it goes on beyond it.
+    # Compression. With slope_y1 <= 0 (jamming) it cannot end before the stop.
     stops_early = slope_y1 * stop < -v_y
     if stops_early:
         v_stop = v_y + slope_y1 * stop
@@ -141,7 +141,7 @@ def impact(
         compression = -v_y / slope_y1
         work = 0.5 * v_y * compression
 
-    # Restitution: how much further, by the law, first within the segment where compression ended.
+    # Restitution: further impulse by the law, first within the segment where compression ended.
     left = math.inf if stops_early else stop - compression
     slope = slope_y2 if stops_early else slope_y1
     if law == POISSON:
@@ -194,7 +194,7 @@ def resolve(
     friction: float,
     law: Law = Law.POISSON,
 ) -> Impact:
-    """One impact, with its numbers checked: H = (H_xx, H_xy, H_yy) in 1/g, velocity in mm/s.
+    """Resolve one impact after checking H = (H_xx, H_xy, H_yy) in 1/g and the velocity in mm/s.
 
     Raises TheoryError when H is not positive definite or a number lies outside its range.
     """

@@ -1,6 +1,6 @@
 """Stationary speed of a foot: the sliding speed at which an impact gives no horizontal impulse.
 
-The foot arrives with normal speed w and slides at v_x0; the ratio v_x0 / w is the "factor" here
+The foot arrives with normal speed w and slides at v_x0; the ratio v_x0 / w is called the factor
 (physics.md section 4; paper eq. 15). Everything broadcasts over arrays; one call serves a million
 draws when made in chunks.
 """
@@ -22,17 +22,17 @@ LAWS: tuple[LawName, ...] = get_args(LawName)
 
 
 class Factors(NamedTuple):
-    """Stationary speed over impact speed, per foot; the walker's is their mean."""
+    """Stationary speed over impact speed, for each foot; the walker's factor is their mean."""
 
     back: Array
     front: Array
     reverses_back: Array
-    """True where the foot slides on after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
+    """True where the foot slides back after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
     reverses_front: Array
 
     @property
     def mean(self) -> Array:
-        """Mean of both feet: as many impacts at the back as at the front."""
+        """Mean factor of both feet: back and front feet have as many impacts."""
         return 0.5 * (self.back + self.front)
 
 
@@ -43,19 +43,19 @@ def factor(
     mode: Mode = "coulomb",
     law: LawName = "poisson",
 ) -> Array:
-    """Stationary v_x0 / w of one foot, positive forward; shapes broadcast.
+    """Factor v_x0 / w of one foot, positive forward; shapes broadcast.
 
     `coulomb` lets the foot stick when friction can hold it; `paper` is eq. 15, which assumes that
     it slides back in any case (Poisson's law only). At friction 0, where every speed is
-    stationary, the limit friction -> 0 is given. Raises TheoryError for numbers out of range.
+    stationary, the result is the limit friction -> 0. Raises TheoryError for numbers out of range.
     """
     e, mu = np.asarray(restitution, dtype=float), np.asarray(friction, dtype=float)
     _check(e, mu, mode, law)
     magnitude = np.abs(H.xy)
-    # Ratio |F_x|/F_y after the stop: what holds the foot, or all that friction gives.
+    # Ratio |F_x|/F_y after the stop: as much as holds the foot, or all that friction gives.
     needed = magnitude / H.xx
     ratio = mu + 0.0 * needed if mode == "paper" else np.minimum(mu, needed)
-    # Share of the slide-back impulse in the whole, ratio/(mu + ratio): 1/2 in the limit mu -> 0.
+    # Share of the impulse after the stop in the whole, ratio/(mu + ratio): 1/2 as mu -> 0.
     with np.errstate(invalid="ignore"):
         share = np.where(mu > 0, ratio / (mu + ratio), np.where(magnitude > 0, 0.5, 0.0))
     forward_slope = mu * H.xx + magnitude
@@ -72,16 +72,16 @@ def factor(
 def _stronge_impulse(H: InverseMass, e: Array, mu: Array, ratio: Array, share: Array) -> Array:
     """Total normal impulse per unit of w under energetic restitution, at the stationary speed.
 
-    The foot slides at rate k1 of v_y per impulse until p1 = share * p, then at k2; the end of
-    compression lies after the stop (type III) or before it (type II). Either way the balance of
-    works W_restitution = -e^2 W_compression is a quadratic equation in p.
+    v_y changes by k1 per unit of impulse until p1 = share * p, then by k2; the end of compression
+    lies after the stop (type III) or before it (type II). In both cases the balance of works
+    W_restitution = -e^2 W_compression is a quadratic equation in p.
     """
     magnitude = np.abs(H.xy)
     k1, k2 = H.yy + mu * magnitude, H.yy - ratio * magnitude
     # With v_end = k1 p1 + k2 (p - p1) - 1 = H_yy p - 1 and v_stop = k1 p1 - 1:
     # Type III: v_end^2 / (2 k2) = e^2 [(1 - v_stop^2)/(2 k1) + v_stop^2/(2 k2)], v_stop <= 0.
     # Type II:  (v_end^2 - v_stop^2)/(2 k2) + v_stop^2/(2 k1) = e^2/(2 k1),     v_stop >= 0.
-    # Solved with H_yy = k2 + t, in which every term is positive and nothing cancels.
+    # Solved with H_yy = k2 + t: every term is then positive and nothing cancels.
     t = share * (k1 - k2)
     lost = 1 - e**2
     root = e * np.sqrt(k2 * (k2 + share * lost * t))
@@ -109,7 +109,7 @@ def factors(
     mode: Mode = "coulomb",
     law: LawName = "poisson",
 ) -> Factors:
-    """Stationary factors of a walker's two feet from its mass properties."""
+    """Stationary factors of a walker's two feet from its mass properties. Raises TheoryError."""
     back, front = feet(mass)
     return Factors(
         factor(back, restitution, friction, mode, law),

@@ -1,7 +1,7 @@
 """Inverse-mass tensors at a foot: dv_foot = H F (physics.md section 2; paper eqs 4 and 12).
 
 Symmetric 2x2 tensors are kept as their three entries, each an array of any common shape, so that
-one call serves one foot or a million draws.
+a call serves one foot or a million draws.
 """
 
 from typing import NamedTuple
@@ -23,7 +23,7 @@ class InverseMass(NamedTuple):
 
 
 def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMass:
-    """Inverse of I/mass + P(lever)/inertia: the mass felt at a point of a free rigid body (g)."""
+    """Inverse of I/mass + P(lever)/inertia, in g: the mass felt at a point of a free rigid body."""
     x, y = lever[..., 0], lever[..., 1]
     scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(
@@ -34,9 +34,9 @@ def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMas
 
 
 def rigid(M: Values, J: Values, d: Array) -> InverseMass:
-    """Tensor at a foot of a rigid walker: I/M + P(d)/J (paper eq. 4).
+    """Tensor at a foot of a rigid walker: I/M + P(d)/J, in 1/g (paper eq. 4).
 
-    M (g) and J (g mm^2) of everything rigid, shape (...); d = O -> foot (mm), shape (..., 2).
+    M (g) and J (g mm^2) of the whole walker, shape (...); d = O -> foot (mm), shape (..., 2).
     """
     x, y = d[..., 0], d[..., 1]
     return InverseMass(1.0 / M + y * y / J, -x * y / J, 1.0 / M + x * x / J)
@@ -45,10 +45,10 @@ def rigid(M: Values, J: Values, d: Array) -> InverseMass:
 def flexible(
     M: Values, J: Values, m: Values, j: Values, a: Array, c_A: Array, c_T: Array
 ) -> InverseMass:
-    """Tensor at the tip of a leg whose joint carries force but no torque (paper eqs 8-12).
+    """Tensor at the tip of a leg whose joint carries force but no torque, in 1/g (paper eqs 8-12).
 
-    Body M, J with anchor a; leg m, j (about its own centre) with c_A = anchor -> centre and
-    c_T = centre -> tip. Masses shape (...), vectors (..., 2); all masses > 0.
+    The body has M, J and anchor a; the leg has m, j (about its own centre), c_A = anchor -> centre
+    and c_T = centre -> tip. Masses (g, g mm^2) shape (...), vectors (mm) (..., 2); all masses > 0.
 
     The published form I/m + P(c_T)/j - R^T K^-1 R subtracts numbers of order 1/m to leave 1/M: it
     loses the digits of M/m for a light leg. Woodbury's identity makes it a sum of positive terms,
@@ -81,7 +81,7 @@ def flexible(
 def feet(mass: MassProperties) -> tuple[InverseMass, InverseMass]:
     """Tensors at the back and the front foot; the other leg's mass is neglected, as in the paper.
 
-    Neglecting it changes the tensor by the order of m/M (the hinged chain is the tests' rival).
+    The error of this is of the order of m/M (the tests compare it with the chain of hinged legs).
     """
     anchors = mass.a, mass.b
     if mass.rigid:
