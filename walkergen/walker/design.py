@@ -155,7 +155,7 @@ class Design(Section):
     ) -> list["Design"]:
         """Variants of a family, kinds outermost; by default those of its [family] table.
 
-        Raises GeometryError, with the limit that was passed, if any member cannot be built.
+        Raises GeometryError, with the limit that was exceeded, if any member cannot be built.
         """
         tilts = list(self.family.tilt_deg if tilts_deg is None else tilts_deg)
         chosen = list(self.family.legs if kinds is None else kinds)
@@ -205,7 +205,7 @@ def _impossible(design: Design, tilt_deg: float) -> list[str]:
     thickness = design.leg_thickness
     trial = design.model_copy(update={"legs": legs.model_copy(update={"tilt_deg": tilt_deg})})
     tilt = abs(math.radians(tilt_deg))
-    half_width = 0.5 * thickness / math.cos(tilt)  # of a leg, along the bottom face
+    half_width = 0.5 * thickness / math.cos(tilt)  # half the width of a leg along the bottom face
     found = []
 
     end = {"flat": 0.0, "square": 0.0, "round": 0.5 * thickness}[legs.foot]
@@ -265,7 +265,7 @@ def _impossible_brace(trial: Design, tilt: float, half_width: float, half_body: 
 
 
 def _largest_tilt(design: Design) -> float | None:
-    """Largest tilt (deg, same sign) free of every problem, by bisection; None when tilt 0 fails."""
+    """Largest tilt (deg, same sign) without any problem, by bisection; None when tilt 0 has one."""
     if _impossible(design, 0.0):
         return None
     good, bad = 0.0, design.legs.tilt_deg

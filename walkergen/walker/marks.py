@@ -5,10 +5,10 @@ supports, because the part lies on its side: notches are grooves of the profile 
 whole print, digits are engraved into the flat side that prints last.
 
 Notches count in base two. Every place has its notch, narrow for 0 and wide for 1, so that no place
-has to be guessed from an empty stretch, as it has with notches that are there or not; and the mass
-hardly depends on the number, as it does with a tally. The start, wider than both, is the frontmost:
-read from there towards the back, highest place first, legs down; a part seen from its other side
-has its start on the left and is not misread.
+has to be guessed from an empty stretch, as where a missing notch means 0; and the mass hardly
+depends on the number, as it would with a tally. The start notch, wider than both, is the
+frontmost: notches are read from there towards the back, highest place first, with the legs down; a
+part seen from its other side has its start on the left and is not misread.
 """
 
 from collections.abc import Sequence
@@ -26,14 +26,14 @@ SEGMENTS = {
     "0": "abcdef", "1": "bc", "2": "abdeg", "3": "abcdg", "4": "bcfg", "5": "acdfg",
     "6": "acdefg", "7": "abc", "8": "abcdefg", "9": "abcdfg", "-": "g", ".": "h",
 }  # fmt: skip
-"""Lit segments of a seven-segment display, clockwise from the top (a), g the middle; h a point."""
+"""Lit segments of a seven-segment display: a to f clockwise from the top, g middle, h a point."""
 
 SHORTEST_DIGIT = 5.0
-"""Height of a digit in lines: three strokes and two gaps of a line, below which it closes up."""
+"""Least height of a digit, in lines: three strokes and two gaps; a lower digit closes up."""
 
 
 class Marks(Section):
-    """Whether and how a part shows its tilt."""
+    """Settings of the marks by which a part shows its tilt."""
 
     kind: Literal["none", "notches", "digits"] = "none"
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
@@ -41,7 +41,7 @@ class Marks(Section):
 
 
 class Rectangle(NamedTuple):
-    """An axis-parallel rectangle of the x-y plane, mm."""
+    """Axis-parallel rectangle in the x-y plane, mm."""
 
     left: float
     bottom: float
@@ -50,9 +50,9 @@ class Rectangle(NamedTuple):
 
 
 def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
-    """What the part of a tilt shows: "" or its tilt in digits, or its notches drawn with #.
+    """Mark of the part with this tilt: "", its tilt in digits, or its notches drawn with #.
 
-    A drawing such as "### # ## ##" shows the notches from the start on, one # a unit wide.
+    A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
     """
     if marks.kind == "none":
         return ""
@@ -62,16 +62,16 @@ def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
 
 
 def digits_of(tilt_deg: float) -> str:
-    """The tilt with every digit and no exponent: 10, -7.5."""
+    """Tilt with all its digits and without an exponent: 10, -7.5."""
     return format(Decimal(repr(tilt_deg + 0.0)).normalize(), "f")
 
 
 def notches(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, length: float, thickness: float
 ) -> list[Rectangle]:
-    """Grooves in the upper edge of a body, from the front to the back; none of another kind.
+    """Grooves in the upper edge of a body, from front to back; none unless the marks are notches.
 
-    The start lies one unit from the front end. Valid when `problems` finds none.
+    The start lies one unit from the front end. Valid when `problems` reports none.
     """
     if marks.kind != "notches":
         return []
@@ -86,7 +86,7 @@ def notches(
 def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
     """Strokes of the tilt's digits about the middle of the body, overlapping where they meet.
 
-    One line wide; the digits are as high as leaves a line above and below, 0.6 of it wide.
+    Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
     """
     if marks.kind != "digits":
         return []
@@ -105,7 +105,7 @@ def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
 def problems(
     marks: Marks, tilts_deg: Sequence[float], tilt_deg: float, body: tuple[float, float, float]
 ) -> list[str]:
-    """Why a body of length, thickness, depth (mm) cannot bear its marks; one line each."""
+    """Reasons why a body of length, thickness, depth (mm) cannot bear its marks, one line each."""
     length, thickness, depth = body
     if marks.kind == "notches":
         return _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
@@ -168,18 +168,18 @@ def _unfit_digits(
 
 
 def _places(tilts_deg: Sequence[float]) -> int:
-    """Places in base two that number all tilts from 1."""
+    """Number of binary places that number all tilts from 1."""
     return len(tilts_deg).bit_length()
 
 
 def _widths(tilts_deg: Sequence[float], tilt_deg: float) -> list[int]:
-    """Widths of a tilt's notches from the start on, in units."""
+    """Widths of a tilt's notches, from the start on, in units."""
     number = list(tilts_deg).index(tilt_deg) + 1
     return [START] + [WIDE if bit == "1" else NARROW for bit in f"{number:0{_places(tilts_deg)}b}"]
 
 
 def _advance(glyph: str, height: float, line: float) -> float:
-    """From the left of a glyph to the left of the next: two lines lie between them."""
+    """Distance between the left ends of a glyph and of the next, two lines after it, mm."""
     return (line if glyph == "." else 0.6 * height) + 2.0 * line
 
 
@@ -188,7 +188,7 @@ def _text_length(text: str, height: float, line: float) -> float:
 
 
 def _segments(left: float, height: float, width: float, line: float) -> dict[str, Rectangle]:
-    """The segments of a glyph; neighbours share the square where they meet."""
+    """Segments of a glyph by letter; neighbours share the square where they meet."""
     right, low, high, half = left + width, -0.5 * height, 0.5 * height, 0.5 * line
     return {
         "a": Rectangle(left, high - line, right, high),

@@ -17,32 +17,32 @@ Values = float | Array
 
 
 class Mesh(NamedTuple):
-    """A closed triangle mesh, counter-clockwise seen from outside."""
+    """Closed triangle mesh, with triangles counter-clockwise seen from outside."""
 
     vertices: Array
-    """Shape (n, 3), mm."""
+    """Coordinates of the corners, shape (n, 3), mm."""
     triangles: npt.NDArray[np.int64]
-    """Shape (k, 3), indices into the vertices."""
+    """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
 
 class SolidMass(NamedTuple):
     """Mass properties of one solid of uniform density."""
 
     mass: float
-    """g"""
+    """Mass, g."""
     centre: Array
     """Centre of mass, shape (3,), mm."""
     inertia: float
-    """About the z axis through the centre of mass, g mm^2."""
+    """Moment of inertia about the z axis through the centre of mass, g mm^2."""
     volume: float
-    """mm^3"""
+    """Volume, mm^3."""
 
 
 class MassProperties(NamedTuple):
-    """What the mechanics needs to know of a walker (paper, figure 1); vectors (2,) in mm, x-y.
+    """Masses, moments of inertia and vectors of a walker (paper, figure 1); vectors (2,), mm, x-y.
 
-    Flexible legs: M, J, O of the body alone and m, j of one leg. Braced: M, J, O of the whole
-    rigid solid and m = j = 0. The foot lies at O + a + c_A + c_T (back), O + b + c_A + c_T
+    Flexible legs: M, J, O belong to the body alone and m, j to one leg. Braced: M, J, O belong to
+    the whole solid and m = j = 0. The foot lies at O + a + c_A + c_T (back), O + b + c_A + c_T
     (front). Every field may carry leading batch axes.
     """
 
@@ -55,19 +55,19 @@ class MassProperties(NamedTuple):
     j: Values
     """Moment of inertia of a leg about its own centre of mass, g mm^2; 0 when braced."""
     a: Array
-    """O -> anchor of the back leg."""
+    """Vector from O to the anchor of the back leg."""
     b: Array
-    """O -> anchor of the front leg."""
+    """Vector from O to the anchor of the front leg."""
     c_A: Array
-    """Anchor -> centre of mass of a leg."""
+    """Vector from the anchor to the centre of mass of a leg."""
     c_T: Array
-    """Centre of mass of a leg -> foot (the point that touches the plate)."""
+    """Vector from a leg's centre of mass to its foot (the point that touches the plate)."""
     rigid: bool
     """True when the legs are braced."""
 
 
 def weigh(mesh: Mesh, density: float) -> SolidMass:
-    """Mass (g), centre (mm) and inertia about z (g mm^2) of a closed mesh; density in g/mm^3.
+    """Weigh a closed mesh: mass (g), centre (mm), inertia about z (g mm^2); density in g/mm^3.
 
     Exact for polyhedra up to rounding. Source: the divergence theorem summed over the tetrahedra
     between the local origin and each triangle.
@@ -110,7 +110,7 @@ def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
 
 
 def as_rigid(mass: MassProperties) -> MassProperties:
-    """The same walker with its joints frozen: body and both legs as one rigid solid."""
+    """Mass properties with the joints frozen: body and both legs as one rigid solid."""
     if mass.rigid:
         return mass
     masses = np.array([mass.M, mass.m, mass.m])

@@ -9,13 +9,13 @@ from walkergen.walker.marks import Marks
 
 
 def part(design: Design) -> str:
-    """Name of one walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
+    """Name of a walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
     tilt = _decimal(design.legs.tilt_deg, 1)
     return f"walker_t{tilt}_{design.legs.kind}_s{_decimal(design.leg_thickness, 2)}"
 
 
 def legend(members: Sequence[Design]) -> str:
-    """Which mark means which tilt, as a Markdown table; "" without marks."""
+    """Markdown table of the mark for each tilt; "" without marks."""
     marks = {design.legs.tilt_deg: design.mark for design in members if design.mark}
     if not marks:
         return ""
@@ -25,7 +25,7 @@ def legend(members: Sequence[Design]) -> str:
 
 
 def how_to_read(marks: Marks) -> str:
-    """How a person reads the marks of a printed part; "" without any."""
+    """Instructions for reading the marks of a printed part; "" without marks."""
     if marks.kind == "none":
         return ""
     if marks.kind == "digits":
@@ -38,5 +38,5 @@ def how_to_read(marks: Marks) -> str:
 
 
 def _decimal(value: float, digits: int) -> str:
-    """All digits of a number, at least `digits` after the point, never an exponent."""
+    """Format a number with all its digits, at least `digits` after the point, never an exponent."""
     return np.format_float_positional(value + 0.0, unique=True, min_digits=digits)

@@ -25,38 +25,38 @@ FOOT_SEGMENTS = 64
 """Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
 
 NARROWEST_WINDOW = 1e-9
-"""Width of a window between leg and brace, over the leg's length, below which there is none: such
-slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
+"""Width of a window between leg and brace, over the leg's length, below which it does not count:
+such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
 
 Polygon = npt.NDArray[np.float64]
 
 
 class Solids(NamedTuple):
-    """The meshes of one walker."""
+    """Meshes of one walker."""
 
     walker: Mesh
-    """The printable union, in the design's frame: one closed body."""
+    """Printable union of body and legs, in the design's frame: one closed body."""
     body: Mesh
-    """The body alone, in the same frame."""
+    """Body alone, in the design's frame."""
     leg: Mesh
     """One leg outside the body, with its brace if it has one; its anchor at the origin."""
 
 
 class Engraving(NamedTuple):
-    """What is cut into the upper flat side, z = the body's depth."""
+    """Pockets cut into the upper flat side, z = the body's depth."""
 
     profiles: Sequence[Polygon]
     depth: float
-    """mm"""
+    """Depth of the pockets, mm."""
 
 
 class Outline(NamedTuple):
-    """The polygons of a walker's profile, counter-clockwise, shape (n, 2), mm."""
+    """Polygons of a walker's profile, counter-clockwise, shape (n, 2), mm."""
 
     body: Polygon
-    """In the design's frame."""
+    """Profile of the body, in the design's frame."""
     limb: tuple[Polygon, ...]
-    """One leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
+    """Leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
 
 
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
@@ -74,8 +74,8 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
 
 
 def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """The profile whose union, both limbs at their anchors, is extruded."""
-    # In the union legs reach into the body, so that the parts overlap rather than touch.
+    """Polygons whose union, with a limb at each anchor, is the profile to extrude."""
+    # Legs reach into the body, so that the parts of the union overlap rather than touch.
     embedding = 0.25 * design.body.thickness_mm
     limb = tuple(_raised(part, embedding) for part in _limb(design, foot_segments))
     return Outline(_body_profile(design), limb)
@@ -92,14 +92,14 @@ def mass_of(design: Design) -> MassProperties:
 
 
 def has_window(design: Design) -> bool:
-    """True when there is air between a braced leg and its brace (not at small tilt)."""
+    """True when there is air between a braced leg and its brace, as at all but small tilts."""
     return window_width(design) > NARROWEST_WINDOW * design.legs.length_mm
 
 
 def window_width(design: Design) -> float:
-    """Air between a braced leg and its brace along the body's bottom face, mm.
+    """Width of the air between a braced leg and its brace along the body's bottom face, mm.
 
-    There it is widest; negative where they overlap, and 0 for flexible legs.
+    There it is widest; it is negative where leg and brace overlap, and 0 for flexible legs.
     """
     if not design.braced:
         return 0.0
@@ -108,7 +108,7 @@ def window_width(design: Design) -> float:
 
 
 def clearance(design: Design) -> float:
-    """Air between the back leg and the front one (or its brace), where they are closest, mm."""
+    """Least distance between the back leg and the front leg (or its brace), mm."""
     thickness = design.leg_thickness / math.cos(design.tilt)
     between_legs = design.legs.contact_spacing_mm - thickness
     if not design.braced:
@@ -119,9 +119,9 @@ def clearance(design: Design) -> float:
 
 
 def bodies(mesh: Mesh) -> int:
-    """How many closed bodies a mesh has once its coordinates are 32-bit floats, as in a file.
+    """Number of closed bodies of a mesh once its coordinates are 32-bit floats, as in a file.
 
-    0 when it is not closed and oriented, or encloses nothing. Vertices that fall together are one.
+    Zero when it is not closed and oriented, or encloses nothing. Vertices that coincide are merged.
     """
     rounded = mesh.vertices.astype(np.float32)
     vertices, index = np.unique(rounded, axis=0, return_inverse=True)
@@ -133,14 +133,14 @@ def bodies(mesh: Mesh) -> int:
 
 
 def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
-    """The mesh as trimesh's object, vertices and order untouched."""
+    """Convert a mesh to trimesh's object; vertices and their order stay as they are."""
     import trimesh
 
     return trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
 
 
 def _body_profile(design: Design) -> Polygon:
-    """The body with the notches in its upper edge; counter-clockwise."""
+    """Profile of the body with the notches in its upper edge, counter-clockwise."""
     length, thickness = design.body.length_mm, design.body.thickness_mm
     x, y = 0.5 * length, 0.5 * thickness
     edge = [
@@ -170,7 +170,7 @@ def _limb(design: Design, foot_segments: int) -> list[Polygon]:
 
 
 def _leg_profile(design: Design, foot_segments: int) -> Polygon:
-    """One leg below the bottom face (y <= 0), its anchor at the origin; counter-clockwise."""
+    """Profile of a leg below the bottom face (y <= 0), anchor at the origin, counter-clockwise."""
     sin, cos = math.sin(design.tilt), math.cos(design.tilt)
     half, length = 0.5 * design.leg_thickness, design.legs.length_mm
     along, across = np.array([-sin, -cos]), np.array([cos, -sin])
@@ -199,7 +199,7 @@ def _half_circle(tilt: float, segments: int) -> Polygon:
 
 
 def _brace_profile(design: Design) -> Polygon:
-    """The vertical support from the foot up to the bottom face, in the leg's frame."""
+    """Profile of the vertical support from the foot to the bottom face, in the leg's frame."""
     legs = design.legs
     x, half = design.brace_offset, 0.5 * legs.brace_thickness_mm
     reach = legs.length_mm - (0.5 * design.leg_thickness if legs.foot == "round" else 0.0)
@@ -218,10 +218,11 @@ def _raised(profile: Polygon, embedding: float) -> Polygon:
 def _extrude(
     profiles: Sequence[Polygon], depth: float, windows: int | None, engraving: Engraving
 ) -> Mesh:
-    """Union of profiles, extruded to z = 0..depth; `windows` is the genus to be found, if known.
+    """Extrude the union of profiles to z = 0..depth; `windows` is the expected genus, if known.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
-    size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits.
+    size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
+    SolidError when the result is not one sound body with so many windows.
     """
     reach = max(float(np.abs(profile).max()) for profile in profiles)
     scale = 2.0 ** (30 - math.frexp(max(reach, depth))[1])
@@ -247,9 +248,9 @@ def _extrude(
 
 
 def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
-    """A profile that has no windows: what is left of one narrower than NARROWEST_WINDOW is filled.
+    """Fill the slivers of windows narrower than NARROWEST_WINDOW in a profile without windows.
 
-    Raises SolidError when a hole is more than that.
+    Raises SolidError when a hole is larger than that.
     """
     least = NARROWEST_WINDOW * section.area()
     outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
@@ -260,7 +261,7 @@ def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSectio
 
 
 def _signed_area(polygon: Polygon) -> float:
-    """Negative for a hole."""
+    """Area enclosed by a polygon; negative for a hole."""
     following = np.roll(polygon, -1, axis=0)
     return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
 
@@ -268,13 +269,13 @@ def _signed_area(polygon: Polygon) -> float:
 def _engraved(
     solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float
 ) -> manifold3d.Manifold:
-    """A scaled solid with pockets in its upper side; they overshoot it, so that no sides touch."""
+    """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
     section = manifold3d.CrossSection(
         [scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive
     )
     tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
     cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
-    # A pocket, with islands or without, leaves one body and opens no window.
+    # A pocket, with or without islands, leaves one body and opens no window.
     if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
         raise SolidError(
             f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} "
