@@ -1,4 +1,4 @@
-"""The error tree.
+"""Tree of the errors that walkergen raises.
 
 WalkergenError            everything walkergen raises on purpose; the CLI prints it and exits with 2
 ├── InputError            a value a person wrote is unusable: says what was seen, allowed, to try
@@ -16,7 +16,7 @@ class WalkergenError(Exception):
 
 
 class InputError(WalkergenError):
-    """A value that a person wrote is unusable; the text says what was seen, allowed, and to try."""
+    """A value that a person wrote is unusable; the text says what was seen and what is allowed."""
 
 
 class GeometryError(InputError):
@@ -24,11 +24,11 @@ class GeometryError(InputError):
 
 
 class PlateError(InputError):
-    """Parts do not fit the printer's bed; the text says how many would."""
+    """Parts do not fit the printer's bed; the text says how many parts would fit."""
 
 
 class PrintabilityError(InputError):
-    """Parts would not print as drawn; a line for each finding, with what to change."""
+    """Parts would not print as drawn; the text has a line for each finding, with what to change."""
 
 
 class SolidError(WalkergenError):
@@ -36,7 +36,7 @@ class SolidError(WalkergenError):
 
 
 class TheoryError(WalkergenError):
-    """A formula has no answer for the numbers given."""
+    """A formula has no answer for the given numbers."""
 
 
 class OutputError(WalkergenError):

@@ -15,34 +15,34 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 DRAWS = 4096
-"""Monte-Carlo draws per speed band: the standard deviation itself is then known to 1.1 %."""
+"""Number of Monte-Carlo draws per speed band: its width is then known to 1.1 %."""
 
 SEED = 2016
 
 
 class Prediction(NamedTuple):
-    """One row of the family's table; the field names are the CSV's columns."""
+    """Row of the family's table; the field names are the CSV's columns, with units."""
 
     tilt_deg: float
     legs: str
     M_g: float
     J_g_mm2: float
     m_g: float | None
-    """None for braced legs, which are part of M."""
+    """Mass of one leg, g; None for braced legs, which are part of M."""
     j_g_mm2: float | None
     factor_back: float
     factor_front: float
     factor_mean: float
     speed_mm_s: float
     speed_sd_mm_s: float
-    """One standard deviation, from those of restitution, friction, masses and impact speed."""
+    """Standard deviation by those of restitution, friction, masses and impact speed."""
     mode: str
     law: str
     note: str
 
 
 class Draws(NamedTuple):
-    """Random samples of what is uncertain, each of shape (n,); the same for every member."""
+    """Random samples of the uncertain quantities, each of shape (n,), shared by all members."""
 
     restitution: Array
     friction: Array
@@ -51,11 +51,11 @@ class Draws(NamedTuple):
     leg: Array
     """Mass of a leg over its nominal value."""
     impact_speed: Array
-    """mm/s"""
+    """Speed at which feet meet the plate, mm/s."""
 
 
 def draw(scene: Scene, mass_sd: float, count: int = DRAWS, seed: int = SEED) -> Draws:
-    """Independent normal samples, redrawn where they leave the physical range."""
+    """Draw independent normal samples, drawing again where they leave the physical range."""
     contact, prediction = scene.contact, scene.prediction
     streams = iter(np.random.SeedSequence(seed).spawn(5))
 
@@ -76,14 +76,14 @@ def _truncated_normal(
     rng: np.random.Generator, mean: float, sd: float, low: float, high: float, count: int
 ) -> Array:
     values = rng.normal(mean, sd, count)
-    # The mean lies within [low, high], so at least a sixth of all draws with sd <= 1 do as well.
+    # The mean lies within [low, high]: with sd <= 1 at least a sixth of the draws do so as well.
     while (outside := (values < low) | (values > high)).any():
         values[outside] = rng.normal(mean, sd, int(outside.sum()))
     return values
 
 
 def speed_draws(mass: MassProperties, scene: Scene, draws: Draws, mode: Mode) -> Array:
-    """Speed of a walker (mm/s) for every draw, shape (n,)."""
+    """Speeds of a walker (mm/s), one for every draw, shape (n,)."""
     varied = mass._replace(
         M=mass.M * draws.body, J=mass.J * draws.body, m=mass.m * draws.leg, j=mass.j * draws.leg
     )
@@ -98,10 +98,11 @@ def predict(
     mode: Mode = "coulomb",
     draws: Draws | None = None,
 ) -> Prediction:
-    """Predicted stationary speed of one walker (physics.md section 4; paper eq. 15).
+    """Predict the stationary speed of one walker (physics.md section 4; paper eq. 15).
 
     speed = mean factor of both feet x impact speed; impact speed = impact_speed_factor x peak
-    speed of the plate. Give `draws` to share them between the members of a family.
+    speed of the plate. `draws` can be shared between the members of a family. Raises TheoryError
+    when mode and law do not go together.
     """
     if draws is None:
         draws = draw(scene, 0.01 * design.weighed.mass_sd_percent)
@@ -141,21 +142,21 @@ def _notes(each: Factors, friction: float, mode: Mode) -> Iterator[str]:
 
 
 class Curve(NamedTuple):
-    """Predicted speed along the tilt, for the figure."""
+    """Predicted speed against tilt, for the figure; arrays of shape (181,)."""
 
     tilt_deg: Array
     speed: Array
-    """mm/s"""
+    """Predicted speed, mm/s."""
     sd: Array
-    """mm/s"""
+    """Standard deviation of the speed, mm/s."""
     can_stick: npt.NDArray[np.bool_]
-    """Where a foot can stick, so that the paper's eq. 15 fails."""
+    """True where a foot can stick, so that the paper's eq. 15 fails."""
 
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
-    """Predicted speeds of a design's kind over a fine range of tilts (181 points).
+    """Predict the speeds of a design's kind of legs over a fine range of tilts (181 points).
 
-    Without marks, which number a family's tilts and not those between.
+    The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
     draws = draw(scene, 0.01 * design.weighed.mass_sd_percent)
     contact = scene.contact

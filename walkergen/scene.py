@@ -23,7 +23,7 @@ Positive = Annotated[float, Field(gt=0, le=1e9)]
 class Drive(Section):
     """Vertical sinusoidal vibration of the plate, from any two of its four numbers.
 
-    A second harmonic, if any, comes on top: its amplitude over that of the fundamental, and its
+    A second harmonic may be added, given by its amplitude over that of the fundamental and by its
     phase; the four numbers remain those of the fundamental.
     """
 
@@ -88,17 +88,17 @@ class Drive(Section):
 
     @property
     def peak_speed(self) -> float:
-        """Largest speed of the plate, mm/s."""
+        """Largest speed of the plate's fundamental vibration, mm/s."""
         return self.amplitude * self.omega
 
     @property
     def peak_gamma(self) -> float:
-        """Largest acceleration of the plate over g."""
+        """Largest acceleration of the plate's fundamental vibration over g."""
         return self.peak_speed * self.omega / GRAVITY
 
 
 class Contact(Section):
-    """Foot on plate: restitution and Coulomb friction, each with its standard deviation."""
+    """Contact of foot and plate: restitution and friction, with their standard deviations."""
 
     restitution: Fraction = 0.8
     restitution_sd: Fraction = 0.1
@@ -111,15 +111,15 @@ class Plate(Section):
     """The vibrating plate."""
 
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
-    """Descent toward +x: positive slopes help the walker along."""
+    """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
 
 
 class Arena(Section):
-    """Where the walker may go; planes and neighbours are to come."""
+    """Ground on which the walker may run; planes and neighbours are to come."""
 
     kind: Literal["lane"] = "lane"
     length_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
-    """A walker beyond half of it, either way, has left the lane; None: an endless lane."""
+    """Length of the lane, mm, about the start; a walker beyond its ends has left. None: endless."""
 
 
 class LegModel(Section):
@@ -127,30 +127,30 @@ class LegModel(Section):
 
     model: Literal["auto", "relaxed", "compliant", "rigid"] = "auto"
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
-    """Of a free leg on a held body."""
+    """Damping ratio of a free leg on a held body."""
     spring: Literal["cantilever", "pseudo-rigid", "frequency"] = "cantilever"
 
 
 class Run(Section):
-    """How long, how often and how finely to simulate."""
+    """Duration, number and step of the simulated runs."""
 
     seconds: Annotated[float, Field(gt=0, le=1e7)] = 60.0
-    """Measured time of one run, after the discarded start."""
+    """Measured time of one run, s, after the discarded start."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     method: Literal["auto", "event", "step"] = "auto"
     step_us: Annotated[float, Field(ge=0.01, le=1000)] = 30.0
-    """Step of the time-stepping method while a foot is in contact; ten in an oscillation of a leg
-    keep its energy in balance."""
+    """Step of the time-stepping method, us, while a foot is in contact; ten steps in an oscillation
+    of a leg keep its energy in balance."""
     energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
-    """Largest share of the exchanged energy that may go unaccounted for."""
+    """Largest share of the exchanged energy that may remain unaccounted for."""
     accepted_error: Annotated[float, Field(gt=0, le=10)] = 0.1
-    """Relative error of the mean speed that `model = "auto"` may accept from a simpler model."""
+    """Relative error of the mean speed up to which `model = "auto"` may take a simpler model."""
 
 
 class Effects(Section):
-    """Effects forced on or off; those not named are decided by the scene."""
+    """Effects that are forced on or off; for None the scene decides."""
 
     second_harmonic: bool | None = None
     plate_slope: bool | None = None
@@ -158,14 +158,14 @@ class Effects(Section):
 
 
 class Prediction(Section):
-    """How fast feet meet the plate, over the plate's peak speed (paper: "of the same order")."""
+    """Speed at which feet meet the plate over its peak speed (paper: "of the same order")."""
 
     impact_speed_factor: Annotated[float, Field(gt=0, le=1000)] = 1.0
     impact_speed_factor_sd: Annotated[float, Field(ge=0, le=1000)] = 0.0
 
 
 class Scene(Section):
-    """Everything outside the walker."""
+    """Everything outside the walker: drive, contact, plate and the settings of simulations."""
 
     name: Name = "scene"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -180,5 +180,5 @@ class Scene(Section):
 
     @property
     def impact_speed(self) -> float:
-        """Normal speed w at which feet are taken to meet the plate, mm/s."""
+        """Normal speed w at which feet are assumed to meet the plate, mm/s."""
         return self.prediction.impact_speed_factor * self.drive.peak_speed

@@ -3,7 +3,7 @@
 import numpy as np
 
 NODES = np.array([0.0, 1 / 5, 3 / 10, 4 / 5, 8 / 9, 1.0, 1.0])
-"""Times of the stages, in steps."""
+"""Times of the stages, in units of the step."""
 
 WEIGHTS = np.array(
     [
@@ -16,9 +16,9 @@ WEIGHTS = np.array(
         [35 / 384, 0.0, 500 / 1113, 125 / 192, -2187 / 6784, 11 / 84],
     ]
 )
-"""Row i: the slopes' weights in stage i; the last row is the step itself, of fifth order."""
+"""Weights of the slopes in each stage (row i); the last row is the step itself, of fifth order."""
 
 ERROR_WEIGHTS = np.array(
     [71 / 57600, 0.0, -71 / 16695, 71 / 1920, -17253 / 339200, 22 / 525, -1 / 40]
 )
-"""Fifth order minus fourth."""
+"""Weights of the error: the fifth-order step minus that of fourth order."""

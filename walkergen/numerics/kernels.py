@@ -1,8 +1,8 @@
-"""The one way walkergen compiles a kernel: numba, cached on disk, without the interpreter lock.
+"""Compilation of kernels: by numba, cached on disk, without the interpreter lock.
 
 numba's disk cache notices edits in the file of the compiled function but not in the files that
 it imports, and then returns old answers. So the cache lies in a folder named by a hash of all the
-sources that kernels may be made of: any edit there starts a fresh one.
+sources that kernels may be made of: any edit there starts a fresh cache.
 """
 
 import hashlib
@@ -14,11 +14,11 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 SOURCES = ("numerics/*.py", "theory/*.py", "simulation/**/*.py")
-"""Files that kernels, their constants and the types of their arguments come from."""
+"""Patterns of the files that kernels, their constants and their arguments' types come from."""
 
 
 def digest() -> str:
-    """A hash of the sources that kernels are made of, 16 hexadecimal digits."""
+    """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
     found = hashlib.sha256()
     package = Path(__file__).parent.parent
     for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
@@ -27,14 +27,14 @@ def digest() -> str:
 
 
 def cache(name: str) -> Path:
-    """A writable folder of the user's cache, for what can be made again at any time."""
+    """Writable folder in the user's cache, for files that can be made again at any time."""
     try:
         base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
         folder = base / "walkergen" / name
         folder.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=folder):
             return folder
-    except (OSError, RuntimeError):  # no home, or a read-only one: for this process alone
+    except (OSError, RuntimeError):  # no home, or a read-only home: a folder for this process alone
         return Path(tempfile.mkdtemp(prefix=f"walkergen-{name}-"))
 
 
@@ -47,6 +47,6 @@ F = TypeVar("F", bound=Callable[..., Any])
 
 
 def kernel(function: F) -> F:
-    """Compile `function` with numba on first call; typed as the plain function it is."""
+    """Compile `function` with numba on its first call; type checkers see the plain function."""
     compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
     return compiled

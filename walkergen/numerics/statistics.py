@@ -1,4 +1,4 @@
-"""Errors of what is measured: correlation time, jackknife, a line through the origin."""
+"""Errors of measured quantities: correlation time, jackknife, a line through the origin."""
 
 import math
 from collections.abc import Sequence
@@ -10,18 +10,18 @@ import numpy.typing as npt
 Array = npt.NDArray[np.float64]
 
 FEWEST_VALUES = 32
-"""Values below which a series says nothing of its correlation time."""
+"""Length of a series below which its correlation time cannot be estimated."""
 
 FEWEST_SAMPLES = 30
-"""Independent samples (pairs of correlation times) below which the error of a mean is refused: the
-correlation time itself then comes out too short, and the error with it (by 40 % at 10 samples, 30 %
-at 25 and 10 % at 50, in simulated runs; `walkergen accuracy` measures it)."""
+"""Number of independent samples (pairs of correlation times) below which the error of a mean is
+refused: the correlation time, and the error with it, then come out too small (by 40 % at 10
+samples, 30 % at 25 and 10 % at 50, in simulated runs; `walkergen accuracy` measures it)."""
 
 
 def correlation_time(series: Sequence[Array], interval: float) -> float | None:
     """Integrated autocorrelation time (s) of series sampled every `interval` seconds.
 
-    By Sokal's self-consistent window over all series together; at least half an interval; None
+    Uses Sokal's self-consistent window over all series together. At least half an interval; None
     when no series has FEWEST_VALUES values.
     """
     long = [values for values in series if len(values) >= FEWEST_VALUES]
@@ -43,7 +43,7 @@ def correlation_time(series: Sequence[Array], interval: float) -> float | None:
 def error_of_mean(series: Sequence[Array], interval: float, correlation: float) -> float | None:
     """Standard error of the mean over all series, sampled every `interval` seconds.
 
-    Two correlation times (s) give one independent sample; None with less than FEWEST_SAMPLES.
+    Two correlation times (s) make one independent sample; None with fewer than FEWEST_SAMPLES.
     """
     values = np.concatenate(list(series))
     independent = len(values) * interval / (2.0 * correlation)
@@ -55,7 +55,7 @@ def error_of_mean(series: Sequence[Array], interval: float, correlation: float) 
 def jackknife_error(replicates: Array) -> Array:
     """Standard errors, shape (k,), from leave-one-out values of shape (n, k) with n >= 2.
 
-    Efron and Stein (1981); the n groups left out have to be independent and of similar size.
+    Efron and Stein (1981); the n groups left out must be independent and of similar size.
     """
     count = len(replicates)
     spread = replicates - replicates.mean(axis=0)
@@ -64,19 +64,19 @@ def jackknife_error(replicates: Array) -> Array:
 
 
 class Line(NamedTuple):
-    """A straight line through the origin."""
+    """Straight line through the origin, fitted to points with errors."""
 
     slope: float
     slope_se: float
     chi2: float
-    """Weighted squared residuals."""
+    """Sum of the weighted squared residuals."""
     p_value: float
-    """Probability of a chi2 at least as large if the line is true."""
+    """Probability of a chi2 at least as large if the points lie on a line through the origin."""
     points: int
 
 
 def line_through_origin(x: Array, y: Array, errors: Array) -> Line:
-    """Weighted least squares of y = slope x, shapes (n,), n >= 2, errors > 0."""
+    """Fit y = slope x by weighted least squares; shapes (n,) with n >= 2, errors > 0."""
     from scipy.stats import chi2 as chi2_law
 
     weights = errors**-2.0
