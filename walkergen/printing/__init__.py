@@ -1,1 +1,1 @@
-"""From meshes to what a printer takes: printers, files, plates."""
+"""Preparation of prints: from meshes to printers' files and plates."""

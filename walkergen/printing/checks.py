@@ -1,7 +1,7 @@
-"""Printability: what would not print as drawn, said before anything is written.
+"""Printability: findings on what would not print as drawn, before anything is written.
 
 An error would fail on the printer (or print another walker); a warning prints, but not as
-predicted; an advice is worth knowing. Slicers say nothing of most of it: PrusaSlicer 2.5 slices
+predicted; an advice is worth knowing. Slicers are silent on most of these: PrusaSlicer 2.5 slices
 legs away and parts off the bed without a word (tests/test_slicer.py).
 """
 
@@ -23,28 +23,29 @@ from walkergen.walker.mass import Array, Mesh
 Level = Literal["error", "warning", "advice"]
 
 ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
-"""Thicknesses in printed lines that come out as one or two of them on any slicer we know of."""
+"""Ranges of thickness, in printed lines, that come out as one or two lines on all known slicers."""
 
 TOLERATED_DEVIATION = 0.10
-"""Of the plastic in a leg from its mesh; beyond it a warning."""
+"""Relative deviation of the plastic in a leg from its mesh beyond which there is a warning."""
 
 THICKEST_LAYER = 0.8
-"""Of the nozzle: the rule of thumb of slicers' makers; PrusaSlicer refuses more than 1."""
+"""Largest layer height in nozzles that slicers' makers advise; PrusaSlicer refuses more than 1."""
 
 SMALLEST_CONTACT_MM2, SLENDEREST_WALL = 50.0, 20.0
-"""Area on the bed, and height over thickness, beyond which a brim is advised. Assumed: the paper's
-walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one."""
+"""Area on the bed below which, and height over thickness above which, a brim is advised. Assumed:
+the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one.
+"""
 
 NOISE_MM = 1e-6
-"""What sums of floats and whole micrometres may leave."""
+"""Largest error, mm, that sums of floats and rounding to micrometres may leave."""
 
 
 class Finding(NamedTuple):
-    """One thing that will not print as drawn."""
+    """A deviation of the print from the drawing, with its limit and a remedy."""
 
     level: Level
     where: str
-    """The part, plate or printer."""
+    """Name of the part, plate or printer."""
     what: str
     seen: float
     limit: float
@@ -59,7 +60,7 @@ def of_batch(
     plates: Sequence[Plate],
     printer: Printer,
 ) -> list[Finding]:
-    """Findings about everything printed at once; designs, meshes and parts in the same order."""
+    """Findings on a whole print; designs, meshes and parts are in the same order."""
     return [
         *of_printer(printer),
         *(
@@ -76,7 +77,7 @@ def of_batch(
 
 
 def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Findings about one walker as `printer` would print it: walls, gaps, layers, size, mesh."""
+    """Findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh."""
     found = [
         *_walls(design, printer),
         *_gaps(design, printer),
@@ -91,7 +92,7 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
 
 
 def of_printer(printer: Printer) -> list[Finding]:
-    """Findings about a process, whatever it prints."""
+    """Findings on a printer's settings, whatever it prints."""
     layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
     found = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
@@ -105,7 +106,7 @@ def of_printer(printer: Printer) -> list[Finding]:
 
 
 def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
-    """Findings about the bounding boxes on one plate: off the bed, too close, overlapping."""
+    """Findings on the bounding boxes on one plate: off the bed, too close, overlapping."""
     boxes = np.array(
         [(p.x, p.y, p.x + parts[p.part].width, p.y + parts[p.part].depth) for p in plate.placements]
     ).reshape(-1, 4)
@@ -114,7 +115,7 @@ def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -
 
 
 def refuse(findings: Sequence[Finding], strict: bool) -> None:
-    """Raise PrintabilityError for errors, and for warnings too when `strict`; a line for each."""
+    """Raise PrintabilityError, a line each, for errors and, if `strict`, for warnings too."""
     fatal = {"error", "warning"} if strict else {"error"}
     lines = [line(finding) for finding in grouped(findings) if finding.level in fatal]
     if lines:
@@ -122,7 +123,7 @@ def refuse(findings: Sequence[Finding], strict: bool) -> None:
 
 
 def grouped(findings: Sequence[Finding]) -> list[Finding]:
-    """Each distinct finding once, with the first place and how many more; errors first."""
+    """Merge equal findings, with the first place and the number of others; errors come first."""
     places: dict[Finding, list[str]] = {}
     for finding in findings:
         places.setdefault(finding._replace(where=""), []).append(finding.where)
@@ -134,7 +135,7 @@ def grouped(findings: Sequence[Finding]) -> list[Finding]:
 
 
 def line(finding: Finding) -> str:
-    """A finding in one line, without its level."""
+    """Format a finding in one line, without its level."""
     where, what, unit = finding.where, finding.what, finding.unit
     return (
         f"{where}: {what}: {finding.seen:.4g} {unit}, limit {finding.limit:.4g} {unit}: "
@@ -143,7 +144,7 @@ def line(finding: Finding) -> str:
 
 
 def walls_of(design: Design) -> dict[str, float]:
-    """Thickness of every upright wall of a design by name, mm."""
+    """Thickness of every upright wall of a design, mm, by the wall's name."""
     body = {"body": min(design.body.thickness_mm, design.body.length_mm)}
     brace = {"brace": design.legs.brace_thickness_mm} if design.braced else {}
     return {"leg": design.leg_thickness} | brace | body
@@ -195,7 +196,7 @@ def _good(thickness: float, printer: Printer) -> bool:
 
 
 def _nearest_good(thickness: float, printer: Printer) -> float:
-    """The closest good thickness in hundredths of a millimetre; thick ones are good."""
+    """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
     return next(one for one in candidates if one > 0 and _good(one, printer))
@@ -228,7 +229,7 @@ def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
     height = printer.layer_height_mm
     layers = design.body.depth_mm / height
-    # PrusaSlicer prints a layer whose middle is in the part.
+    # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)
     if layers <= 0.5:
         yield _new("error", "the depth is less than half a layer", design.body.depth_mm,
@@ -271,7 +272,7 @@ def _standing(design: Design, mesh: Mesh) -> Iterator[Finding]:
 
 
 def _contact_area(mesh: Mesh) -> float:
-    """Of the triangles that lie on the bed, mm^2."""
+    """Area of the triangles that lie on the bed, mm^2."""
     corners = mesh.vertices[mesh.triangles]
     lying = corners[:, :, 2].max(axis=1) <= mesh.vertices[:, 2].min()
     (a, b), (c, d) = ((corners[lying, k] - corners[lying, 0])[:, :2].T for k in (1, 2))
@@ -279,7 +280,7 @@ def _contact_area(mesh: Mesh) -> float:
 
 
 def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
-    """How far parts, brims and the skirt reach beyond the bed, the first of each kind by name."""
+    """Errors for parts, brims and the skirt beyond the bed: the first of each kind by name."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     brim = printer.brim_width_mm
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm

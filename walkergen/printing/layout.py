@@ -14,47 +14,47 @@ from walkergen.walker.mass import Mesh
 from walkergen.walker.solids import Solids
 
 COMMON_FILES = 3
-"""Of a layout, beside those of each plate."""
+"""Number of files of a layout apart from those of each plate."""
 
 
 class Place(NamedTuple):
-    """Where one copy lies; the field names are the columns of a map."""
+    """Position of one copy; the field names are the columns of a map."""
 
     printer: str
     plate: int
-    """From 1."""
+    """Number of the plate, from 1."""
     item: str
-    """The copy's name, as in the 3MF file."""
+    """Name of the copy, as in the 3MF file."""
     name: str
-    """The part's name, as in stl/."""
+    """Name of the part, as in stl/."""
     tilt_deg: float
     legs: str
     mark: str
     copy: int
     x_mm: float
-    """Left of the bounding box, from the left edge of the bed."""
+    """Left side of the bounding box, from the left edge of the bed, mm."""
     y_mm: float
-    """Front of the bounding box, from the front edge of the bed."""
+    """Front side of the bounding box, from the front edge of the bed, mm."""
     width_mm: float
     depth_mm: float
 
 
 class Layout(NamedTuple):
-    """Copies of walkers, arranged for one printer."""
+    """Arrangement of copies of walkers for one printer."""
 
     printer: Printer
     members: Sequence[Design]
     built: Sequence[Solids]
-    """Of the members, in their order."""
+    """Solids of the members, in their order."""
     parts: Sequence[plate.Part]
-    """Of the members, in their order."""
+    """Bounding boxes and copies of the members, in their order."""
     plates: Sequence[plate.Plate]
     findings: Sequence[Finding]
-    """Of the printability checks, of parts and of plates."""
+    """Findings of the printability checks on parts and plates."""
 
     @property
     def meshes(self) -> list[Mesh]:
-        """Of the members, in their order."""
+        """Meshes of the members, in their order."""
         return [one.walker for one in self.built]
 
 
@@ -66,7 +66,7 @@ def arrange(
     max_plates: int | None = None,
     max_parts: int = plate.MOST_PARTS,
 ) -> Layout:
-    """Arrange the copies wanted of each member. Raises PlateError when they do not fit."""
+    """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
     parts = [
         plate.Part.of(names.part(design), one.walker, count)
         for design, one, count in zip(members, built, copies, strict=True)
@@ -83,13 +83,13 @@ def checked(
     parts: Sequence[plate.Part],
     plates: Sequence[plate.Plate],
 ) -> Layout:
-    """A layout with what the printability checks find in it."""
+    """Run the printability checks on an arrangement; returns it with their findings."""
     findings = checks.of_batch(members, [one.walker for one in built], parts, plates, printer)
     return Layout(printer, members, built, parts, plates, findings)
 
 
 def places(layout: Layout) -> list[Place]:
-    """The map: a row for every copy, plate by plate."""
+    """List the positions of all copies, plate by plate: the map."""
     rows = []
     for number, one in enumerate(layout.plates, start=1):
         for placed in one.placements:
@@ -108,7 +108,7 @@ def places(layout: Layout) -> list[Place]:
 def files(
     layout: Layout, stem: str, pictures: bool, prusaslicer: bool = False
 ) -> Iterator[tuple[str, bytes]]:
-    """Names and bytes of a layout's files, words first (COMMON_FILES), then the plates one by one.
+    """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
     PrusaSlicer; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
@@ -143,5 +143,5 @@ def _print_sheet(layout: Layout, stem: str) -> str:
 
 
 def to_csv(rows: Sequence[Place]) -> str:
-    """The map as CSV; lengths are exact to a nanometre."""
+    """Format the map as CSV; lengths are exact to a nanometre."""
     return csv_text(Place._fields, rows)

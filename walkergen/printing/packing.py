@@ -18,57 +18,57 @@ MOST_PARTS = 5000
 
 
 class Part(NamedTuple):
-    """The bounding box of a shape, and how many to print."""
+    """Bounding box of a shape, and the number of its copies."""
 
     name: str
     width: float
-    """Along x, mm."""
+    """Size along x, mm."""
     depth: float
-    """Along y, mm."""
+    """Size along y, mm."""
     height: float
-    """Along z, mm."""
+    """Size along z, mm."""
     copies: int
 
     @classmethod
     def of(cls, name: str, mesh: Mesh, copies: int = 1) -> "Part":
-        """The part that a mesh makes."""
+        """Bounding box of a mesh as a part."""
         width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
         return cls(name, width, depth, height, copies)
 
 
 class Placement(NamedTuple):
-    """Where one copy lies: the lower left corner of its bounding box."""
+    """Position of one copy: the lower left corner of its bounding box."""
 
     part: int
     """Index into the parts."""
     copy: int
-    """From 1."""
+    """Number of the copy, from 1."""
     x: float
-    """From the left edge of the bed, mm."""
+    """Distance from the left edge of the bed, mm."""
     y: float
-    """From the front edge of the bed, mm."""
+    """Distance from the front edge of the bed, mm."""
 
 
 class Plate(NamedTuple):
-    """What is printed at once, in the order of the parts."""
+    """Copies that are printed at once, in the order of the parts."""
 
     placements: tuple[Placement, ...]
 
 
 def border(printer: Printer) -> float:
-    """From the edge of the bed to the first part, mm: its margin, and brim and skirt inside it."""
+    """Distance from the edge of the bed to the first part, mm: its margin, brim and skirt."""
     # Half a line more than the loops: PrusaSlicer's skirts lie that far out.
     skirt = printer.skirt_distance_mm + (printer.skirt_loops + 0.5) * printer.line_width_mm
     return printer.margin_mm + printer.brim_width_mm + (skirt if printer.skirt_loops else 0.0)
 
 
 def spacing(printer: Printer) -> float:
-    """Between the bounding boxes of two parts, mm: the gap, and a brim on either side of it."""
+    """Distance between the bounding boxes of two parts, mm: the gap and two brims."""
     return printer.gap_mm + 2.0 * printer.brim_width_mm
 
 
 def capacity(part: Part, printer: Printer) -> int:
-    """How many copies of one part fit on one plate: a plain grid; 0 when it is too large."""
+    """Number of copies of a part that fit on one plate in a plain grid; 0 when it is too large."""
     if _micrometres(part.height) > _micrometres(printer.height_mm):
         return 0
     (bed_width, bed_depth), (width, depth) = _bed(printer), _cell(part, printer)
@@ -108,7 +108,7 @@ def plate_3mf(
     title: str,
     thumbnail: bytes | None = None,
 ) -> bytes:
-    """3MF file of one plate in the printer's coordinates; `meshes` in the order of the parts.
+    """File (3MF) of one plate in the printer's coordinates; `meshes` in the order of the parts.
 
     `thumbnail` is a PNG that file managers show.
     """
@@ -129,7 +129,7 @@ def item_name(part: Part, copy: int) -> str:
 
 
 def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
-    """Rows from left to right and from front to back, each as deep as its deepest part."""
+    """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
     (bed_width, bed_depth), edge = _bed(printer), border(printer)
     plates: list[Plate] = []
     placed: list[Placement] = []
@@ -156,7 +156,7 @@ def _free(printer: Printer) -> tuple[float, float]:
 
 
 def _bed(printer: Printer) -> tuple[int, int]:
-    """The free bed in micrometres, larger by the gap that the last cell of a row carries."""
+    """Size of the free bed in micrometres, plus the gap that the last cell of a row carries."""
     width, depth = (math.floor(round(1e3 * length, 6)) for length in _free(printer))
     gap = _micrometres(spacing(printer))
     return width + gap, depth + gap
@@ -168,7 +168,7 @@ def _cell(part: Part, printer: Printer) -> tuple[int, int]:
 
 
 def _micrometres(length: float) -> int:
-    """Rounded up, unless it is the noise of a sum: less than a picometre above the micrometre."""
+    """Round up to micrometres; less than a picometre above one is noise of a sum and ignored."""
     return math.ceil(round(1e3 * length, 6))
 
 

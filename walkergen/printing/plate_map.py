@@ -1,4 +1,4 @@
-"""Plate map: every part where it lies on the bed, seen from above, with its tilt and copy."""
+"""Plate map: every part at its place on the bed, seen from above, with its tilt and copy."""
 
 from collections.abc import Sequence
 
@@ -18,14 +18,14 @@ from walkergen.walker.mass import Mesh
 Array = npt.NDArray[np.float64]
 
 INCHES = 10.0
-"""Longer side of the bed in the picture."""
+"""Longer side of the bed in the picture, inches."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
 def png(
     printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, title: str
 ) -> bytes:
-    """The map of one plate; a part's label is its tilt in degrees and the number of its copy."""
+    """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number."""
     scale = INCHES / max(printer.bed_width_mm, printer.bed_depth_mm)
     size = scale * printer.bed_width_mm + 0.8, scale * printer.bed_depth_mm + 0.9
     figure = Figure(figsize=size, layout="constrained")
@@ -42,7 +42,7 @@ def png(
 def thumbnail(
     printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
 ) -> bytes:
-    """A small picture of the plate without words: PNG, 256 pixels wide."""
+    """Draw a small picture of the plate without words: PNG, 256 pixels wide."""
     size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
     figure = Figure(figsize=size)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
@@ -75,7 +75,7 @@ def _draw_parts(
 
 
 def _underside(mesh: Mesh) -> Array:
-    """Triangles that lie on the bed, shape (k, 3, 2), from the corner of the bounding box."""
+    """Triangles that lie on the bed, shape (k, 3, 2), mm, from the bounding box's corner."""
     corners = (mesh.vertices - mesh.vertices.min(axis=0))[mesh.triangles]
     lying: Array = corners[(corners[:, :, 2] == 0.0).all(axis=1)][:, :, :2]
     return lying
@@ -84,7 +84,7 @@ def _underside(mesh: Mesh) -> Array:
 def _label_parts(
     axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, scale: float
 ) -> None:
-    """One label a part, in the room between its legs, as large as that allows."""
+    """Write a label for each part in the room between its legs, as large as fits."""
     for placed in one.placements:
         design, mesh = members[placed.part], meshes[placed.part]
         left, bottom = mesh.vertices[:, :2].min(axis=0)

@@ -1,4 +1,4 @@
-"""The print sheet: what a lab technician needs to print, check and weigh a batch."""
+"""Print sheet: instructions for a lab technician to print, check and weigh a batch."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -14,21 +14,21 @@ from walkergen.walker.solids import Solids
 
 
 class Weight(NamedTuple):
-    """What one walker should weigh, g."""
+    """Expected masses of one walker, g."""
 
     name: str
     whole_g: float
-    """Of the mesh: body and both legs."""
+    """Mass of the mesh of body and both legs."""
     leg_g: float
-    """Of the mesh: one leg outside the body, with its brace."""
+    """Mass of the mesh of one leg outside the body, with its brace."""
     plastic: float
-    """Expected plastic in a leg over its mesh."""
+    """Expected plastic in a leg over that of its mesh."""
     tolerance: float
-    """How well that is known."""
+    """Relative uncertainty of `plastic`."""
 
 
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
-    """The weights of one walker by its meshes and the density of its material."""
+    """Weigh a walker by its meshes and the density of its material."""
     density = 1e-3 * design.material.density_g_cm3
     whole, leg = (mass.weigh(mesh, density).mass for mesh in (built.walker, built.leg))
     tolerance = walls.TOLERANCE[design.legs.kind]
@@ -36,7 +36,7 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
 
 
 class Batch(NamedTuple):
-    """What is printed from files whose names begin with `stem`."""
+    """Plates printed from files whose names begin with `stem`."""
 
     stem: str
     printer: Printer
@@ -47,7 +47,7 @@ class Batch(NamedTuple):
 def to_markdown(
     batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str
 ) -> str:
-    """The sheet as a Markdown page; `legend` is what tells printed parts apart, or empty."""
+    """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
     printer = batch.printer
     sections = [
         f"# Print sheet: {batch.stem}, {printer.description or printer.name}",
@@ -62,7 +62,7 @@ def to_markdown(
 
 
 def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
-    """The same for the manifest: PrusaSlicer's settings and every finding."""
+    """Facts of the sheet for the manifest: PrusaSlicer's settings and every finding."""
     return {
         "prusaslicer": slicer.prusaslicer_settings(printer),
         "findings": [finding._asdict() for finding in checks.grouped(findings)],

@@ -8,15 +8,15 @@ from walkergen.printing.printers import Printer
 FILAMENT_MM = 1.75
 
 INFILL_OVERLAP_PERCENT = 7
-"""At which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %; its own
-25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
+"""Overlap at which PrusaSlicer 2.5 puts as much plastic into a body as its mesh holds, within 1 %;
+its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
 
 WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_",
           "first_layer_")  # fmt: skip
 
 
 class Setting(NamedTuple):
-    """One line of the print sheet."""
+    """Setting of a slicer as a line of the print sheet."""
 
     name: str
     value: str
@@ -24,7 +24,7 @@ class Setting(NamedTuple):
 
 
 def sheet_settings(printer: Printer) -> list[Setting]:
-    """What to set in any slicer, and why the prediction depends on it."""
+    """List the settings for any slicer, and why the prediction depends on each."""
     thin = "" if printer.wall_generator == "arachne" else (
         ", thin walls detected" if printer.thin_walls else ", thin walls NOT detected"
     )  # fmt: skip
@@ -48,7 +48,7 @@ def sheet_settings(printer: Printer) -> list[Setting]:
 
 
 def prusaslicer_settings(printer: Printer) -> dict[str, str]:
-    """The same by PrusaSlicer's keys; everything else is left to its defaults."""
+    """Settings by PrusaSlicer's keys; all others are left to its defaults."""
     width, depth = printer.bed_width_mm, printer.bed_depth_mm
     left, front = printer.bed_corner
     corners = [(left, front), (left + width, front), (left + width, front + depth),
@@ -87,7 +87,7 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
 
 
 def prusaslicer_ini(printer: Printer) -> bytes:
-    """A configuration that PrusaSlicer imports, or takes by --load."""
+    """Configuration file that PrusaSlicer imports, or loads with --load."""
     lines = [f"# {printer.name}, for PrusaSlicer 2.5 and later: File > Import > Import Config"]
     lines += [f"{key} = {value}" for key, value in prusaslicer_settings(printer).items()]
     return ("\n".join(lines) + "\n").encode()

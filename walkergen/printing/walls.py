@@ -33,30 +33,30 @@ from walkergen.printing.printers import Printer
 from walkergen.walker.design import Design, Kind
 
 LEAST_BEAD = 0.85
-"""Narrowest line of arachne, in nozzles (PrusaSlicer's default, set on the print sheet too)."""
+"""Width of arachne's narrowest line, in nozzles (PrusaSlicer's default, on the sheet too)."""
 
 LEAST_FEATURE = 0.25
-"""Thinnest wall that arachne prints, in nozzles (the same)."""
+"""Thickness of the thinnest wall that arachne prints, in nozzles (also PrusaSlicer's default)."""
 
 LEAST_THIN_WALL = 1.0 / 3.0
-"""Thinnest wall that thin-wall detection prints, in nozzles."""
+"""Thickness of the thinnest wall that thin-wall detection prints, in nozzles."""
 
 KNIFE_EDGE = 1.02
-"""Walls up to this many lines vanish, or not, by rounding (classic without thin walls)."""
+"""Thickness in lines up to which walls may vanish by rounding (classic without thin walls)."""
 
 TOLERANCE: dict[Kind, float] = {"flexible": 0.05, "braced": 0.08}
-"""How well the plastic of a whole leg is known, over its mesh: the ends of a flexible leg differ
-from its middle, and a brace shares lines with its leg where they meet (measured)."""
+"""Relative uncertainty of the plastic of a whole leg: the ends of a flexible leg differ from its
+middle, and a brace shares lines with its leg where they meet (measured)."""
 
 PERIMETERS = 2
-"""Lines on either side of a wall before its inside is infill."""
+"""Number of lines on either side of a wall before its inside is infill."""
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
-    """Plastic in a wall as the thickness of a solid one, mm; 0 when it gets none.
+    """Plastic in a wall as the thickness of a solid wall, mm; 0 when it gets none.
 
-    Within 1 % of the measured G-code up to four lines, but for the neighbourhood of the steps;
-    thicker walls are filled by infill and taken to be as drawn, which holds within 3.5 %.
+    Within 1 % of the measured G-code up to four lines, except near the thicknesses that add a line;
+    thicker walls are filled by infill and assumed to be as drawn, which holds within 3.5 %.
     """
     width, rounding = printer.line_width_mm, line_rounding(printer)
     if thickness > 2.0 * PERIMETERS * (width + rounding):
@@ -69,7 +69,7 @@ def printed_thickness(thickness: float, printer: Printer) -> float:
 
 
 def deviation(thickness: float, printer: Printer) -> float:
-    """Expected plastic over a wall's own volume, minus one: -1 for a wall that vanishes."""
+    """Relative deviation of a wall's expected plastic from its volume: -1 if it vanishes."""
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
@@ -84,7 +84,7 @@ def leg_plastic(design: Design, printer: Printer) -> float:
 
 
 def vanishes_below(printer: Printer) -> float:
-    """The thickness up to which a wall may get no plastic, mm."""
+    """Thickness up to which a wall may get no plastic, mm."""
     if printer.wall_generator == "arachne":
         return LEAST_FEATURE * printer.nozzle_mm + line_rounding(printer)
     if printer.thin_walls:
@@ -93,12 +93,12 @@ def vanishes_below(printer: Printer) -> float:
 
 
 def line_rounding(printer: Printer) -> float:
-    """By how much a line's round sides make it narrower than a rectangle of equal area, mm."""
+    """Width by which a line's round sides make it narrower than a rectangle of equal area, mm."""
     return (1.0 - 0.25 * math.pi) * printer.layer_height_mm
 
 
 def _classic(thickness: float, printer: Printer) -> float:
-    """Lines of one width, in pairs from outside; a gap between the innermost pair is filled."""
+    """Plastic of lines of one width, in pairs from outside; a gap in the middle is filled."""
     if thickness <= vanishes_below(printer):
         return 0.0
     width, rounding = printer.line_width_mm, line_rounding(printer)
@@ -109,5 +109,5 @@ def _classic(thickness: float, printer: Printer) -> float:
         return thickness
     pairs = 2 if thickness > width + 2.0 * spacing + squeezed else 1
     lines = 2.0 * pairs * spacing
-    unfilled = rounding + 0.12 * width  # a gap up to this is left open
+    unfilled = rounding + 0.12 * width  # a gap up to this width is left open
     return lines if thickness <= lines + unfilled else thickness - rounding
