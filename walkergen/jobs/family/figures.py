@@ -21,10 +21,10 @@ def speed_figure(
     simulated: Sequence[Simulated] = (),
     measured: Measured | None = None,
 ) -> Figure:
-    """Predicted speed against tilt, both kinds of legs, with one standard deviation as a band.
+    """Draw predicted speed against tilt, both kinds of legs, in a band of one standard deviation.
 
     Simulated speeds, if there are any, are open symbols with their standard errors as bars;
-    measured ones are crosses.
+    measured speeds are crosses.
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")

@@ -32,7 +32,7 @@ LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 
 class Job(NamedTuple):
-    """What to make: every choice of the family command."""
+    """Choices of the family command."""
 
     design: Design
     members: Sequence[Design]
@@ -42,21 +42,21 @@ class Job(NamedTuple):
     pictures: bool
     simulate: bool = False
     copies: Sequence[int] = ()
-    """Of each member on the plates; one each by default."""
+    """Number of copies of each member on the plates; one of each by default."""
     max_parts: int = plate.MOST_PARTS
-    """On a plate."""
+    """Largest number of parts on a plate."""
     prusaslicer: bool = False
-    """Declare the 3MF files PrusaSlicer's own."""
+    """True to declare the 3MF files PrusaSlicer's own."""
     weighed: Mapping[str, Weighings] = MappingProxyType({})
-    """By the members' names."""
+    """Masses from a balance by the members' names."""
     strict: bool = False
-    """Refuse what prints otherwise than predicted, not only what fails."""
+    """True to refuse what prints otherwise than predicted, not only what fails."""
     measured: Measured | None = None
-    """Speeds of printed walkers, for the figure."""
+    """Measured speeds of printed walkers, for the figure."""
 
 
 class Member(NamedTuple):
-    """One walker of a family."""
+    """Walker of a family, with its mesh, masses and speeds."""
 
     design: Design
     name: str
@@ -68,16 +68,16 @@ class Member(NamedTuple):
 
 
 Tell = Callable[[Sequence[Finding]], None]
-"""Called with the findings of the printability checks, once, before anything is written."""
+"""Function called once, before writing, with the findings of the printability checks."""
 
 
 def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
-    speed.png, speed.pdf, preview.png, manifest.json. Files of an earlier run that this one does not
+    speed.png, speed.pdf, preview.png, manifest.json. Files of an earlier run that this run does not
     make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
-    too large for the printer, PrintabilityError when one would not print and InputError when
+    too large for the printer, PrintabilityError when a part would not print and InputError when
     weighed masses are impossible, all before anything is written, and OutputError when a file
     cannot be written.
     """
@@ -101,7 +101,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
         progress(member.name, len(made), steps)
     for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
         folder.write(f"plates/{name}", data)
-    weights.write_template(path, (member.name for member in made))  # theirs: not in the manifest
+    weights.write_template(path, (member.name for member in made))  # people's: not in the manifest
     progress("plates", len(made) + 1, steps)
     _write_tables(job, made, folder)
     if job.simulate:  # takes long: everything else is already safe in the folder
@@ -123,8 +123,8 @@ def predicted(
 ) -> Iterator[Member]:
     """Weigh and predict members one by one, with the same random draws for all.
 
-    With masses from a balance every member tells what they change; InputError, before the first
-    member, when they are impossible.
+    With masses from a balance every member also has its mesh's mass and speed. Raises InputError,
+    before the first member, when the masses are impossible.
     """
     draws = prediction.draw(scene, 0.01 * members[0].weighed.mass_sd_percent)
     named = [names.part(design) for design in members]
@@ -157,7 +157,7 @@ def _weighing(
 
 
 def caption(scene: Scene, mode: str) -> str:
-    """What the speeds of a table rest on."""
+    """Statement of the assumptions on which the speeds of a table rest."""
     contact, assumed = scene.contact, scene.prediction
     factor = assumed.impact_speed_factor
     w = f"w = {factor:g} x the plate's peak speed, {scene.impact_speed:.1f} mm/s"
@@ -193,7 +193,7 @@ def rows_of(made: Sequence[Member]) -> tuple[list[Prediction], list[Simulated]]:
 
 
 def weighed_of(made: Sequence[Member]) -> list[Weighing]:
-    """Weighed masses beside the mesh's in the members' order, if any were weighed."""
+    """Weighed masses beside those of the mesh, in the members' order, if any were weighed."""
     return [member.weighing for member in made if member.weighing is not None]
 
 
@@ -247,7 +247,7 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
 
 
 def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
-    """The manifest: inputs resolved, what made the files, how long it took."""
+    """Facts for the manifest: inputs resolved, versions of the software, time taken."""
     return {
         "design": job.design.model_dump(mode="json"),
         "members": [names.part(member) for member in job.members],
@@ -273,6 +273,6 @@ def versions() -> dict[str, str]:
     for library in LIBRARIES:
         try:
             found[library] = version(library)
-        except PackageNotFoundError:  # vendored without metadata, as some distributions do
+        except PackageNotFoundError:  # vendored without metadata, as in some distributions
             found[library] = "unknown"
     return found

@@ -19,7 +19,7 @@ FEWEST_COLUMNS, WIDEST_INCHES = 5, 24.0
 
 
 class Part(NamedTuple):
-    """What the preview shows of one member."""
+    """Mesh and label of a member in the preview."""
 
     kind: str
     label: str
@@ -39,7 +39,7 @@ LIGHT = np.array([-0.35, 0.75, 0.56])
 
 
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
-    """All parts, braced above flexible, each with its label; rows grow with the family."""
+    """Draw all parts, braced above flexible, each with its label; rows grow with the family."""
     rows: list[list[Part]] = []
     most = max(FEWEST_COLUMNS, round(math.sqrt(1.2 * len(parts))))
     for kind in ("braced", "flexible"):
@@ -66,7 +66,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
 
 
 def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None:
-    """Painter's algorithm with back faces culled: exact enough for a prism seen from its front."""
+    """Draw a part by the painter's algorithm without back faces: exact enough for a prism."""
     corners = (part.mesh.vertices @ VIEW.T)[part.mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)

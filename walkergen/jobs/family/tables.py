@@ -12,11 +12,11 @@ from walkergen.prediction import Prediction
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
 UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
 DETAILS = ("M", "J", "m", "j", "back", "front")
-"""Columns that the console leaves out when it shows simulated speeds, to stay within 80."""
+"""Columns that the console omits when it shows simulated speeds, to fit into 80 characters."""
 
 
 class Simulated(NamedTuple):
-    """What a family's table tells of a member's ensemble; the field names are columns."""
+    """Results of a member's ensemble in the family's table; the field names are columns."""
 
     sim_speed_mm_s: float | None
     sim_se_mm_s: float | None
@@ -27,17 +27,17 @@ class Simulated(NamedTuple):
 
 
 class Weighing(NamedTuple):
-    """A member's weighed mass beside its mesh's; the field names are columns."""
+    """Weighed mass of a member beside its mesh's; the field names are columns."""
 
     weighings: int
-    """How many numbers from a balance the row rests on."""
+    """Number of weighings on which the row rests."""
     mass_g: float
-    """Of the whole walker, as predicted with."""
+    """Mass of the whole walker used for the prediction, g."""
     mass_se_g: float | None
-    """Standard error of that mass; None when it is not known."""
+    """Standard error of `mass_g`; None when it is not known."""
     mass_mesh_g: float
     speed_mesh_mm_s: float
-    """Predicted with the mesh's masses."""
+    """Speed predicted with the mesh's masses."""
 
 
 def to_csv(
@@ -45,7 +45,7 @@ def to_csv(
     simulated: Sequence[Simulated] = (),
     weighed: Sequence[Weighing] = (),
 ) -> str:
-    """One line a member; columns are the fields of the rows, numbers with every digit."""
+    """Format as CSV, a line per member; columns are the rows' fields, numbers have every digit."""
     tables = [table for table in (rows, simulated, weighed) if table]
     header = [field for table in tables for field in table[0]._fields]
     lines = ([value for part in row for value in part] for row in zip(*tables, strict=True))
@@ -55,7 +55,7 @@ def to_csv(
 def weighed_table(
     rows: Sequence[Prediction], weighed: Sequence[Weighing], style: box.Box = box.SIMPLE_HEAD
 ) -> Table:
-    """What weighing changed: masses and speeds beside those of the mesh."""
+    """Table of weighed masses and their speeds beside those of the mesh."""
     table = Table(box=style, padding=(0, 1 if style is box.MARKDOWN else 0))
     for heading in ("tilt", "legs", "weighings", "mass\ng", "mesh's\ng", "speed\nmm/s",
                     "mesh's\nmm/s", "change\nmm/s"):  # fmt: skip
@@ -80,7 +80,7 @@ WEIGHED = (
 def to_table(
     rows: Sequence[Prediction], title: str = "", simulated: Sequence[Simulated] = ()
 ) -> Table:
-    """The table for the console; rows with a note carry its number."""
+    """Table for the console; rows with a note carry its number."""
     table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
     columns = _columns(rows, simulated)
     shown = [name for name in columns if not (simulated and name[0] in DETAILS)]
@@ -96,7 +96,7 @@ def to_table(
 def to_markdown(
     rows: Sequence[Prediction], title: str, caption: str, simulated: Sequence[Simulated] = ()
 ) -> str:
-    """A Markdown page with the table and its notes."""
+    """Format a Markdown page with the table and its notes."""
     table = Table(box=box.MARKDOWN)
     columns = _columns(rows, simulated)
     for heading, unit in columns:
@@ -110,7 +110,7 @@ def to_markdown(
 
 
 def weighed_markdown(rows: Sequence[Prediction], weighed: Sequence[Weighing]) -> str:
-    """The table of weighed masses as a section of a Markdown page."""
+    """Format the table of weighed masses as a section of a Markdown page."""
     return (
         f"\n## Weighed\n\n{WEIGHED}\n\n{as_markdown(weighed_table(rows, weighed, box.MARKDOWN))}\n"
     )
@@ -119,7 +119,7 @@ def weighed_markdown(rows: Sequence[Prediction], weighed: Sequence[Weighing]) ->
 def _columns(
     rows: Sequence[Prediction], simulated: Sequence[Simulated]
 ) -> dict[tuple[str, str], list[str]]:
-    """Cells by (heading, unit)."""
+    """Columns of cells by (heading, unit)."""
     notes = notes_of(rows)
     cells = zip(*(_cells(row, notes) for row in rows), strict=True)
     columns = {
@@ -141,7 +141,7 @@ def _simulated(one: Simulated) -> str:
 
 
 def notes_of(rows: Sequence[Prediction]) -> list[str]:
-    """The distinct notes of a table, in order; note k is marked [k] in it."""
+    """List the distinct notes of a table in order; note k is marked [k] in the table."""
     return list(dict.fromkeys(row.note for row in rows if row.note))
 
 
@@ -162,10 +162,10 @@ def _cells(row: Prediction, notes: list[str]) -> list[str]:
 
 
 def _fixed(value: float, digits: int) -> str:
-    """Fixed decimals, without a minus on zero."""
+    """Format a number with fixed decimals, without a minus on zero."""
     return f"{round(value, digits) + 0.0:.{digits}f}"
 
 
 def _short(value: float | None) -> str:
-    """Four significant digits, trailing zeros kept; a dash for what the row does not have."""
+    """Format four significant digits with trailing zeros; a dash for a missing value."""
     return "-" if value is None else f"{value:#.4g}".rstrip(".")

@@ -1,4 +1,4 @@
-"""Frames to files: an animated GIF always, an MP4 where ffmpeg is installed."""
+"""Animation: from frames to a GIF, and to an MP4 where ffmpeg is installed."""
 
 import io
 import shutil
@@ -15,25 +15,25 @@ from PIL import Image
 from walkergen.files.progress import Progress
 
 Pixels = npt.NDArray[np.uint8]
-"""Shape (height, width, 3), both even."""
+"""Picture of shape (height, width, 3), with height and width even."""
 
 Draw = Callable[[int], Pixels]
-"""The frame of a number."""
+"""Function that draws the frame of a number."""
 
 COLOURS, COMMON = 128, 16
-"""Of a GIF's palette, and of these the commonest: the rest are blends at edges."""
+"""Number of colours in a GIF's palette, and of the commonest, kept exact; others are blends."""
 
 PALETTE_FRAMES = 16
-"""Frames that the palette is chosen from."""
+"""Number of frames from which the palette is chosen."""
 
 
 class Encoded(NamedTuple):
-    """A movie's files."""
+    """Contents of a movie's files."""
 
     gif: bytes
     mp4: bytes | None
     without_mp4: str
-    """Why there is no MP4; '' when there is."""
+    """Reason why there is no MP4; '' when there is an MP4."""
 
 
 def encode(
@@ -44,7 +44,7 @@ def encode(
     keep: Sequence[str],
     progress: Progress,
 ) -> Encoded:
-    """Draw `count` frames in order into both files; the last one stays for `hold_s`.
+    """Draw `count` frames in order into both files; the last frame stays for `hold_s`.
 
     `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
     exact in the GIF however rare they are. Equal frames give equal bytes.
@@ -64,14 +64,14 @@ def encode(
 
 
 def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
-    """One palette for all frames, so that what does not move does not flicker."""
+    """Choose one palette for all frames, so that what does not move does not flicker."""
     chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})
     pixels = np.concatenate([draw(at).reshape(-1, 3) for at in chosen]).astype(np.uint32)
     codes, often = np.unique(pixels @ np.array([1 << 16, 1 << 8, 1], np.uint32), return_counts=True)
     kept = np.array([int(colour.removeprefix("#"), 16) for colour in keep], np.uint32)
     codes = np.concatenate([kept, codes[np.argsort(-often.astype(np.int64), kind="stable")]])
     colours = np.stack([codes >> 16, codes >> 8 & 255, codes & 255], axis=-1).astype(np.uint8)
-    # The commonest stay exact as well; all others are represented.
+    # The commonest colours stay exact as well; all others are represented.
     exact = len(keep) + COMMON
     entries, rest = colours[:exact], colours[exact:]
     if len(rest):
@@ -94,7 +94,7 @@ def _drawn(
     ffmpeg: "subprocess.Popen[bytes] | None",
     progress: Progress,
 ) -> Iterator[Pixels]:
-    """The frames, each also sent to ffmpeg, the last one as often as it is held."""
+    """Draw the frames and send each to ffmpeg as well, the last as often as it is held."""
     for at in range(count):
         frame = draw(at)
         times = 1 if at < count - 1 else 1 + round(hold_s * fps)
@@ -103,7 +103,7 @@ def _drawn(
             try:
                 ffmpeg.stdin.write(times * frame.tobytes())
             except BrokenPipeError:
-                ffmpeg.wait()  # it has given up; its message is read at the end
+                ffmpeg.wait()  # ffmpeg has given up; its message is read at the end
         progress("frames", at + 1, count)
         yield frame
 
@@ -126,7 +126,7 @@ def _gif(frames: Iterator[Pixels], palette: Image.Image, fps: int, hold_s: float
 def _ffmpeg(
     shape: tuple[int, ...], fps: int, target: Path, messages: IO[bytes]
 ) -> "subprocess.Popen[bytes] | None":
-    """ffmpeg, waiting for frames at its input; None where it is not installed."""
+    """Start ffmpeg, waiting for frames at its input; None where it is not installed."""
     program = shutil.which("ffmpeg")
     if program is None:
         return None
@@ -145,7 +145,7 @@ def _ffmpeg(
 def _finished(
     ffmpeg: "subprocess.Popen[bytes] | None", target: Path, messages: IO[bytes]
 ) -> tuple[bytes | None, str]:
-    """The MP4, or None and why."""
+    """Close ffmpeg; returns the MP4, or None and the reason."""
     if ffmpeg is None:
         return None, "ffmpeg is not installed"
     ffmpeg.communicate()

@@ -33,16 +33,16 @@ STRIP: Place = (536, 42, 250, 166)
 """Left, bottom, width and height of the views, pixels."""
 
 LONGEST_STILL = 1.5
-"""Body lengths of a run up to which the main view stands still."""
+"""Length of a run, in body lengths, up to which the main view stands still."""
 
 ZOOMS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
 AFTERGLOW_S = 0.45
-"""Time in which a flash fades, as the spectator sees it."""
+"""Time in which a flash fades, s, as the spectator sees it."""
 
 
 class View(NamedTuple):
-    """One look at the plate, to scale."""
+    """View of the plate, to scale."""
 
     axes: Axes
     shapes: PolyCollection
@@ -50,18 +50,18 @@ class View(NamedTuple):
     ruler: LineCollection
     """Marks on the plate, which move up and down with it."""
     spacing: float
-    """Of the marks, mm."""
+    """Distance between the marks, mm."""
     arrows: list[FancyArrowPatch]
     labels: list[Text]
     bursts: list[Line2D]
     contacts: Line2D
-    """The points of the feet that touch the plate."""
+    """Points of the feet that touch the plate."""
     longest: float
     """Length of the largest impulse's arrow, mm."""
 
 
 def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Draw:
-    """A function that draws frame k: pose k * every of the footage, `slow` times slower."""
+    """Make a function that draws frame k: pose k * every of the footage, `slow` times slower."""
     canvas = Canvas(WIDTH, HEIGHT)
     canvas.text(12, 598, f"{footage.name} legs", fontsize=LARGE, weight="bold")
     canvas.line(12, 579, settings)
@@ -104,14 +104,14 @@ def _readout(footage: Footage, at: int) -> str:
 
 
 def _cameras(footage: Footage) -> Array:
-    """Where the main view looks, mm along the plate: at 0, or along with the body in long runs."""
+    """Centres of the main view along the plate, mm, shape (n,): 0, or the body's in long runs."""
     distances = footage.places[:, 0]
     long = np.ptp(distances) > LONGEST_STILL * np.ptp(footage.shape.body[:, 0])
     return distances if long else np.zeros_like(distances)
 
 
 def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
-    """Left, right and top of all that the walker covers in the main view, mm."""
+    """Left, right and top of the area that the walker covers in the main view, mm."""
     every = max(1, len(footage.times) // 500)
     covered = []
     for at in range(0, len(footage.times), every):
@@ -122,7 +122,7 @@ def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
 
 
 def _main(canvas: Canvas, footage: Footage, cameras: Array) -> tuple[View, float]:
-    """All that happens, with room for arrows in the plate; and its scale, pixels per mm."""
+    """Main view, with room for arrows in the plate, and its scale, pixels per mm."""
     left, right, top = _extent(footage, cameras)
     scale = min(MAIN[2] / (1.06 * (right - left)), MAIN[3] / (1.45 * top))
     axes, height = canvas.axes(*MAIN), MAIN[3] / scale
@@ -134,7 +134,7 @@ def _main(canvas: Canvas, footage: Footage, cameras: Array) -> tuple[View, float
 
 
 def _zoom(footage: Footage, scale: float) -> int:
-    """The largest round magnification at which foot, plate and bounces stay in the picture."""
+    """Largest round magnification at which foot, plate and bounces stay in the picture."""
     foot = _foot_width(footage)
     heights = np.concatenate([feet(footage)[:, :, 1].ravel(), footage.plate])
     tall = max(1.6 * float(np.ptp(heights)), 0.5 * foot)
@@ -144,14 +144,14 @@ def _zoom(footage: Footage, scale: float) -> int:
 
 
 def _foot_width(footage: Footage) -> float:
-    """Width of a limb just over its foot, mm."""
+    """Width of a limb just above its foot, mm."""
     leg = np.concatenate(footage.shape.limb)
     low = leg[leg[:, 1] < leg[:, 1].min() + 0.05 * np.ptp(leg[:, 1])]
     return float(np.ptp(low[:, 0]))
 
 
 def _inset(canvas: Canvas, footage: Footage, side: int, scale: float, zoom: int) -> View:
-    """What is near one foot; the view goes along with the foot of the unbent leg."""
+    """Magnified view of one foot, which moves along with the foot of the unbent leg."""
     name, colour, _ = FEET[side]
     left, bottom, _, height = INSETS[side]
     axes = canvas.axes(*INSETS[side])
@@ -160,7 +160,7 @@ def _inset(canvas: Canvas, footage: Footage, side: int, scale: float, zoom: int)
         spine.set_linewidth(1.5)
     heights = np.concatenate([feet(footage)[:, :, 1].ravel(), footage.plate])
     room = height / (zoom * scale)
-    # The lowest point of the plate a third up: arrows below it, the leg above.
+    # The lowest point of the plate lies a third up: arrows below it, the leg above.
     to_scale(axes, (0.0, heights.min() + (0.5 - 0.33) * room), zoom * scale)
     spacing = _nice(20.0 / (zoom * scale))
     words = f"{name} × {zoom}, marks {spacing:g} mm"
@@ -169,7 +169,7 @@ def _inset(canvas: Canvas, footage: Footage, side: int, scale: float, zoom: int)
 
 
 def _nice(least: float) -> float:
-    """The next of 1, 2, 5 times a power of ten."""
+    """Round up to 1, 2 or 5 times a power of ten."""
     power = 10.0 ** math.floor(math.log10(least))
     return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
 
@@ -222,7 +222,7 @@ def _flash(
     camera: float,
     largest: float,
 ) -> None:
-    """The impulse on a foot as an arrow that ends at it, with the name of its kind, and a burst."""
+    """Draw the impulse on a foot: an arrow that ends at it, the name of its kind, and a burst."""
     arrow, label, burst = view.arrows[place], view.labels[place], view.bursts[place]
     for artist in (arrow, label, burst):
         artist.set_visible(shown is not None)

@@ -1,4 +1,4 @@
-"""A picture with parts that move: what stands still is drawn once, the rest on top of it."""
+"""Canvas: a picture with moving parts; what stands still is drawn once, the rest on top of it."""
 
 from typing import Any
 
@@ -16,11 +16,11 @@ DPI = 100
 
 INK, PLATE, BODY, LIMB = "#222222", "#c4c4c4", "#a9c7e4", "#2f6c9f"
 SMALL, NORMAL, LARGE = 8.0, 9.5, 11.0
-"""Font sizes."""
+"""Sizes of fonts, points."""
 
 
 class Canvas:
-    """A figure of fixed size; places are in pixels from its lower left corner."""
+    """Figure of fixed size; places are in pixels from its lower left corner."""
 
     def __init__(self, width: int, height: int) -> None:
         self.figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
@@ -29,30 +29,30 @@ class Canvas:
         self._still: Any = None
 
     def axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
-        """New axes at a place."""
+        """Add axes at a place."""
         _, _, whole_width, whole_height = self.figure.bbox.bounds
         return self.figure.add_axes(
             (left / whole_width, bottom / whole_height, width / whole_width, height / whole_height)
         )
 
     def text(self, x: float, y: float, words: str, **style: Any) -> Text:
-        """Words at a place."""
+        """Write words at a place."""
         style = {"color": INK, "fontsize": NORMAL, "transform": IdentityTransform(), **style}
         return self.figure.text(x, y, words, **style)
 
     def line(self, x: float, y: float, words: str) -> None:
-        """One small line that stays inside the picture, smaller still when it is long."""
+        """Write a small line that stays inside the picture, in smaller letters if it is long."""
         room = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL
         self.text(x, y, words, fontsize=SMALL * min(1.0, room / len(words)))
 
     def move(self, *artists: Artist) -> None:
-        """From now on these are drawn anew in every frame, in the order given."""
+        """Draw these artists anew in every frame from now on, in the order given."""
         for artist in artists:
             artist.set_animated(True)
             self._moving.append(artist)
 
     def pixels(self) -> Pixels:
-        """The picture as it is now."""
+        """Draw the picture as it is now."""
         if self._still is None:
             self._agg.draw()
             self._still = self._agg.copy_from_bbox(self.figure.bbox)
@@ -63,7 +63,7 @@ class Canvas:
 
 
 def to_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> None:
-    """Show what lies around a point (mm), one scale for both directions; no frame, no ticks."""
+    """Show the surroundings of a point (mm), both axes to one scale, without frame or ticks."""
     _, _, width, height = axes.bbox.bounds
     half_x, half_y = 0.5 * width / pixels_per_mm, 0.5 * height / pixels_per_mm
     axes.set_xlim(centre[0] - half_x, centre[0] + half_x)

@@ -1,4 +1,4 @@
-"""What a movie shows of one run: the walker's outline, its poses, the plate and the impacts."""
+"""Footage of one run for a movie: the walker's outline, its poses, the plate and the impacts."""
 
 from typing import NamedTuple
 
@@ -14,65 +14,65 @@ BACK, FRONT = 0, 1
 
 
 class Shape(NamedTuple):
-    """A walker's outline: polygons of shape (n, 2), mm."""
+    """Outline of a walker: polygons of shape (n, 2), mm."""
 
     body: Polygon
-    """About the point O that the poses follow."""
+    """Outline of the body about the point O that the poses follow."""
     limb: tuple[Polygon, ...]
-    """One leg, with its brace if it has one; its anchor at the origin."""
+    """Polygons of a leg, and of its brace if it has one, with the anchor at the origin."""
     anchors: Array
-    """Shape (2, 2): O -> back and front anchor."""
+    """Vectors from O to the back and front anchor, shape (2, 2), mm."""
     foot: Array
-    """Shape (2,): anchor -> the point that the simulation lets touch the plate."""
+    """Vector from an anchor to the simulation's point of contact, shape (2,), mm."""
 
 
 class Impact(NamedTuple):
-    """One impact of a foot on the plate."""
+    """Impact of a foot on the plate."""
 
     time: float
-    """s, since the first pose."""
+    """Time since the first pose, s."""
     foot: int
-    """BACK or FRONT."""
+    """Foot that hits the plate: BACK or FRONT."""
     impulse: Array
-    """Shape (2,): on the foot, g mm/s."""
+    """Impulse on the foot, shape (2,), g mm/s."""
     kind: Kind
 
 
 class Footage(NamedTuple):
-    """One simulated run at a fixed rate, n poses."""
+    """Poses of one simulated run at a fixed rate, n of them."""
 
     name: str
-    """Of the walker, as the picture shows it."""
+    """Name of the walker, as the picture shows it."""
     model: str
-    """Of its legs in the simulation: compliant, relaxed or rigid."""
+    """Model of the legs in the simulation: compliant, relaxed or rigid."""
     shape: Shape
     times: Array
-    """Shape (n,), s, from 0."""
+    """Times of the poses, shape (n,), s, from 0."""
     places: Array
-    """Shape (n, 2): of O, mm; x from 0, y over the plate's mean height."""
+    """Places of O, shape (n, 2), mm; x from 0, y over the plate's mean height."""
     pitch: Array
-    """Shape (n,), rad, counter-clockwise."""
+    """Pitch of the body, shape (n,), rad, counter-clockwise."""
     angles: Array
-    """Shape (n, 2): of the back and front leg against the body, rad, counter-clockwise."""
+    """Angles of the back and front leg to the body, shape (n, 2), rad, counter-clockwise."""
     plate: Array
-    """Shape (n,): height of the plate's surface over its mean, mm."""
+    """Height of the plate's surface over its mean, shape (n,), mm."""
     phase: Array
-    """Shape (n,): of the drive, rad."""
+    """Phase of the drive, shape (n,), rad."""
     impacts: tuple[Impact, ...]
-    """In the order of their times."""
+    """Impacts in the order of their times."""
     ended: str
-    """Why the run ended early, in words; '' when it did not."""
+    """Reason why the run ended early; '' when it did not."""
 
 
 def pace(slow: float) -> str:
-    """How fast a movie plays, in words; `slow` seconds of it show one of the run."""
+    """Pace of a movie in words; `slow` seconds of it show one second of the run."""
     if slow == 1.0:
         return "real time"
     return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
 
 
 def polygons(footage: Footage, at: int) -> tuple[list[Polygon], Polygon]:
-    """Limbs (the back one's parts, then the front one's) and body at pose `at`, mm."""
+    """Polygons of limbs (back, then front, with their parts) and body at pose `at`, mm."""
     shape, place, pitch = footage.shape, footage.places[at], footage.pitch[at]
     limbs = []
     for side in (BACK, FRONT):
@@ -83,7 +83,7 @@ def polygons(footage: Footage, at: int) -> tuple[list[Polygon], Polygon]:
 
 
 def feet(footage: Footage, relaxed: bool = False) -> Array:
-    """Where the feet's contact points are, shape (n, 2 feet, 2), mm; `relaxed`: unbent legs."""
+    """Positions of the feet's contact points, shape (n, 2 feet, 2), mm; `relaxed`: legs unbent."""
     found = np.empty((len(footage.times), 2, 2))
     for side in (BACK, FRONT):
         angle = 0.0 * footage.pitch if relaxed else footage.angles[:, side]
@@ -97,9 +97,9 @@ def feet(footage: Footage, relaxed: bool = False) -> Array:
 def strongest(
     footage: Footage, time: float, afterglow: float, side: int
 ) -> tuple[Impact, float] | None:
-    """The impact that a foot shows at `time`, and how much of its flash is left (1 down to 0).
+    """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
 
-    Of those within the afterglow (s) the one whose impulse, faded linearly, is largest.
+    Among the impacts within the afterglow (s) it is that whose impulse, faded linearly, is largest.
     """
     shown = [
         (hit, 1.0 - (time - hit.time) / afterglow)
@@ -112,7 +112,7 @@ def strongest(
 
 
 def _turned(points: Array, angle: float | Array) -> Array:
-    """Points (..., 2) turned counter-clockwise; many angles turn one point."""
+    """Turn points (..., 2) counter-clockwise; an array of angles turns one point."""
     x, y = points[..., 0], points[..., 1]
     cos, sin = np.cos(angle), np.sin(angle)
     return np.stack([cos * x - sin * y, sin * x + cos * y], axis=-1)

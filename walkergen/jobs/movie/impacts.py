@@ -1,4 +1,4 @@
-"""How impacts look in a movie: a colour, a sign and a name for each kind; their course in time."""
+"""Impacts in a movie: a colour, a sign and a name for each kind, and their course in time."""
 
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from walkergen.theory.impact import Kind
 
 
 class Style(NamedTuple):
-    """How impacts of a kind look; colours after Okabe and Ito, with a sign for those in grey."""
+    """Look of one kind of impact; colours after Okabe and Ito, with a sign for readers in grey."""
 
     colour: str
     marker: str
@@ -35,7 +35,7 @@ COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour,
 
 
 def style_of(kind: Kind) -> Style:
-    """The look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
     if kind in STYLES:
         return STYLES[kind]
     twin = STYLES[Kind(-kind)]
@@ -43,7 +43,7 @@ def style_of(kind: Kind) -> Style:
 
 
 def legend(canvas: Canvas, x: float, y: float) -> None:
-    """The kinds that can be, in a row, by sign, colour and words."""
+    """Draw the possible kinds in a row, by sign, colour and words."""
     axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
     axes.set_axis_off()
     axes.set_xlim(0, canvas.figure.bbox.width)
@@ -57,7 +57,7 @@ def legend(canvas: Canvas, x: float, y: float) -> None:
 
 
 def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Footage) -> Line2D:
-    """Heights of plate and feet against time, impacts marked; returns the line that marks now."""
+    """Draw heights of plate and feet in time, with impacts; returns the line that marks now."""
     axes = canvas.axes(*place)
     times, heights = 1e3 * footage.times, 1e3 * feet(footage)[:, :, 1]
     plate = 1e3 * footage.plate
@@ -82,7 +82,7 @@ def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Foo
 
 
 def _mark(axes: Axes, footage: Footage) -> None:
-    """A sign for every impact, at the height of the plate, larger for larger impulses."""
+    """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
     largest = largest_impulse(footage)
     for hit in footage.impacts:
         style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
@@ -95,5 +95,5 @@ def _mark(axes: Axes, footage: Footage) -> None:
 
 
 def largest_impulse(footage: Footage) -> float:
-    """Of all impacts, g mm/s; 1 when there are none."""
+    """Largest impulse of all impacts, g mm/s; 1 when there are none."""
     return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)

@@ -21,32 +21,32 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, as_rigid
 
 FPS = (1, 2, 4, 5, 10, 20, 25, 50)
-"""Frames per second that a GIF can keep: it counts in hundredths of a second."""
+"""Frames per second that a GIF can have: it counts in hundredths of a second."""
 
 PERIODS, PLAYING_S = 6.0, 10.0
-"""Of the slow motion, unless told otherwise: periods of the drive shown, seconds to watch."""
+"""Slow motion by default: periods of the drive that are shown, and seconds to watch."""
 
 RACE_S = 3.0
-"""Of a race, unless told otherwise: seconds shown, in real time."""
+"""Length of a race by default, s, in real time."""
 
 FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
 
 FINE = 8
-"""Poses a frame in slow motion: the curves show what happens between frames."""
+"""Poses for each frame in slow motion: the curves show what happens between frames."""
 
 HOLD_S = 1.5
-"""How long the last frame stays before the GIF starts again."""
+"""Time for which the last frame stays before the GIF starts again, s."""
 
 
 class Job(NamedTuple):
-    """What to film: one member in slow motion, several side by side."""
+    """Choice of what to film: one member in slow motion, or several side by side."""
 
     members: Sequence[Design]
     scene: Scene
     seconds: float
-    """Simulated time shown."""
+    """Simulated time to show, s."""
     slow: float
-    """Seconds of the movie a second of the run."""
+    """Seconds of the movie for each second of the run."""
     fps: int
 
     @property
@@ -56,19 +56,19 @@ class Job(NamedTuple):
 
 
 def file_name(job: Job) -> str:
-    """Of the GIF, when nobody said: the walker's or the number of lanes, and the scene's."""
+    """Default name of the GIF: the walker's name or the number of lanes, and the scene's name."""
     single = len(job.members) == 1
     what = names.part(job.members[0]) if single else f"race_of_{len(job.members)}"
     return f"{what}_{job.scene.name}.gif"
 
 
 class Made(NamedTuple):
-    """What was written."""
+    """Files that were written, and the runs that they show."""
 
     gif: Path
     mp4: Path | None
     without_mp4: str
-    """Why there is no MP4; '' when there is."""
+    """Reason why there is no MP4; '' when there is an MP4."""
     frames: int
     footage: Sequence[Footage]
 
@@ -82,7 +82,7 @@ def plan(
     slow: float | None = None,
     fps: int = 25,
 ) -> Job:
-    """A job with what was not said filled in. Raises InputError."""
+    """Make a job, with defaults for all that is None. Raises InputError."""
     if fps not in FPS:
         known = ", ".join(str(one) for one in FPS)
         raise InputError(f"--fps {fps}: must be one of {known} (a GIF counts in 1/100 s)")
@@ -137,7 +137,7 @@ def make(job: Job, path: Path, progress: Progress) -> Made:
 
 
 def film(job: Job, design: Design, every: int) -> Footage:
-    """One run, the ensemble's first, with its poses and impacts; `every` poses a frame."""
+    """Simulate the ensemble's first run, with `every` poses for a frame, and its impacts."""
     interval = 1.0 / (job.fps * job.slow * every)
     # Half an interval more, so that rounding cannot lose the last pose.
     seconds = ((job.frames - 1) * every + 0.5) * interval
@@ -155,7 +155,7 @@ def film(job: Job, design: Design, every: int) -> Footage:
 
 
 def title(design: Design) -> str:
-    """A walker as the picture names it."""
+    """Name of a walker as the picture shows it."""
     return f"{design.name}, {design.legs.tilt_deg:g}°, {design.legs.kind}"
 
 
@@ -188,7 +188,7 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
 
 
 def _shape(design: Design, mass: MassProperties) -> Shape:
-    """The outline about the centre of mass that the simulated state follows."""
+    """Outline about the centre of mass that the simulated state follows."""
     outline = solids.outline(design)
     O = np.array(design.anchors[0]) - mass.a  # noqa: E741  (the paper's name)
     anchors = np.array(design.anchors) - O

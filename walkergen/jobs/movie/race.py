@@ -13,13 +13,13 @@ from walkergen.jobs.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Ca
 from walkergen.jobs.movie.footage import Footage, pace, polygons
 
 WIDTH, HEAD, LANE, FOOT = 900, 64, 66, 40
-"""Sizes in pixels: of the picture, of its head, of a lane, of the ruler below."""
+"""Sizes in pixels: width of the picture, heights of its head, of a lane and of the ruler below."""
 
 MARGIN = 12
 
 
 class Lane(NamedTuple):
-    """One walker's lane."""
+    """Lane of one walker."""
 
     footage: Footage
     shapes: PolyCollection
@@ -27,7 +27,7 @@ class Lane(NamedTuple):
 
 
 def draw_race(runs: Sequence[Footage], slow: float, settings: str) -> Draw:
-    """A function that draws frame k: pose k of every run; runs that ended stay where they are."""
+    """Make a function that draws frame k: pose k of every run; ended runs stay where they are."""
     height = HEAD + LANE * len(runs) + FOOT
     canvas = Canvas(WIDTH, height + height % 2)
     canvas.text(MARGIN, height - 22, runs[0].name.split(",")[0], fontsize=LARGE, weight="bold")
@@ -94,7 +94,7 @@ def _set(lane: Lane, at: int) -> None:
 
 
 def _ruler(canvas: Canvas, left: float, scale: float) -> None:
-    """Distance run by the middle of the body, along the bottom."""
+    """Draw a ruler of the distance run by the middle of the body along the bottom."""
     axes = canvas.axes(MARGIN, FOOT - 4, WIDTH - 2 * MARGIN, 1)
     axes.set_xlim(left, left + (WIDTH - 2 * MARGIN) / scale)
     axes.set_yticks([])

@@ -1,1 +1,1 @@
-"""The jobs that prepare a print: `export`, `check` and `plate`."""
+"""Jobs that prepare a print: `export`, `check` and `plate`."""

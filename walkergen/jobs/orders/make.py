@@ -22,47 +22,47 @@ FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
 
 
 class Order(NamedTuple):
-    """What to print, on which printers."""
+    """Choice of what to print, and on which printers."""
 
     members: Sequence[Design]
     copies: Sequence[int]
-    """Of each member."""
+    """Number of copies of each member."""
     printers: Sequence[Printer]
-    """All copies are arranged for each of them."""
+    """Printers to arrange for, each with all copies."""
     max_plates: int | None = None
-    """More plates are refused."""
+    """Largest number of plates; None: no limit."""
     max_parts: int = plate.MOST_PARTS
-    """On a plate."""
+    """Largest number of parts on a plate."""
     pictures: bool = True
     prusaslicer: bool = False
-    """Declare the 3MF files PrusaSlicer's own."""
+    """True to declare the 3MF files PrusaSlicer's own."""
     strict: bool = False
-    """Refuse what prints otherwise than predicted, not only what fails."""
+    """True to refuse what prints otherwise than predicted, not only what fails."""
 
 
 class Wall(NamedTuple):
-    """A thickness among the members' walls, and what the printer makes of it."""
+    """Wall of a thickness that occurs among the members, as the printer prints it."""
 
     wall: str
     thickness_mm: float
     lines: float
-    """Thickness in printed lines."""
+    """Thickness of the wall in printed lines."""
     plastic_percent: float
-    """Expected deviation of its plastic from the mesh."""
+    """Expected deviation of the wall's plastic from the mesh, percent."""
 
 
 class Checked(NamedTuple):
-    """What `check` found."""
+    """Results of `check`."""
 
     walls: list[Wall]
     findings: list[Finding]
     parts: int
     plates: int
-    """0 when a part fits no plate."""
+    """Number of plates; 0 when a part fits no plate."""
 
 
 class Room(NamedTuple):
-    """How many copies of a walker alone fit on one plate."""
+    """Number of copies of one walker that fit on one plate."""
 
     printer: str
     name: str
@@ -88,7 +88,7 @@ def export_parts(
 
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
-    """How many copies of each member fit on one plate of each printer, if it held no others."""
+    """Count the copies of each member that fit on one plate of each printer with no other parts."""
     parts = [plate.Part.of(names.part(one), solids.build(one).walker) for one in members]
     return [
         Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
@@ -98,14 +98,14 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
 
 
 def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> Checked:
-    """Run the printability checks on copies of the members, arranged; writes nothing."""
+    """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
     parts = [
         plate.Part.of(names.part(one), own.walker) for one, own in zip(members, built, strict=True)
     ]
     if all(plate.capacity(part, printer) for part in parts):
         layout = plates.arrange(members, built, copies, printer)
-    else:  # which the findings tell, part by part
+    else:  # a part is too large for any plate: the findings name it
         layout = plates.checked(printer, members, built, parts, [])
     walls_seen = {
         (name, thickness): Wall(
@@ -142,7 +142,7 @@ def make_plates(
         for printer in order.printers
     ]
     findings = [
-        # With several printers it matters which.
+        # With several printers findings name the printer.
         one._replace(where=f"{layout.printer.name}: {one.where}") if len(layouts) > 1 else one
         for layout in layouts
         for one in layout.findings
