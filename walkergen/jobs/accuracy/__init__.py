@@ -1,1 +1,1 @@
-"""The job `accuracy`: what accuracy costs in time; and the cheapest setting for an error."""
+"""The job `accuracy`: what accuracy costs in time, and the cheapest setting for an error."""

@@ -1,4 +1,4 @@
-"""The cheapest setting that meets an error, from measured speeds."""
+"""Choice of the cheapest setting that meets an error, from measured speeds."""
 
 import math
 import re
@@ -15,60 +15,60 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 SLACK = 1.2
-"""Time is bought for an error this much smaller than needed: its estimate fluctuates."""
+"""Factor by which more time is bought than the estimated error needs, since it fluctuates."""
 
 SHORTEST = 0.5
-"""s; a shorter run is mostly its discarded start."""
+"""Shortest run, s: a still shorter run is mostly its discarded start."""
 
 PILOT_S = 30.0
 """Wall time in which the ladders are measured when nothing is on record, s."""
 
 ATTEMPTS = 3
-"""Ensembles tried, each longer, until the error is met: the first may meet larger fluctuations."""
+"""Number of ensembles tried, each longer than the last, until the error is met."""
 
 
 class Wanted(NamedTuple):
-    """The error that a person can bear, with 95 % confidence."""
+    """Error that a person can bear, with 95 % confidence."""
 
     value: float
     relative: bool
-    """True: a share of the mean speed; False: mm/s."""
+    """True when the value is a share of the mean speed, False when it is in mm/s."""
 
     def __str__(self) -> str:
         return f"{100 * self.value:g} %" if self.relative else f"{self.value:g} mm/s"
 
 
 class Choice(NamedTuple):
-    """A setting that meets the error, and what it takes."""
+    """Setting that meets the error, and the runs that it needs."""
 
     setting: Setting
     bias_bound_mm_s: float
-    """Upper limit of its systematic error with 95 % confidence."""
+    """Upper limit of the setting's systematic error with 95 % confidence."""
     se_mm_s: float
-    """Standard error that is left for the runs."""
+    """Standard error that the runs may have."""
     runs: int
     seconds: float
-    """Of each run."""
+    """Measured time of each run."""
     cpu_s: float
-    """Expected."""
+    """Expected CPU time of all runs, s."""
 
 
 class Met(NamedTuple):
-    """An ensemble simulated for an error."""
+    """Result of an ensemble simulated for an error."""
 
     choice: Choice
     scene: Scene
     """Scene with the chosen setting."""
     point: Point
     error_mm_s: float
-    """Obtained, with 95 % confidence: the bias's bound and twice the standard error."""
+    """Error obtained with 95 % confidence: the bias's bound and twice the standard error."""
     allowed_mm_s: float
     on_record: bool
-    """True when the ladders had been measured before."""
+    """True when the ladders had been measured in an earlier survey."""
 
 
 def parse(text: str) -> Wanted:
-    """Read "5%" or "3mm/s". Raises InputError."""
+    """Parse "5%" or "3mm/s". Raises InputError."""
     found = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(%|mm/s)\s*", text)
     try:
         value = float(found[1]) if found else math.nan
@@ -83,7 +83,7 @@ def parse(text: str) -> Wanted:
 
 
 def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
-    """The error in mm/s. Raises InputError for a share of a speed that may be zero."""
+    """Allowed error in mm/s. Raises InputError for a share of a speed that may be zero."""
     if not wanted.relative:
         return wanted.value
     unit = survey.unit(reference)
@@ -96,12 +96,12 @@ def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
 
 
 def candidates(survey: Survey, progress: Progress) -> list[Measured]:
-    """Everything that may be chosen."""
+    """Measure all settings that may be chosen."""
     return survey.measure([survey.events, *survey.steps, *survey.simpler], progress)
 
 
 def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
-    """The setting that meets the error in the least CPU time.
+    """Choose the setting that meets the error in the least CPU time.
 
     The 95 % bound of the bias and twice the standard error together stay within the error. Raises
     InputError when the measured biases are not known well enough for that.
@@ -117,7 +117,7 @@ def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
 
 
 def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured) -> str:
-    """Which budget would know the reference's mean speed to a third of the error."""
+    """Advice on the budget that would give the reference's mean speed to a third of the error."""
     assert reference.se_mm_s is not None
     known = 2.0 * reference.se_mm_s
     spent = reference.cpu_s / FINEST_SHARE / survey.cores
@@ -140,7 +140,7 @@ def _offer(survey: Survey, one: Measured, reference: Measured, error: float) -> 
 
 
 def _up(seconds: float) -> float:
-    """Rounded up to two digits."""
+    """Round up to two significant digits."""
     digit = 10.0 ** (math.floor(math.log10(seconds)) - 1)
     return float(f"{math.ceil(seconds / digit - 1e-9) * digit:.2g}")
 
@@ -148,9 +148,9 @@ def _up(seconds: float) -> float:
 def meet(
     scene: Scene, design: Design, mass: MassProperties, wanted: Wanted, progress: Progress
 ) -> Met:
-    """Simulate with the cheapest setting that meets the error; measured ladders say which.
+    """Simulate with the cheapest setting that meets the error, according to the measured ladders.
 
-    Ladders not on record are measured first, and kept.
+    Ladders not on record are measured first, and kept. Raises InputError when no setting can do.
     """
     survey = Survey(scene, design, mass, PILOT_S)
     on_record = kept.recall(survey) > 0

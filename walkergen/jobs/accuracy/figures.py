@@ -11,18 +11,18 @@ from matplotlib.figure import Figure
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.accuracy.speeds import Measured, Survey
 
-# Okabe and Ito's colours, each with a line and a marker of its own: readable in grey as well.
+# Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
 STYLES = (
     ("#0072B2", "-", "o"), ("#D55E00", "--", "s"), ("#009E73", "-.", "^"), ("#CC79A7", ":", "D"),
     ("#E69F00", "-", "v"), ("#56B4E9", "--", "P"), ("#000000", "-.", "X"), ("#999999", ":", "*"),
 )  # fmt: skip
 
 SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
-"""Errors that the figure of choices marks."""
+"""Relative errors that the figure of choices marks with a line."""
 
 
 def ladder_figure(ladder: Ladder) -> Figure:
-    """A line a series. Errors not told from zero are open: twice their standard error."""
+    """Draw a line per series; open symbols are errors that may be zero, drawn at |error| + 2 SE."""
     with matplotlib.rc_context({"font.size": 9, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.6), layout="constrained")
         axes = figure.add_subplot()
@@ -57,7 +57,7 @@ def _draw(axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below:
     costs = [rung.cpu_s for rung, _, _ in shown]
     errors = [error for _, error, _ in shown]
     series = shown[0][0].series
-    # A point alone carries its name; only lines need the legend.
+    # A single point carries its name; only lines need the legend.
     label = series if len(shown) > 1 else None
     axes.plot(costs, errors, line, color=colour, linewidth=1, label=label)
     for rung, error, told in shown:
@@ -76,7 +76,7 @@ def _draw(axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below:
 
 
 def _shown(rung: Rung) -> tuple[float, bool]:
-    """The error to draw, and whether it is told from zero."""
+    """Error to draw, and whether it is significantly different from zero."""
     assert rung.error is not None
     if rung.error_sd is None or rung.error > 2.0 * rung.error_sd:
         return rung.error, True
@@ -90,7 +90,7 @@ def choice_figure(
     formulas: Iterable[Rung],
     title: str,
 ) -> Figure:
-    """The whole error with 95 % confidence against CPU time, a line a setting.
+    """Draw the total error with 95 % confidence against CPU time, a line for each setting.
 
     It falls as statistics improve, down to the bound of the setting's bias; formulas are points.
     """
@@ -118,7 +118,7 @@ def choice_figure(
 
 
 def _lines(found: Sequence[Measured]) -> list[tuple[Any, str]]:
-    """Steps from light (coarse) to dark (fine), full; everything else broken."""
+    """Colours and lines: steps from light (coarse) to dark (fine), full; all else broken."""
     steps = sorted(one.setting.step_us for one in found if one.setting.step_us is not None)
     others = iter((("black", "--"), ("#D55E00", ":"), ("#CC79A7", "-.")))
     shades = matplotlib.colormaps["viridis"]

@@ -1,4 +1,4 @@
-"""Measured speeds on record: per walker, scene, version and machine, in the user's cache."""
+"""Records of measured speeds: per walker, scene, version and machine, in the user's cache."""
 
 import hashlib
 import json
@@ -22,7 +22,7 @@ def record(survey: Survey) -> Path:
 
 
 def remember(survey: Survey) -> None:
-    """Keep what the survey knows; of two measurements of a setting the longer."""
+    """Save what the survey has measured; of two measurements of a setting the longer is kept."""
     kept = {**_kept(survey)}
     for setting, one in survey.known.items():
         other = kept.get(setting)
@@ -33,7 +33,7 @@ def remember(survey: Survey) -> None:
 
 
 def recall(survey: Survey) -> int:
-    """Take over what earlier surveys of the same measured; returns how many settings."""
+    """Load the results of earlier surveys of the same scene; returns the number of settings."""
     kept = _kept(survey)
     survey.known |= kept
     return len(kept)
@@ -48,6 +48,6 @@ def _kept(survey: Survey) -> dict[Setting, Measured]:
             Measured(**row | {"setting": Setting(*row["setting"])})
             for row in json.loads(path.read_text(encoding="utf-8"))
         ]
-    except (ValueError, TypeError, KeyError):  # cut short or not ours: it is measured again
+    except (ValueError, TypeError, KeyError):  # cut short or of another kind: measured again
         return {}
     return {one.setting: one for one in rows}

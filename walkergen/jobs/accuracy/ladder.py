@@ -1,4 +1,4 @@
-"""A ladder: settings from cheap to dear, each with the error it makes and the time it takes."""
+"""Ladders: settings from cheap to dear, each with its error and the time it takes."""
 
 import math
 import os
@@ -13,32 +13,32 @@ import numpy as np
 
 
 class Rung(NamedTuple):
-    """One setting."""
+    """Setting of a ladder, with its error and its cost."""
 
     series: str
-    """Settings of one series make a line of the figure."""
+    """Name of the series; settings of one series form a line of the figure."""
     setting: str
     error: float | None
-    """What the ladder's `error` says; None where no error is known."""
+    """Error as the ladder's `error` defines it; None where it is not known."""
     error_sd: float | None
-    """Standard error of the error; None for a deterministic one."""
+    """Standard error of the error; None when the error is deterministic."""
     cpu_s: float
-    """What the ladder's `cost` says, s."""
+    """Time as the ladder's `cost` defines it, s."""
     details: Mapping[str, float | str | None]
     """Further columns, the same for all rungs of a ladder."""
 
 
 class Ladder(NamedTuple):
-    """A work-precision study: its rungs, and against what the errors count."""
+    """Work-precision study: its rungs, and the reference for their errors."""
 
     name: str
     title: str
     error: str
-    """What `Rung.error` is."""
+    """Definition of `Rung.error`."""
     cost: str
-    """What `Rung.cpu_s` is."""
+    """Definition of `Rung.cpu_s`."""
     reference: str
-    """What is taken as true, and how that was certified."""
+    """Result that counts as true, and how it was certified."""
     rungs: Sequence[Rung]
     notes: Sequence[str] = ()
 
@@ -59,7 +59,7 @@ def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, floa
 def cpu_time(call: Callable[[], object], repeats: int = 5, at_least: float = 1e-2) -> float:
     """CPU time of one call, s: the median of `repeats` batches of at least `at_least` s each.
 
-    One call goes first, untimed: it compiles, imports and fills caches.
+    An untimed call goes first: it compiles, imports and fills caches.
     """
     call()
     count = 1
@@ -76,7 +76,7 @@ def _batch(call: Callable[[], object], count: int) -> float:
 
 
 def machine() -> str:
-    """The machine that timings are from, in words."""
+    """Description of the machine on which times were measured."""
     import numba
 
     return (

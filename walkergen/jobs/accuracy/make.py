@@ -1,4 +1,4 @@
-"""The study: what accuracy costs in time, as ladders with tables and figures in a folder."""
+"""The study of accuracy: its cost in time, as ladders with tables and figures in a folder."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -19,22 +19,22 @@ from walkergen.walker.design import Design
 
 ERRORS = ("20%", "10%", "5%", "2%", "1%")
 SPEED_ERRORS = ("5mm/s", "2mm/s", "1mm/s", "0.5mm/s")
-"""Errors for which the page says what to run; the second where the mean speed may be zero."""
+"""Errors for which the page answers what to run; the latter where the mean speed may be zero."""
 
 
 class Job(NamedTuple):
-    """What to study."""
+    """Walker, scene, ladders and time of a study."""
 
     design: Design
     scene: Scene
     only: Sequence[str]
-    """Names of LADDERS, in that order."""
+    """Names of the LADDERS to measure, in this order."""
     budget_s: float
-    """Wall time for the simulations of the complete model."""
+    """Wall time for the simulations of the complete model, s."""
 
 
 class Study(NamedTuple):
-    """What was found."""
+    """Results of a study."""
 
     ladders: list[Ladder]
     answers: list[Answer]
@@ -49,7 +49,7 @@ LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Study:
-    """Measure ladders and write NAME.csv, NAME.md, NAME.png for each as soon as it is there.
+    """Measure ladders and write NAME.csv, NAME.md, NAME.png for each as soon as it is measured.
 
     With the ladders of models or steps also accuracy.md and choice.png: what to run for which
     error. Measured speeds are kept for `simulate --error`. Ctrl-C keeps the ladders already done.
@@ -74,7 +74,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
 
 
 def check(names: str) -> list[str]:
-    """The ladders named in a comma-separated list. Raises InputError."""
+    """Parse a comma-separated list of ladders. Raises InputError."""
     wanted = [word.strip() for word in names.split(",")]
     for word in wanted:
         if word not in LADDERS:
@@ -92,7 +92,7 @@ def _write(ladder: Ladder, folder: Path) -> None:
 
 
 def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list[Answer]:
-    """What to run for which error, as a table and a figure."""
+    """Answer what to run for which error, as a table and a figure."""
     from walkergen.files import figures as pictures
     from walkergen.jobs.accuracy import figures as precision
 

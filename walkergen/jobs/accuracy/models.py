@@ -14,9 +14,9 @@ Details = dict[str, float | str | None]
 
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
-    """Bias of every model against the complete one, and its cost.
+    """Measure the bias of every model against the complete model, and its cost.
 
-    The formulas' rests on the scene's impact_speed_factor, which they cannot know.
+    The bias of formulas depends on the scene's impact_speed_factor, which they cannot predict.
     """
     reference = survey.reference(progress)
     settings = [*survey.simpler, survey.own, survey.events]
@@ -39,7 +39,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def certificate(survey: Survey, progress: Progress) -> str:
-    """What is taken as the true mean speed, and how far two methods agree on it."""
+    """Statement of the mean speed that counts as true, and how far two methods agree on it."""
     reference = survey.reference(progress)
     (events,) = survey.measure([survey.events], progress)
     bias = survey.bias(events, reference)
@@ -56,7 +56,7 @@ def certificate(survey: Survey, progress: Progress) -> str:
 
 
 def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
-    """The analytical predictions: their distance from the reference, and the time of a call."""
+    """Rungs of the analytical predictions: distance from the reference, and time of a call."""
     unit = survey.unit(reference)
     contact, w = survey.scene.contact, survey.scene.impact_speed
     modes: tuple[Mode, ...] = ("paper", "coulomb") if contact.law == "poisson" else ("coulomb",)
@@ -78,7 +78,7 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
 def rung_of(
     survey: Survey, found: Measured, reference: Measured, own: Details | None = None
 ) -> Rung:
-    """A measured setting: its bias, its cost; `own` details come before the common ones."""
+    """Rung of a measured setting with its bias and cost; `own` details precede the common ones."""
     bias, unit = survey.bias(found, reference), survey.unit(reference)
     return Rung(
         f"{found.setting.model}, {found.setting.method}",
@@ -91,7 +91,7 @@ def rung_of(
 
 
 def _details_of(found: Measured) -> Details:
-    """The further columns of a measured speed."""
+    """Details of a measured speed: the further columns of the table."""
     return {
         "speed_mm_s": found.speed_mm_s,
         "speed_se_mm_s": found.se_mm_s,

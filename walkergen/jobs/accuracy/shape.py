@@ -20,17 +20,17 @@ from walkergen.walker.mass import MassProperties, Mesh, assemble
 
 SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 EXACT_SEGMENTS = 4096
-"""Edges of the half circle taken for round: second order leaves (512/4096)^2 of the last rung's
-error. tests/test_study.py holds it against the closed form."""
+"""Number of edges of a half circle that counts as round: its error, of second order, is
+(512/4096)^2 of the last rung's. tests/test_study.py compares it with the closed form."""
 
 DISTANCES = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
-"""Of the part from the coordinates' origin, mm."""
+"""Distances of the part from the coordinates' origin, mm."""
 
 QUANTITIES = ("M", "J", "m", "j", "speed")
 
 
 class Errors(NamedTuple):
-    """Relative errors; m and j are None for braced legs, which are part of M."""
+    """Relative errors; m and j are None for braced legs, which belong to M and J."""
 
     M: float
     J: float
@@ -77,7 +77,7 @@ def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
 
 
 def _far(design: Design, scene: Scene) -> Iterator[Rung]:
-    """In double precision, and through a binary STL file, at growing distance."""
+    """Rungs at growing distance, in double precision and through a binary STL file."""
     built = solids.build(design)
     true = solids.weigh(design, built)
     for series, form in (("double precision", _as_is), ("through STL (float32)", _through_stl)):
@@ -95,7 +95,7 @@ def _weighed_far(
         form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, built.leg)
     )
     found = assemble(design, body, leg)
-    # Anchors stay where the design has them: O and the leg's centre alone have moved.
+    # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]
     return found._replace(a=found.a + at, b=found.b + at, c_A=found.c_A - at, c_T=found.c_T + at)
 

@@ -1,4 +1,4 @@
-"""Mean speeds by every model, method and step: measured once, with their costs."""
+"""Mean speeds by every model, method and step: measured once each, with their costs."""
 
 import math
 import os
@@ -20,48 +20,48 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
-"""Steps of the time-stepping method that are tried, as parts of the drive's period."""
+"""Numbers of steps per period of the drive at which the time-stepping method is measured."""
 
 EVENT_SHARE, FINEST_SHARE = 0.3, 0.15
 """Shares of the CPU budget for the two methods that certify the reference."""
 
 EVENT_RUNS, STEP_RUNS = 8, 16
-"""Independent runs of a measurement: as few as give an error bar where each start is dear."""
+"""Independent runs of a measurement, by events and by steps: few, because each start is dear."""
 
 
 CLEAR = 10.0
-"""A mean speed of this many standard errors is not zero: errors may be told as a share of it."""
+"""Standard errors from which a mean speed is not zero, so that errors can be a share of it."""
 
 
 class Setting(NamedTuple):
-    """How to simulate."""
+    """Choices of how to simulate."""
 
     model: ModelName
     method: MethodName
     step_us: float | None
-    """None for method event."""
+    """Time step, us; None for method event."""
 
     @property
     def label(self) -> str:
-        """For tables and figures."""
+        """Name of the setting in tables and figures."""
         step = "" if self.step_us is None else f" {self.step_us:g} us"
         return f"{self.model}, {self.method}{step}"
 
     @property
     def flags(self) -> str:
-        """The same for the command line."""
+        """Options of the command line that select the setting."""
         step = "" if self.step_us is None else f" --step {self.step_us:g}"
         return f"--model {self.model} --method {self.method}{step}"
 
 
 class Measured(NamedTuple):
-    """The mean speed found with a setting, and what it cost."""
+    """Mean speed obtained with a setting, and its cost."""
 
     setting: Setting
     speed_mm_s: float | None
-    """None when no run ended well."""
+    """Mean speed; None when not all runs ended well."""
     se_mm_s: float | None
-    """Standard error; None when the data are too few."""
+    """Standard error of the speed; None when the data are too few."""
     runs: int
     seconds: float
     """Measured time of each run, s."""
@@ -69,7 +69,7 @@ class Measured(NamedTuple):
     cpu_s: float
     correlation_time_s: float | None
     outcomes: str
-    """How the runs ended."""
+    """Ways in which the runs ended, with their numbers."""
 
     @property
     def cpu_per_s(self) -> float:
@@ -78,12 +78,12 @@ class Measured(NamedTuple):
 
     @property
     def variance_time(self) -> float:
-        """Squared standard error of the mean speed x measured time, mm^2/s."""
+        """Squared standard error of the mean speed times the measured time, mm^2/s."""
         assert self.se_mm_s is not None
         return self.se_mm_s**2 * self.runs * self.seconds
 
     def cost_of(self, se: float) -> float:
-        """CPU seconds for a mean speed with standard error `se` (mm/s), discarded starts too."""
+        """CPU time (s) for a mean speed with standard error `se` (mm/s), with discarded starts."""
         return self.cpu_per_s * (self.variance_time / se**2 + self.runs * self.discard_seconds)
 
 
@@ -95,28 +95,28 @@ class Bias(NamedTuple):
 
     @property
     def bound(self) -> float:
-        """Upper limit of its size with 95 % confidence, mm/s."""
+        """Upper limit of the bias's size with 95 % confidence, mm/s."""
         return abs(self.mm_s) + 2.0 * self.se_mm_s
 
     @property
     def certain(self) -> float:
-        """Its size where it is told from zero, else 0, mm/s."""
+        """Size of the bias where it differs from zero by two standard errors, else 0; mm/s."""
         return abs(self.mm_s) if abs(self.mm_s) > 2.0 * self.se_mm_s else 0.0
 
 
 class Unit(NamedTuple):
-    """In what the errors of mean speeds count."""
+    """Unit in which errors of mean speeds are given."""
 
     mm_s: float
     name: str
     relative: bool
-    """True: errors count as a share of the mean speed."""
+    """True when errors are given as a share of the mean speed."""
     fine: float
-    """The standard error to which costs refer, mm/s: 1 % of the speed, or 0.1 mm/s."""
+    """Standard error to which costs refer, mm/s: 1 % of the speed, or 0.1 mm/s."""
 
 
 class Survey:
-    """Measures settings for one walker in one scene, each once; keeps what it has measured."""
+    """Measurements of settings for one walker in one scene, each made once and kept."""
 
     def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
         """`budget_s`: wall time for all settings of the complete model, on all cores."""
@@ -128,24 +128,24 @@ class Survey:
 
     @property
     def events(self) -> Setting:
-        """The complete model by events: the second method, which certifies the reference."""
+        """Setting of the complete model by events, the method that certifies the reference."""
         return Setting(self.complete, "event", None)
 
     @property
     def steps(self) -> list[Setting]:
-        """The complete model by steps, finest first; its finest is the reference."""
+        """Settings of the complete model by steps, finest first; the finest is the reference."""
         found = (_round(1e6 / self.scene.drive.frequency / part) for part in STEPS_PER_PERIOD)
         inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in found)
         return [Setting(self.complete, "step", step) for step in inside]
 
     @property
     def own(self) -> Setting:
-        """The complete model by steps, with the scene's own step."""
+        """Setting of the complete model by steps, with the scene's own step."""
         return Setting(self.complete, "step", self.scene.run.step_us)
 
     @property
     def simpler(self) -> list[Setting]:
-        """The models that leave something out."""
+        """Settings of the models that leave something out."""
         if self.design.braced:
             return []
         return [Setting("rigid", "event", None), Setting("relaxed", "event", None)]
@@ -155,7 +155,7 @@ class Survey:
         return prepare(self.scene_of(setting), self.design, self.mass)
 
     def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
-        """Measure settings that are not known yet; all of them, in their order."""
+        """Measure the settings that are not known yet; returns all of them in their order."""
         for place, setting in enumerate(settings):
             if setting not in self.known:
 
@@ -174,7 +174,7 @@ class Survey:
         return point.results, point.summary.cpu_s / simulated
 
     def reference(self, progress: Progress) -> Measured:
-        """The finest step of the complete model.
+        """Measure the finest step of the complete model.
 
         Raises InputError when it gives no mean speed with an error bar.
         """
@@ -187,7 +187,7 @@ class Survey:
         return found
 
     def unit(self, reference: Measured) -> Unit:
-        """In what errors count: the reference's mean speed, or mm/s where that may be zero."""
+        """Unit of errors: the reference's mean speed, or mm/s where that may be zero."""
         assert reference.speed_mm_s is not None
         assert reference.se_mm_s is not None
         size = abs(reference.speed_mm_s)
@@ -196,7 +196,7 @@ class Survey:
         return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
 
     def bias(self, measured: Measured, reference: Measured) -> Bias | None:
-        """How far a setting lies from the reference; None when it found no speed."""
+        """Bias of a setting against the reference; None when it gave no mean speed."""
         if measured.speed_mm_s is None or measured.se_mm_s is None:
             return None
         assert reference.speed_mm_s is not None
@@ -209,8 +209,8 @@ class Survey:
     def bound(self, measured: Measured, reference: Measured) -> float | None:
         """Upper limit of a setting's bias, mm/s, with 95 % confidence; None without a speed.
 
-        Biases of finer steps count as well where they are told from zero: that a coarse step does
-        better than a finer one is luck, where errors of both signs cross.
+        Significant biases of finer steps count as well: where a coarse step does better than a
+        finer step, errors of opposite signs happen to cancel.
         """
         bias = self.bias(measured, reference)
         if bias is None:
@@ -218,7 +218,7 @@ class Survey:
         return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se_mm_s)
 
     def _finer(self, measured: Measured, reference: Measured) -> float:
-        """The largest bias, mm/s, that finer steps certainly have; infinite where one failed."""
+        """Largest significant bias of finer steps, mm/s; infinite where a finer step failed."""
         biases = [
             self.bias(one, reference)
             for one in self.known.values()
@@ -238,7 +238,7 @@ class Survey:
         return (1.0 - EVENT_SHARE - FINEST_SHARE) / others
 
     def scene_of(self, setting: Setting, **run: float) -> Scene:
-        """The scene with a setting, and with other values of its [run]."""
+        """Scene with a setting, and with other values of its [run]."""
         step = {} if setting.step_us is None else {"step_us": setting.step_us}
         changed = self.scene.run.model_copy(update={"method": setting.method, **step, **run})
         legs = self.scene.legs.model_copy(update={"model": setting.model})
@@ -251,7 +251,7 @@ class Survey:
         return point
 
     def _measured(self, setting: Setting, progress: Progress) -> Measured:
-        """Runs of as many seconds as the setting's share of the budget allows.
+        """Simulate for as many seconds as the setting's share of the budget allows.
 
         The length is rounded down to 1, 2 or 5 x 10^n, so that it, and the speed with it, does not
         follow every fluctuation of the machine's speed.
@@ -280,12 +280,12 @@ class Survey:
 
 
 def _round(value: float) -> float:
-    """Two significant digits."""
+    """Round to two significant digits."""
     return float(f"{value:.2g}")
 
 
 def _one_two_five(value: float) -> float:
-    """The largest of 1, 2, 5 x 10^n that is not above a positive value; else 0."""
+    """Largest of 1, 2, 5 x 10^n that is not above a positive value; else 0."""
     if value <= 0:
         return 0.0
     power = 10.0 ** math.floor(math.log10(value))

@@ -13,18 +13,18 @@ from walkergen.simulation import ensemble
 from walkergen.simulation.run import RunResult
 
 RUNS, SECONDS = 32, 50.0
-"""The ensemble whose parts are compared, unless the budget allows less."""
+"""Number and length (s) of the runs whose parts are compared, unless the budget allows less."""
 
 RUN_COUNTS = (1, 4, 16)
 LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
-"""Seconds of the parts' runs."""
+"""Lengths of the parts' runs, s."""
 
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
-    """Stated against actual error of parts of one long ensemble.
+    """Compare stated with actual errors of parts of one long ensemble.
 
     Every part's mean speed has its own standard error as `ensemble.standard_error` states it; the
-    root mean square of the parts' deviations from the whole is what the error actually was.
+    root mean square of the parts' deviations from the whole is the actual error.
     """
     reference = survey.reference(progress)
     unit = survey.unit(reference)
@@ -58,13 +58,13 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def _affordable(survey: Survey, cpu_per_s: float) -> float:
-    """Seconds of each run: as much as a third of the survey's budget allows, 4 s at least."""
+    """Length of each run, s: for a third of the survey's budget, but 4 s at least."""
     affordable = survey.budget_s / 3.0 / (RUNS * cpu_per_s) - survey.scene.run.discard_seconds
     return min(max(affordable, 4.0), SECONDS)
 
 
 def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:
-    """The ensemble cut into parts: `runs` runs of `length` s each, none used twice."""
+    """Cut the ensemble into parts of `runs` runs of `length` s each, without overlap."""
     blocks = max(1, round(length / results[0].block_s))
     groups = [results[at : at + runs] for at in range(0, len(results) - runs + 1, runs)]
     starts = range(0, len(results[0].block_speeds) + 1, blocks)
@@ -90,7 +90,7 @@ def _rung(
 ) -> Rung:
     true = float(np.mean([result.speed for result in whole]))
     means = np.array([np.mean([result.speed for result in part]) for part in parts])
-    # The whole contains each part: its deviation is smaller by the share of the data it is.
+    # The whole contains each part: a deviation from it is smaller by the part's share of the data.
     freedom = max(len(parts) - 1, 1) / len(parts)
     actual = math.sqrt(float(np.mean((means - true) ** 2)) / freedom)
     stated = [ensemble.standard_error(part, ensemble.correlation_time(part)) for part in parts]

@@ -20,27 +20,27 @@ from walkergen.simulation.world import OK, PITCH
 Array = npt.NDArray[np.float64]
 
 SHORT_STEPS = (500, 1000, 2000, 5000, 10_000, 20_000)
-"""Steps of the short scenes, as parts of the drive's period."""
+"""Numbers of steps per period of the drive in the short scenes."""
 
 TOLERANCES = (1e-4, 1e-5, 1e-6, 1e-7, 1e-8, 1e-9)
 EXACT = 1e-13
-"""Tolerance of the reference by events."""
+"""Relative tolerance of the reference by events."""
 
 SNAP = 1e-4
-"""Rebounds slower than this (mm/s) end a sequence of impacts in the short scenes, in place of
+"""Rebound speed (mm/s) below which a sequence of impacts ends in the short scenes, in place of
 1e-3: it adds an error of its own, which must stay below those that are studied."""
 
 
 ROUNDING = 1e-9
-"""Errors below this, as a share of the amplitude, are rounding: no order can be read off them."""
+"""Share of the amplitude below which an error is mere rounding, without an order to be read off."""
 
 
 class Short(NamedTuple):
-    """A scene too short for chaos: a drop, and a part of the period."""
+    """Scene too short for chaos: a drop, and a part of the period."""
 
     name: str
     phase: float
-    """Of the drive at the drop, rad."""
+    """Phase of the drive at the drop, rad."""
     periods: float
 
 
@@ -48,7 +48,7 @@ SHORTS = (Short("first landing", 4.0, 0.5), Short("two periods", 4.0, 2.0))
 
 
 def short(survey: Survey, progress: Progress) -> Ladder:
-    """Error of the final state against step and tolerance, before chaos sets in."""
+    """Measure the error of the final state against step and tolerance, before chaos sets in."""
     rungs: list[Rung] = []
     certified = []
     for number, scene in enumerate(SHORTS):
@@ -74,7 +74,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
 
 
 def long(survey: Survey, progress: Progress) -> Ladder:
-    """Bias of the long-run mean speed against the step, with common random phases."""
+    """Measure the bias of the long-run mean speed against the step, with common random phases."""
     reference = survey.reference(progress)
     unit = survey.unit(reference)
     rungs = []
@@ -148,7 +148,7 @@ def _final(plan: Plan, scene: Short) -> Array:
 
 
 def _orders(rungs: Sequence[Rung]) -> Iterator[str]:
-    """Measured order beside the claimed one, a line a series."""
+    """Lines with the measured and the claimed order of each series."""
     for series in dict.fromkeys(rung.series for rung in rungs):
         known = [
             (float(rung.details["value"] or 0.0), rung.error or 0.0)

@@ -13,25 +13,25 @@ COMMON = ("series", "setting", "error", "error_sd", "cpu_s")
 
 
 class Answer(NamedTuple):
-    """What to run for an error that a person can bear."""
+    """Setting to run for an error that a person can bear."""
 
     error: str
     setting: str
     runs: int | None
     seconds: float | None
     expected_s: float | None
-    """On all cores of the machine that measured."""
+    """Expected time on all cores of the machine that measured, s."""
     why: str
 
 
 def to_csv(ladder: Ladder) -> str:
-    """One line a rung: series, setting, error, its standard error, CPU time, then the details."""
+    """Format as CSV, a line for each rung: COMMON columns, then the details."""
     lines = ((*rung[: len(COMMON)], *rung.details.values()) for rung in ladder.rungs)
     return csv_text([*COMMON, *ladder.rungs[0].details], lines)
 
 
 def to_markdown(ladder: Ladder, measured_on: str) -> str:
-    """A page: what is measured, against what, the table, the notes."""
+    """Format as a Markdown page: what is measured, the reference, the table, the notes."""
     table = _filled(Table(box=box.MARKDOWN), ladder)
     notes = "\n".join(f"- {note}" for note in ladder.notes)
     return (
@@ -44,7 +44,7 @@ def to_markdown(ladder: Ladder, measured_on: str) -> str:
 
 
 def to_table(ladder: Ladder) -> Table:
-    """For the console, without the details."""
+    """Table for the console, without the details."""
     table = Table(
         title=ladder.title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), title_justify="left"
     )
@@ -52,7 +52,7 @@ def to_table(ladder: Ladder) -> Table:
 
 
 def answers_table(answers: Sequence[Answer], markdown: bool = False) -> Table:
-    """What to run for which error."""
+    """Table of what to run for which error."""
     table = (
         Table(box=box.MARKDOWN) if markdown else Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0))
     )
@@ -93,7 +93,7 @@ def _short(value: float | str | None) -> str:
 
 
 def _time(seconds: float) -> str:
-    """With a unit that people read."""
+    """Format a time with a unit that suits it."""
     for unit, size in (("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)):
         if seconds >= size:
             return f"{seconds / size:.2g} {unit}"

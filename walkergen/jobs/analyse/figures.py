@@ -11,18 +11,18 @@ from walkergen.analysis.motion import Curve, Motion
 from walkergen.analysis.tracks import Tracks
 from walkergen.files.figures import axes_of
 
-# Of Okabe and Ito, from dark to light: told apart by the colour-blind and in grey.
+# Colours of Okabe and Ito, from dark to light, distinct in grey and to the colour-blind.
 INK, WARM, LIGHT = "#0072B2", "#D55E00", "#E69F00"
 
 MOST_TRACKS = 24
-"""Tracks drawn; more hide one another."""
+"""Largest number of tracks drawn: more would hide one another."""
 
 MOST_POINTS = 4000
-"""Points drawn of one track: more than a page can show only make the PDF large."""
+"""Largest number of points drawn of a track: more only make the PDF large."""
 
 
 def msd_figure(motion: Motion, title: str) -> Figure:
-    """Mean squared displacement against lag, with its ballistic and diffusive limits (fig. 6a)."""
+    """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a)."""
     figure, axes = axes_of(title)
     lag, value = motion.msd.at, motion.msd.value
     _points(axes, motion.msd, "measured")
@@ -57,7 +57,7 @@ def msd_figure(motion: Motion, title: str) -> Figure:
 
 
 def density_figure(motion: Motion, title: str) -> Figure:
-    """Densities of the displacement along and across the body at one lag (fig. 6c)."""
+    """Draw densities of the displacement along and across the body at one lag (fig. 6c)."""
     figure, axes = axes_of(title)
     for curve, name, colour, line in (
         (motion.parallel, "along", INK, "-"), (motion.orthogonal, "across", WARM, "--")
@@ -73,7 +73,7 @@ def density_figure(motion: Motion, title: str) -> Figure:
 
 
 def correlation_figure(motion: Motion, title: str) -> Figure:
-    """How long the direction is kept: modulus of its autocorrelation, with the fitted decay."""
+    """Draw how direction is lost: the modulus of its autocorrelation, with the fitted decay."""
     figure, axes = axes_of(title)
     _points(axes, motion.correlation, "measured")
     rate = motion.estimates["persistence_rate"].value
@@ -92,7 +92,7 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
 
 
 def tracks_figure(tracks: Tracks, title: str) -> Figure:
-    """Trajectories seen from above (fig. 6b); displacement against time in a lane (fig. 5)."""
+    """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5)."""
     drawn = tracks.tracks[:MOST_TRACKS]
     if len(drawn) < len(tracks.tracks):
         title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
@@ -120,7 +120,7 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
 
 
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
-    """Speed against plate speed with the line through the origin (fig. 5, inset)."""
+    """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = axes_of(title)
     points = [(p, one.value, one.se) for p, one in motion.by_plate_speed if one.value is not None]
     plates, speeds, errors = np.array(points, dtype=float).reshape(-1, 3).T
@@ -136,7 +136,7 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
 
 
 def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, Figure]]:
-    """Name and figure of everything there is to draw."""
+    """Draw all figures that the motion allows, each with its name."""
     drawn = [("trajectories", tracks_figure(tracks, title))]
     if motion.by_plate_speed:
         return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]

@@ -1,4 +1,4 @@
-"""Tracks of walkers in; a folder of tables and figures of their motion out."""
+"""Analysis of tracks: from a file of tracks to a folder of tables and figures of their motion."""
 
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,7 +12,7 @@ from walkergen.jobs.analyse import tables as motion_tables
 
 
 class Analysed(NamedTuple):
-    """What `analyse` found and where it wrote."""
+    """Results of `analyse`, and the folder they were written to."""
 
     motion: Motion
     notes: list[str]

@@ -13,11 +13,11 @@ from walkergen.analysis.motion import Curve, Motion
 from walkergen.files.tables import as_markdown, csv_text
 
 SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s"}
-"""How units are printed where they are not part of a key."""
+"""Units as they are printed where they are not part of a key."""
 
 
 def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
-    """Name, unit and value in words of every estimate that the kind of tracks can have."""
+    """Name, unit and value in words of every estimate that tracks of this kind can have."""
     for name, unit in UNITS.items():
         one = motion.estimates[name]
         if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
@@ -25,7 +25,7 @@ def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
 
 
 def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """The estimates."""
+    """Table of the estimates."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("", "", "value ± standard error"):
         table.add_column(heading)
@@ -35,7 +35,7 @@ def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Tab
 
 
 def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """Speed at each plate speed."""
+    """Table of the speed at each plate speed."""
     table = Table(box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("plate speed (mm/s)", "speed (mm/s)"):
         table.add_column(heading)
@@ -45,7 +45,7 @@ def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
 
 
 def line_told(motion: Motion) -> str:
-    """What the line through the origin says; '' without one."""
+    """Description of the line through the origin; '' without a line."""
     line = motion.line
     if line is None:
         return ""
@@ -57,7 +57,7 @@ def line_told(motion: Motion) -> str:
 
 
 def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
-    """A page with the estimates and what they rest on."""
+    """Format a Markdown page with the estimates and what they rest on."""
     several = bool(motion.by_plate_speed)
     table = plate_table(motion, box.MARKDOWN) if several else to_table(motion, "", box.MARKDOWN)
     parts = (f"# {title}", *notes, as_markdown(table), line_told(motion))
@@ -65,7 +65,7 @@ def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
 
 
 def to_csv(motion: Motion) -> str:
-    """One line an estimate: key with its unit, value, standard error, reason of a refusal."""
+    """Format as CSV, a line for each estimate: key with unit, value, standard error, refusal."""
     lines = [
         (f"{name}_{unit}", _cell(one.value), _cell(one.se), one.reason)
         for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
@@ -74,7 +74,7 @@ def to_csv(motion: Motion) -> str:
 
 
 def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Curve]]) -> str:
-    """Curves one below the other, each line led by its curve's name if there are several."""
+    """Format curves one below the other as CSV; names of curves lead lines if there are several."""
     lines = [
         (*((name,) if name else ()), *(_cell(float(value)) for value in point))
         for name, curve in curves
@@ -88,7 +88,7 @@ def _cell(value: float | None) -> float | str:
 
 
 def as_dict(motion: Motion) -> dict[str, Any]:
-    """Everything, for JSON: values, errors and reasons by keys that carry their unit."""
+    """All results for JSON: values, errors and reasons by keys that carry their unit."""
     found: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one = motion.estimates[name]

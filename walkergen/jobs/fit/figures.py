@@ -20,10 +20,10 @@ def fit_figure(
     curves: Mapping[Kind, tuple[Array, Array, Array]],
     title: str,
 ) -> Figure:
-    """Speed against tilt: measured with error bars, fitted with one standard error as a band.
+    """Draw speed against tilt: measured with error bars, fitted with a band of one standard error.
 
     `curves` has tilt, speed over plate speed and its standard error by kind of legs. Where plate
-    speeds differ, all speeds are drawn over their own.
+    speeds differ, all speeds are drawn over their own plate speed.
     """
     same = np.ptp(speeds.plate_speed) < 1e-9 * speeds.plate_speed.max()
     unit = np.ones_like(tilt) if same else speeds.plate_speed

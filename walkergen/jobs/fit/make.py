@@ -1,4 +1,4 @@
-"""Measured speeds in; restitution, friction and impact speed out, as a scene to predict with."""
+"""Fit of the contact: from measured speeds to restitution, friction and impact speed in a scene."""
 
 from collections.abc import Mapping
 from pathlib import Path
@@ -27,32 +27,32 @@ CURVE_POINTS = 121
 
 
 class Job(NamedTuple):
-    """Every choice of the fit command."""
+    """Choices of the fit command."""
 
     design: Design
     scene: Scene
     mode: Mode
     fixed: Mapping[str, float]
-    """Parameters (of fits.RANGES) that are given, not fitted."""
+    """Parameters (of fits.RANGES) that are held at given values."""
     pictures: bool
 
 
 class Fitted(NamedTuple):
-    """What was fitted, what it was fitted to, and where it was written."""
+    """Result of a fit, its data, and the folder it was written to."""
 
     fit: ContactFit
     tilt: Array
-    """deg, shape (n,)"""
+    """Tilts of the measured walkers, deg, shape (n,)."""
     legs: list[Kind]
     speeds: Speeds
     notes: list[str]
     scene: Scene
-    """The scene with the fitted contact."""
+    """Scene with the fitted contact."""
     folder: Path
 
 
 def parse_fixed(texts: list[str]) -> dict[str, float]:
-    """Parameters from NAME=VALUE; raises InputError for names and values out of range."""
+    """Parse parameters from NAME=VALUE. Raises InputError for names and values out of range."""
     found: dict[str, float] = {}
     for text in texts:
         name, _, number = (word.strip() for word in text.partition("="))
@@ -105,7 +105,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
 
 
 def caption(job: Job) -> str:
-    """What a fit rests on."""
+    """Statement of the assumptions on which a fit rests."""
     held = ", ".join(f"{name} = {value:g}" for name, value in job.fixed.items())
     return f"walker {job.design.name}, mode {job.mode}, law {job.scene.contact.law}" + (
         f", given {held}" if held else ""
@@ -122,7 +122,7 @@ def _with_tensors(
 
 
 def _scene(scene: Scene, result: ContactFit, source: str) -> Scene:
-    """The scene with the fitted values; what was given keeps the scene's standard deviation."""
+    """Scene with the fitted values; fixed values keep the scene's standard deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     places = {name: "prediction" if name.startswith("impact") else "contact" for name in RANGES}
     for name, value in result.values.items():
@@ -147,7 +147,7 @@ def _write_figures(fitted: Fitted, job: Job, title: str, target: Folder) -> None
 
 
 def _curve(fitted: Fitted, job: Job, kind: Kind) -> tuple[Array, Array, Array]:
-    """Tilt (deg), speed over plate speed, and its standard error, along the measured tilts."""
+    """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.tilt.min(), fitted.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
     along = _with_tensors(job, tilt, [kind] * len(tilt), ones, None, ones)

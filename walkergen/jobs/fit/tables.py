@@ -17,7 +17,7 @@ Array = npt.NDArray[np.float64]
 
 
 def to_table(fit: ContactFit, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """Every parameter with its standard error and its 68 % interval."""
+    """Table of every parameter with its standard error and its 68 % interval."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("parameter", "value ± standard error", "68 % interval (profile)"):
         table.add_column(heading)
@@ -39,7 +39,7 @@ def _rows(fit: ContactFit) -> Iterator[tuple[str, str, str]]:
 
 
 def quality(fit: ContactFit) -> str:
-    """How well the theory describes the speeds."""
+    """Statement of how well the theory describes the speeds."""
     if fit.chi2 is None:
         return (
             f"{fit.dof} degrees of freedom; no standard errors given, so those here come from the "
@@ -49,7 +49,7 @@ def quality(fit: ContactFit) -> str:
 
 
 def correlations(fit: ContactFit) -> str:
-    """Correlation of every pair of fitted parameters; '' for a single one."""
+    """Correlations of all pairs of fitted parameters; '' for a single parameter."""
     names = fit.free
     pairs = [
         f"{names[i]}, {names[j]}: {fit.correlation[i, j]:+.3f}"
@@ -60,7 +60,7 @@ def correlations(fit: ContactFit) -> str:
 
 
 def to_markdown(fit: ContactFit, title: str, caption: str, notes: Sequence[str]) -> str:
-    """A page with the parameters and what they rest on."""
+    """Format a Markdown page with the parameters and what they rest on."""
     listed = "\n".join(f"- {note}" for note in notes)
     parts = (f"# {title}", f"Fitted with {caption}.", as_markdown(to_table(fit, "", box.MARKDOWN)),
              quality(fit) + ".", correlations(fit), listed)  # fmt: skip
@@ -68,7 +68,7 @@ def to_markdown(fit: ContactFit, title: str, caption: str, notes: Sequence[str])
 
 
 def to_csv(fit: ContactFit) -> str:
-    """One line a parameter: value, standard error, 68 % interval; blank where there is none."""
+    """Format as CSV, a line per parameter: value, standard error, 68 % interval; blank if none."""
     lines = []
     for name, value in fit.values.items():
         ends = fit.intervals.get(name, (None, None))
@@ -78,7 +78,7 @@ def to_csv(fit: ContactFit) -> str:
 
 
 def points_to_csv(tilt: Array, legs: Sequence[str], speeds: Speeds, fitted: Array) -> str:
-    """Measured and fitted speeds side by side."""
+    """Format measured and fitted speeds side by side as CSV."""
     errors = [None] * len(tilt) if speeds.se is None else list(speeds.se)
     header = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s")
     lines = zip(tilt, legs, speeds.plate_speed, speeds.speed, errors, fitted, strict=True)
@@ -86,7 +86,7 @@ def points_to_csv(tilt: Array, legs: Sequence[str], speeds: Speeds, fitted: Arra
 
 
 def as_dict(fit: ContactFit) -> dict[str, Any]:
-    """Everything, for JSON; `se` is null for what was given and what the speeds do not tell."""
+    """All results for JSON; `se` is null for fixed parameters and for those left undetermined."""
     return {
         "parameters": {
             name: {
