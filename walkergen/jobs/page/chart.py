@@ -1,4 +1,4 @@
-"""Speeds against tilt as an SVG of the page: where its marks, bars, axes and labels lie.
+"""Chart of speeds against tilt for the page: places of its marks, bars, axes and labels.
 
 Only numbers here; the page's template draws them. Coordinates are SVG user units, y downwards.
 """
@@ -12,11 +12,11 @@ from walkergen.jobs.page.members import Member
 WIDTH, HEIGHT = 600.0, 380.0
 LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 14.0, 50.0
 MARGIN = 0.04
-"""Of the range of the data, left free on every side."""
+"""Share of the range of the data that is left free on every side."""
 
 
 class Point(NamedTuple):
-    """A speed with its error bar."""
+    """Point of the chart: a speed with its error bar."""
 
     member: int
     legs: str
@@ -30,7 +30,7 @@ class Point(NamedTuple):
 
 
 class Line(NamedTuple):
-    """Straight lines from member to member of one kind: a guide to the eye."""
+    """Straight lines from member to member of one kind of legs: a guide to the eye."""
 
     legs: str
     simulated: bool
@@ -38,14 +38,14 @@ class Line(NamedTuple):
 
 
 class Tick(NamedTuple):
-    """A mark of an axis: its place along it, and its text."""
+    """Mark of an axis: its place along it, and its text."""
 
     at: float
     text: str
 
 
 class Chart(NamedTuple):
-    """All that is drawn."""
+    """Points, lines and ticks of the chart."""
 
     points: list[Point]
     lines: list[Line]
@@ -63,7 +63,7 @@ class _Speed(NamedTuple):
 
 
 def speeds(members: Sequence[Member]) -> Chart:
-    """The chart of predicted speeds and, where the table has any, simulated ones."""
+    """Make the chart of predicted speeds and, where the table has any, simulated speeds."""
     found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
     tilts = _padded([speed.tilt for speed in found])
     ends = [speed.value + sign * (speed.error or 0.0) for speed in found for sign in (-1.0, 1.0)]
@@ -86,7 +86,7 @@ def ticks(low: float, high: float) -> list[float]:
 
 
 def _of(number: int, member: Member) -> list[_Speed]:
-    """The speeds of one member."""
+    """Speeds of one member, predicted and simulated."""
     columns = ((False, "speed_mm_s", "speed_sd_mm_s"), (True, "sim_speed_mm_s", "sim_se_mm_s"))
     return [
         _Speed(number, member.tilt_deg, member.legs, simulated, value, member.number(error))
@@ -121,7 +121,7 @@ def _lines(points: Sequence[Point]) -> list[Line]:
 
 
 def _padded(values: Sequence[float]) -> tuple[float, float]:
-    """A range that holds all values with a margin; of width 1 at least, for a single member."""
+    """Range that holds all values with a margin; of width 1 at least, for a single member."""
     low, high = min(values), max(values)
     if high - low < 1.0:
         low, high = low - 0.5, high + 0.5

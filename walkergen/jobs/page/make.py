@@ -52,7 +52,7 @@ class Table(NamedTuple):
     common: dict[str, str]
     """Words that are equal in every row, and therefore said once, by heading."""
     notes: list[str]
-    """Notes of rows; note k is marked [k]."""
+    """Notes on rows; note k is marked [k]."""
 
 
 def render(contents: Contents, version: str) -> bytes:

@@ -1,4 +1,4 @@
-"""The references of what a run used, and no others."""
+"""References of what a run used, and no others."""
 
 from collections.abc import Collection
 from typing import Literal, NamedTuple
@@ -10,7 +10,7 @@ Subject = Literal[
 
 
 class Reference(NamedTuple):
-    """A work and what it was used for."""
+    """Reference to a work, and what the work was used for."""
 
     use: str
     text: str
@@ -80,13 +80,13 @@ REFERENCES: dict[Subject, Reference] = {
     ),
     "three.js": Reference("this page's viewer", "three.js", "https://threejs.org"),
 }
-"""Everything that can be cited, in the order of citing."""
+"""All works that can be cited, in the order of citing."""
 
 
 def cited(
     laws: Collection[str], methods: Collection[str], files: Collection[str]
 ) -> list[Reference]:
-    """What a family's run used, by the laws and methods of its table and the files it wrote.
+    """List the references of a family's run, by its table's laws and methods and its files.
 
     `laws`: of restitution; `methods`: of simulation ("event", "step"), none when nothing was
     simulated; `files`: their names in the manifest.

@@ -1,4 +1,4 @@
-"""The paper's facts against our numbers: what was measured, and the verdict on each."""
+"""Comparison of the paper's facts with our numbers: each number, and the verdict on it."""
 
 import math
 from collections.abc import Iterator, Sequence
@@ -23,27 +23,27 @@ FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""
 
 TEN = 10.0
-"""deg"""
+"""Tilt at which the paper states a speed, deg."""
 
 COUNTED = (
     *((counting, counting, "II+III", "III") for counting in COUNTINGS),
     ("landings, rest as III", "landings", "II+III+rest", "III+rest"),
 )
-"""What is told, counted, and taken as types II and III, and as III."""
+"""Name of each way to count, its counting, and its shares for types II and III, and for III."""
 
 RATIOS = {"15 below 10": (15.0, 10.0), "35 below 15": (35.0, 15.0)}
-"""Tilts of the larger and of the smaller speed of a fact, deg."""
+"""Tilts of the speeds that a fact compares, as numerator and denominator of a ratio, deg."""
 
 DRAWS, SEED = 2000, 2016
-"""Random draws of the measured speeds within their standard errors, for what is not linear in
-them (the place of a peak, a ratio): its spread is then known to 1.6 %."""
+"""Number of random draws of the measured speeds within their standard errors, for what is not
+linear in them (the place of a peak, a ratio): its spread is then known to 1.6 %."""
 
 RESTITUTIONS, FRICTIONS = np.linspace(0.5, 1.0, 11), np.linspace(0.05, 0.4, 15)
-"""Our reading of the paper's "wide range of realistic values"."""
+"""Values that we take for the paper's "wide range of realistic values"."""
 
 
 class Theory(NamedTuple):
-    """One predicted curve of speed against tilt."""
+    """Predicted curve of speed against tilt."""
 
     assumption: str
     mode: Mode
@@ -56,12 +56,12 @@ class Theory(NamedTuple):
 
     @property
     def label(self) -> str:
-        """As in tables and legends."""
+        """Name of the curve in tables and legends."""
         return f"theory, {'eq. 15' if self.mode == 'paper' else 'feet may stick'}"
 
 
 class Range(NamedTuple):
-    """Where the theory's maximum lies over RESTITUTIONS x FRICTIONS, deg."""
+    """Range of tilts of the theory's maximum over RESTITUTIONS x FRICTIONS, deg."""
 
     mode: Mode
     low_deg: float
@@ -69,27 +69,27 @@ class Range(NamedTuple):
 
 
 class Findings(NamedTuple):
-    """All that the paper's facts are held against."""
+    """Theories and simulations with which the paper's facts are compared."""
 
     assumptions: Sequence[Assumption]
     theories: Sequence[Theory]
     peaks: Sequence[Range]
     tilts: Sequence[Point]
-    """Along the tilt; models relaxed, compliant, rigid (braced legs)."""
+    """Ensembles along the tilt; models relaxed, compliant, rigid (braced legs)."""
     drives: Sequence[Point]
-    """Along the plate's speed."""
+    """Ensembles along the plate's speed."""
 
 
 class Row(NamedTuple):
-    """One fact under one assumption."""
+    """Verdict on one fact under one assumption."""
 
     fact: str
     model: str
-    """What made our number."""
+    """Model or theory that gave our number."""
     assumption: str
     ours: float | None
     se: float | None
-    """Standard error; of the theory one standard deviation (restitution, friction, masses)."""
+    """Standard error; of the theory a standard deviation (restitution, friction, masses)."""
     verdict: Verdict
 
 
@@ -101,7 +101,7 @@ class Peak(NamedTuple):
 
 
 def rows(found: Findings) -> list[Row]:
-    """Every fact against everything that says something about it."""
+    """Compare every fact with each theory and simulation that has a number for it."""
     listed = [*_stated(found)]
     for theory in found.theories:
         listed += _of_theory(theory)
@@ -115,7 +115,7 @@ def rows(found: Findings) -> list[Row]:
 
 
 def series_of(points: Sequence[Point]) -> list[list[Point]]:
-    """Points of one assumption and model, in the order of first appearance."""
+    """Group points by assumption and model, in the order of first appearance."""
     keys = dict.fromkeys((point.assumption, point.model) for point in points)
     return [[point for point in points if (point.assumption, point.model) == key] for key in keys]
 
@@ -127,7 +127,7 @@ def _row(fact: str, model: str, assumption: str, value: Value | None, scale: flo
 
 
 def _stated(found: Findings) -> Iterator[Row]:
-    """Facts that need no model: the drive, and the friction that fitted best."""
+    """Rows of facts that need no model: the drive, and the friction that fitted best."""
     for one in found.assumptions:
         speed = one.scene.drive.peak_speed
         yield _row("plate speed", "sinusoidal drive", one.name, Value(speed, 0.0))
@@ -182,7 +182,7 @@ def _of_theory(theory: Theory) -> Iterator[Row]:
         needed = FACTS["speed at 10 deg"].value / at[0] * theory.impact_speed_factor
         factor_needed = Value(needed, needed * at[1] / at[0])
         yield _row("impact speed", f"{theory.label}: for 60 mm/s at 10 deg", name, factor_needed)
-    # Common errors of restitution and masses cancel in a ratio: its error is left out, not guessed.
+    # Errors of restitution and masses are common to both and cancel in a ratio: no error is given.
     for fact, (over, under) in RATIOS.items():
         if curve.tilt_deg[0] <= under and over <= curve.tilt_deg[-1]:
             ratio = np.interp([over, under], curve.tilt_deg, curve.speed)
@@ -190,7 +190,7 @@ def _of_theory(theory: Theory) -> Iterator[Row]:
 
 
 def _predicted_peak(curve: Curve) -> Peak | None:
-    """Top of a predicted curve; None at an end of it, beyond which it may rise on."""
+    """Top of a predicted curve; None at an end of the curve, beyond which it may rise on."""
     at = int(curve.speed.argmax())
     if at in (0, len(curve.speed) - 1):
         return None
@@ -225,7 +225,7 @@ def _largest(series: Sequence[Point]) -> Value | None:
 
 
 def _smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None:
-    """Over tilts above 0: an upright walker slides backward as often as forward."""
+    """Smallest share over tilts above 0: an upright walker slides backward as often as forward."""
     shares = [
         point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0
     ]
@@ -233,7 +233,7 @@ def _smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None
 
 
 def _impact_speed(series: Sequence[Point]) -> Value | None:
-    """Impact speed over the plate's peak speed: mean and spread over the tilts."""
+    """Impact speed over the plate's peak speed: mean and standard error over the tilts."""
     ratios = [
         point.impact_speed.mean / point.plate_speed_mm_s
         for point in series
@@ -243,7 +243,7 @@ def _impact_speed(series: Sequence[Point]) -> Value | None:
 
 
 def _drawn(series: Sequence[Point]) -> tuple[Array, Array]:
-    """Means of the known speeds, and random speeds within their errors (DRAWS, points)."""
+    """Means of the known speeds, and random speeds within their errors, shape (DRAWS, points)."""
     known = np.array([point.speed for point in series if point.speed is not None])
     means, errors = known.reshape(-1, 2).T
     normal = np.random.default_rng(SEED).normal(size=(DRAWS, len(means)))
@@ -251,7 +251,7 @@ def _drawn(series: Sequence[Point]) -> tuple[Array, Array]:
 
 
 def _ratio(series: Sequence[Point], over: float, under: float) -> Value | None:
-    """Speed at one tilt over that at another, with the spread that the errors give it."""
+    """Speed at one tilt over that at another, with the error that theirs give it."""
     at = {point.tilt_deg: point.speed for point in series}
     first, second = at.get(over), at.get(under)
     if first is None or second is None or second.mean == 0.0:
@@ -263,9 +263,9 @@ def _ratio(series: Sequence[Point], over: float, under: float) -> Value | None:
 def peak(series: Sequence[Point]) -> Peak | None:
     """Top of the measured speeds, by a parabola through the largest and its two neighbours.
 
-    Its errors: those of the speeds, and for the tilt also a grid's (the spacing over sqrt 12).
-    Tilts without a speed are passed over; None where the largest speed lies at the first or last
-    of the others: the top may lie beyond.
+    Its errors are those of the speeds and, for the tilt, also a grid's (the spacing over sqrt 12).
+    Tilts without a speed are left out; None where the largest speed lies at the first or last of
+    the others: the top may lie beyond.
     """
     tilts = np.array([point.tilt_deg for point in series if point.speed is not None])
     means, drawn = _drawn(series)

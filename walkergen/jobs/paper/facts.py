@@ -1,4 +1,4 @@
-"""What the paper states, and the rule by which a number of ours agrees with it or not.
+"""Facts that the paper states, and the rule by which our number agrees with a fact or not.
 
 Koumakis, Gnoli, Maggi, Puglisi, Di Leonardo, "Mechanism of self-propulsion in 3D-printed active
 granular particles" (2016). Its figures hold more than its text, but our copy has lost them: only
@@ -9,30 +9,30 @@ import math
 from typing import Literal, NamedTuple
 
 TIMES = 2.0
-"""Standard errors that count: a number is known within so many, with 95 % confidence."""
+"""Standard errors on either side of a number within which it is known with 95 % confidence."""
 
 
 class Fact(NamedTuple):
-    """One statement of the paper that a number can be held against."""
+    """Statement of the paper with which a number can be compared."""
 
     key: str
     figure: int
     quote: str
     where: str
     quantity: str
-    """The number that is held against it."""
+    """Name of the number that is compared with the statement."""
     unit: str
     value: float
-    """As stated; a bound where only one of `low` and `high` is finite."""
+    """Stated value; a bound where only one of `low` and `high` is finite."""
     low: float
     high: float
-    """What counts as agreement."""
+    """Upper end of the range from `low` that counts as agreement."""
     margin: str
-    """Where `low` and `high` come from: "stated", or our reading of the words."""
+    """Origin of `low` and `high`: "stated", or our reading of the words."""
 
     @property
     def bound(self) -> bool:
-        """The paper states a limit, not a value."""
+        """True when the paper states a limit, not a value."""
         return math.isinf(self.low) or math.isinf(self.high)
 
     @property
@@ -166,11 +166,11 @@ Word = Literal["agrees", "agrees within", "differs by", "undecided", "not measur
 
 
 class Verdict(NamedTuple):
-    """How a number of ours stands to a fact."""
+    """Relation of our number to a fact."""
 
     word: Word
     by: float | None
-    """Distance from the stated value; from the bound, where the paper states one."""
+    """Distance from the stated value; from the bound, where the paper states a bound."""
     unit: str
 
     def __str__(self) -> str:
@@ -182,7 +182,7 @@ class Verdict(NamedTuple):
 
 
 def judge(fact: Fact, ours: float | None, se: float | None) -> Verdict:
-    """Hold a number with its standard error against a fact.
+    """Compare a number and its standard error with a fact.
 
     It agrees when all of ours ± 2 SE lies within the fact's margin, differs when none of it does,
     and is undecided in between or without an error bar: noise never makes an agreement. "agrees

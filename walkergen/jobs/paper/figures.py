@@ -12,7 +12,7 @@ from walkergen.jobs.paper.compare import FITTED, Findings, Theory, series_of, th
 from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
 
-# Okabe and Ito's colours, each with a line and a marker of its own: readable in grey as well.
+# Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
 MODELS = {
     "relaxed": ("#009E73", "-.", "^", "simulated, relaxed legs (the paper's)"),
     "compliant": ("#D55E00", "-", "o", "simulated, legs on springs"),
@@ -27,11 +27,11 @@ LABELS = {"from rest": "from rest", "mirrored": "backward before, then stops"}
 SETTINGS: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
             "hatch.linewidth": 0.6}  # fmt: skip
 ROOM = 1.15
-"""Axes end this much above the largest simulated speed; the theory may leave them."""
+"""Upper end of the axes over the largest simulated speed; the theory may exceed it."""
 
 
 def figure2(found: Findings) -> Figure:
-    """Speed against tilt: a panel for each set of contact numbers."""
+    """Draw speed against tilt: a panel for each set of contact numbers."""
     with matplotlib.rc_context(SETTINGS):
         figure = Figure(figsize=(10.0, 4.4), layout="constrained")
         panels = figure.subplots(1, len(found.assumptions), sharey=True)
@@ -81,7 +81,7 @@ def _draw_points(axes: Axes, points: Sequence[Point], along: str) -> None:
 
 
 def _mark_facts(axes: Axes) -> None:
-    """The paper's peak with its margins, and what it calls no significant speed."""
+    """Mark the paper's peak with its margins, and the speeds it calls not significant."""
     tilt, speed, braced = FACTS["peak tilt"], FACTS["peak speed"], FACTS["braced"]
     axes.errorbar(
         [tilt.value], [speed.value], xerr=[[tilt.value - tilt.low], [tilt.high - tilt.value]],
@@ -96,7 +96,7 @@ def _mark_facts(axes: Axes) -> None:
 
 
 def figure3(found: Findings) -> Figure:
-    """Types of impacts against tilt with the fitted contact: models by rows, countings by columns.
+    """Draw types of impacts against tilt, fitted contact: models by rows, countings by columns.
 
     Types II and III lie at the bottom, so that their common edge meets the paper's 95 %.
     """
@@ -136,7 +136,7 @@ def _stack(axes: Axes, series: Sequence[Point], counting: str) -> None:
 
 
 def figure5(found: Findings) -> Figure:
-    """Speed against the plate's speed, with lines through zero."""
+    """Draw speed against the plate's speed, with lines through zero."""
     with matplotlib.rc_context(SETTINGS):
         figure = Figure(figsize=(10.0, 4.4), layout="constrained")
         panels = figure.subplots(1, len(found.assumptions), sharey=True)
@@ -169,7 +169,7 @@ def _draw_lines(axes: Axes, points: Sequence[Point]) -> None:
 
 
 def _draw_theory_line(axes: Axes, theory: Theory, one: Assumption, points: Sequence[Point]) -> None:
-    """The theory is proportional to the plate's speed by construction."""
+    """Draw the theory's line: proportional to the plate's speed by construction."""
     colour, line = THEORY[theory.mode]
     speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
     peak, end = one.scene.drive.peak_speed, 1.05 * max(p.plate_speed_mm_s for p in points)
@@ -178,7 +178,7 @@ def _draw_theory_line(axes: Axes, theory: Theory, one: Assumption, points: Seque
 
 
 def _mark_drive(axes: Axes, one: Assumption) -> None:
-    """The speed that the paper states for this drive, at its best tilt."""
+    """Mark the speed that the paper states for this drive, at its best tilt."""
     peak, tilt = FACTS["peak speed"], FACTS["peak tilt"]
     axes.plot(
         [one.scene.drive.peak_speed], [peak.value], markerfacecolor="white", zorder=5,

@@ -1,4 +1,4 @@
-"""The paper, side by side: its figures 2, 3 and 5 on our geometry, and a verdict on each fact."""
+"""Reproduction of the paper: figures 2, 3 and 5 on our geometry, and a verdict on each fact."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -19,36 +19,37 @@ from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design, Kind
 
 TILTS = (0.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 35.0, 45.0)
-"""deg"""
+"""Tilts of the simulated walkers, deg."""
 
 GAMMAS = (1.2, 1.4, 1.5, 1.6, 1.7, 1.8, 2.0, 2.2, 2.4)
-"""Peak accelerations over g of figure 5."""
+"""Peak accelerations over g for figure 5."""
 
 TILT_OF_DRIVES = 15.0
-"""deg, of figure 5 (stated)."""
+"""Tilt of the walkers in figure 5, deg (stated)."""
 
 SECONDS, RUNS, FEWEST_RUNS = 8.0, 8, 8
-"""Of each ensemble; standard errors come from the spread of independent runs, eight at least."""
+"""Length (s) and number of each ensemble's runs, and least number, since standard errors come from
+the spread of independent runs."""
 
 LOW_RESTITUTION = 0.3
-"""Of the foot alone, with which the compliant walker has the experiment's speeds: the measured one
-describes the bounce of the whole structure, springs included."""
+"""Restitution of the foot alone with which the compliant walker has the experiment's speeds: the
+measured restitution describes the bounce of the whole structure, springs included."""
 
 
 class Job(NamedTuple):
-    """What to reproduce."""
+    """Walker, contacts, tilts and drives to reproduce with."""
 
     design: Design
     measured: Scene
-    """Contact as the authors measured it."""
+    """Scene with the contact as the authors measured it."""
     fitted: Scene
-    """Contact that fitted the experiment best."""
+    """Scene with the contact that fitted the experiment best."""
     tilts_deg: Sequence[float] = TILTS
     gammas: Sequence[float] = GAMMAS
 
 
 def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row]]:
-    """Write figureN.png, .pdf, .csv as soon as each is there, then reproduce.md and reproduce.csv.
+    """Write figureN.png, .pdf, .csv as soon as each is made, then reproduce.md and reproduce.csv.
 
     Equal jobs give equal bytes of every CSV. Ctrl-C keeps the figures already done. Raises
     InputError when the runs or tilts are too few for error bars and peaks.
@@ -85,7 +86,7 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
 
 
 def check(job: Job) -> None:
-    """Refuse what could not give error bars, peaks or lines. Raises InputError."""
+    """Refuse jobs that could not give error bars, peaks or lines. Raises InputError."""
     for scene in (job.measured, job.fitted):
         if scene.run.runs < FEWEST_RUNS:
             told = f"at least {FEWEST_RUNS}, whose spread gives the error bars"
@@ -102,7 +103,7 @@ def check(job: Job) -> None:
 
 
 def assumptions_of(job: Job) -> list[Assumption]:
-    """The three sets of contact numbers: measured, fitted, and a low restitution of the foot."""
+    """List the sets of contact numbers: measured, fitted, and a low restitution of the foot."""
     low = {"restitution": LOW_RESTITUTION}
     scene = job.measured
     lower = scene.model_copy(update={"contact": scene.contact.model_copy(update=low)})

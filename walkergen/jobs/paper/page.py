@@ -1,4 +1,4 @@
-"""The paper, side by side, as a page that one could print in its supplement."""
+"""Page of the reproduction, as it could be printed in the paper's supplement."""
 
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
@@ -18,7 +18,7 @@ from walkergen.jobs.paper.tables import name, number, to_table
 
 
 def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
-    """The page: what comes out, the table, the statements, the figures."""
+    """Format the page: what comes out, the table, the statements, the figures."""
     scene = found.assumptions[0].scene
     run, drive, factor = scene.run, scene.drive, scene.prediction.impact_speed_factor
     return f"""# The paper, side by side
@@ -91,7 +91,7 @@ def _statements() -> str:
 
 
 def _agreements(rows: Sequence[Row]) -> Iterator[str]:
-    """For each fact, under which assumptions it comes out."""
+    """Lines that list, for each fact, the assumptions under which it comes out."""
     for key, fact in FACTS.items():
         about = [row for row in rows if row.fact == key]
         well = [row for row in about if row.verdict.word in ("agrees", "agrees within")]
@@ -121,7 +121,7 @@ def _notes(found: Findings) -> Iterator[str]:
 
 
 def _lost(series: Sequence[Point]) -> Iterator[str]:
-    """Runs that ended badly: the means are over the others."""
+    """Lines on runs that ended badly: the means are over the others."""
     lost = sum(point.lost for point in series)
     missing = [f"{point.tilt_deg:g} deg" for point in series if point.speed is None]
     if lost:
@@ -133,7 +133,7 @@ def _lost(series: Sequence[Point]) -> Iterator[str]:
 
 
 def _onset(series: Sequence[Point]) -> Iterator[str]:
-    """Where speeds rise most steeply with the plate's."""
+    """Lines on where speeds rise most steeply with the plate's speed."""
     known = [(one.plate_speed_mm_s, one.speed) for one in series if one.speed is not None]
     rises: list[tuple[float, float, float, Value, Value]] = [
         ((b.mean - a.mean) / (y - x), x, y, a, b) for (x, a), (y, b) in pairwise(known)

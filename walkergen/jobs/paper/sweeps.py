@@ -40,37 +40,38 @@ SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"),
 """Shares taken together: an impact from rest is the limit of type III for v_x to 0."""
 
 COUNTINGS = ("every impact", "landings", "by impulse")
-"""What a share is taken of: all impacts, chatter included (of relaxed legs a cascade's geometric
-tail counts once); landings, a foot's first impact after QUIET without one; or the normal impulse,
-of relaxed legs that of a whole cascade under the type of its first impact."""
+"""Ways to take a share: of all impacts, chatter included (of relaxed legs a cascade's geometric
+tail counts once); of landings, a foot's first impact after QUIET without any; or of the normal
+impulse, of relaxed legs that of a whole cascade under the type of its first impact."""
 
 QUIET = 1e-3
-"""s; a flexible leg's contact takes some 0.4 ms, a period of the paper's drive 11 ms."""
+"""Time without impacts before a landing, s; a flexible leg's contact takes some 0.4 ms, a period
+of the paper's drive 11 ms."""
 
 
 class Assumption(NamedTuple):
-    """What is assumed of the contact between foot and plate."""
+    """Assumption on the contact between foot and plate."""
 
     name: str
     scene: Scene
 
     @property
     def label(self) -> str:
-        """Name and numbers."""
+        """Name and numbers of the assumption."""
         contact = self.scene.contact
         return f"{self.name}: e = {contact.restitution:g}, μ = {contact.friction:g}"
 
 
 class Value(NamedTuple):
-    """A mean over independent runs."""
+    """Mean over independent runs."""
 
     mean: float
     se: float
-    """Standard error."""
+    """Standard error of the mean."""
 
 
 class Point(NamedTuple):
-    """One ensemble."""
+    """Results of one ensemble."""
 
     assumption: str
     model: ModelName
@@ -78,18 +79,18 @@ class Point(NamedTuple):
     plate_speed_mm_s: float
     """Peak speed of the plate."""
     speed: Value | None
-    """mm/s, over the runs that ended well; None where that is less than half of them."""
+    """Mean speed, mm/s, over runs that ended well; None where these are less than half of all."""
     impact_speed: Value | None
     """Mean normal speed of landings, mm/s."""
     shares: Mapping[tuple[str, str], Value]
-    """By (counting, one of TYPES or SUMS); empty without impacts."""
+    """Shares of impacts by (counting, one of TYPES or SUMS); empty without impacts."""
     lost: int
-    """Runs that ended badly: toppled, for instance."""
+    """Number of runs that ended badly, as by toppling."""
     outcomes: str
 
 
 class Case(NamedTuple):
-    """What to simulate."""
+    """Contact, model and walker to simulate."""
 
     assumption: Assumption
     model: ModelName
@@ -99,7 +100,7 @@ class Case(NamedTuple):
 def along_tilts(
     cases: Sequence[Case], tilts_deg: Sequence[float], progress: Progress
 ) -> list[Point]:
-    """Every case at every tilt, on the drive of its scene."""
+    """Simulate every case at every tilt, on the drive of its scene."""
     asked = [
         case._replace(design=case.design.variant(tilt_deg=tilt))
         for case in cases
@@ -109,7 +110,7 @@ def along_tilts(
 
 
 def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progress) -> list[Point]:
-    """Every case at every peak acceleration (over g), its frequency kept."""
+    """Simulate every case at every peak acceleration (over g), keeping its frequency."""
     asked = [
         case._replace(assumption=case.assumption._replace(scene=driven(case.assumption.scene, one)))
         for case in cases
@@ -119,7 +120,7 @@ def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progr
 
 
 def driven(scene: Scene, gamma: float) -> Scene:
-    """The scene with another amplitude of its drive, given by the peak acceleration over g."""
+    """Scene with another amplitude of its drive, given by the peak acceleration over g."""
     cleared = {"amplitude_um": None, "peak_speed_mm_s": None}
     drive = scene.drive.model_copy(
         update=cleared | {"frequency_hz": scene.drive.frequency, "gamma": gamma}
@@ -167,12 +168,12 @@ def mean(values: Sequence[float]) -> Value:
 
 
 class _Impacts(NamedTuple):
-    """The events of one run."""
+    """Impacts of one run, arrays with an entry for each."""
 
     kind: npt.NDArray[np.int64]
     impulse: Array
     speed: Array
-    """Normal speed before, mm/s."""
+    """Normal speed before the impact, mm/s."""
     landing: npt.NDArray[np.bool_]
 
 
@@ -188,7 +189,7 @@ def _impacts(result: RunResult) -> _Impacts:
 def _shares(
     results: Sequence[RunResult], impacts: Sequence[_Impacts]
 ) -> dict[tuple[str, str], Value]:
-    """Mean over the runs that have impacts, which has to be two at least."""
+    """Mean shares over the runs that have impacts; empty if fewer than two have."""
     rows = [
         (_of_counts(result.tally.counts), _of_events(one.kind, one.landing.astype(float)),
          _of_events(one.kind, one.impulse))

@@ -1,4 +1,4 @@
-"""The paper, side by side, as tables: CSV with every digit, a page and a console table to read."""
+"""Tables of the reproduction: CSV with every digit, a page and a console table to read."""
 
 from collections.abc import Iterator, Sequence
 
@@ -14,7 +14,7 @@ POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
 
 
 def speeds_to_csv(points: Sequence[Point]) -> str:
-    """One line an ensemble: mean speed and impact speed with their standard errors."""
+    """Format as CSV, a line per ensemble: mean speed and impact speed with standard errors."""
     columns = (*POINT, "speed_mm_s", "speed_se_mm_s", "impact_speed_mm_s", "impact_speed_se_mm_s")
     rows = (
         [*_where(point), *(point.speed or ("", "")), *(point.impact_speed or ("", "")),
@@ -25,7 +25,7 @@ def speeds_to_csv(points: Sequence[Point]) -> str:
 
 
 def types_to_csv(points: Sequence[Point]) -> str:
-    """One line an ensemble and a way of counting: share of every type, and of II and III."""
+    """Format as CSV, a line per ensemble and counting: share of every type, and of II and III."""
     kinds = (*TYPES, *SUMS)
     shares = [name for kind in kinds for name in (f"share_{kind}", f"share_{kind}_se")]
     rows = (
@@ -38,7 +38,7 @@ def types_to_csv(points: Sequence[Point]) -> str:
 
 
 def theory_to_csv(theories: Sequence[Theory]) -> str:
-    """One line a tilt of each predicted curve."""
+    """Format as CSV, a line for each tilt of each predicted curve."""
     rows = (
         [theory.assumption, theory.mode, *map(float, numbers), bool(sticks)]
         for theory in theories
@@ -49,7 +49,7 @@ def theory_to_csv(theories: Sequence[Theory]) -> str:
 
 
 def rows_to_csv(rows: Sequence[Row]) -> str:
-    """One line a comparison, the paper's words and place with it."""
+    """Format as CSV, a line per comparison, with the paper's words and their place."""
     columns = ("fact", "figure", "quote", "where", "quantity", "unit", "stated", "margin", "model",
                "contact", "ours", "ours_se", "verdict", "by")  # fmt: skip
     lines = []
@@ -66,7 +66,7 @@ def _where(point: Point) -> tuple[str, str, float, float]:
 
 
 def to_table(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
-    """For a page: a line a fact and a model, a column a set of contact numbers."""
+    """Table for a page: a line for a fact and a model, a column for a set of contact numbers."""
     table = Table(box=box.MARKDOWN)
     for heading in ("", "the paper", "our number from", *(one.label for one in assumptions)):
         table.add_column(heading, no_wrap=True)
@@ -77,7 +77,7 @@ def to_table(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
 
 
 def to_console(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
-    """The same within 80 columns: = agrees, ! differs, ? undecided."""
+    """Table for the console, within 80 characters: = agrees, ! differs, ? undecided."""
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("the paper", "our number from"):
         table.add_column(heading)
@@ -94,7 +94,7 @@ def to_console(rows: Sequence[Row], assumptions: Sequence[Assumption]) -> Table:
 def _lines(
     rows: Sequence[Row], assumptions: Sequence[Assumption]
 ) -> Iterator[tuple[str, str, bool, list[Row | None]]]:
-    """Fact, model, whether the fact's first line, and the rows by assumption."""
+    """Fact, model, True for the fact's first line, and the rows by assumption."""
     last = ""
     for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
         same = {row.assumption: row for row in rows if (row.fact, row.model) == (fact, model)}
@@ -123,7 +123,7 @@ def _marked(row: Row | None) -> str:
 
 
 def number(value: float, se: float | None) -> str:
-    """A number to the first digits that its error leaves, with twice the error (95 %)."""
+    """Format a number to the first digits that its error leaves, with twice the error (95 %)."""
     wide = 2.0 * (se or 0.0)
     if wide < 0.005:
         return f"{value:.3g}"
