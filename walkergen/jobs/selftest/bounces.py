@@ -42,7 +42,7 @@ BOUNCES = {
     ("rigid", "step"): 50_000,
     ("compliant", "step"): 50_000,
 }
-"""How many bounces a second or two pay for; both feet strike in each."""
+"""Numbers of bounces that take a second or two to compute; both feet strike in each."""
 
 
 def _ball(model: str, method: str, restitution: float, friction: float = 0.0) -> Plan:
@@ -105,7 +105,7 @@ def _zeno(model: str, method: str) -> Iterator[Check]:
 
 
 def _many_bounces(model: str, method: str) -> Iterator[Check]:
-    """Restitution 1 on a plate at rest: energy and height for ever."""
+    """Check energy and height in endless bounces: restitution 1 on a plate at rest."""
     gap, bounces = 0.1, BOUNCES[model, method]
     plan = _ball(model, method, 1.0)
     if model == "relaxed":  # the restitution of its feet with which it rebounds elastically
@@ -145,7 +145,7 @@ def _many_bounces(model: str, method: str) -> Iterator[Check]:
 
 
 def _springs(model: str, method: str) -> Iterator[Check]:
-    """Undamped legs, e = 1, no friction, plate at rest: chaos of pitch and springs, lossless."""
+    """Check that undamped legs keep their energy in chaos: e = 1, no friction, plate at rest."""
     for tilt in (0.0, 20.0):
         plan = with_legs(
             plan_of(
@@ -183,7 +183,7 @@ def _weight(plan: Plan) -> float:
 
 
 def _grazing(model: str, method: str) -> Iterator[Check]:
-    """Foot and plate meet at a double root of the gap; `offset` decides if they touch."""
+    """Check a double root of the gap of foot and plate; `offset` decides if they touch."""
     offset = {"event": 1e-9, "step": 1e-5}[method]
     reason = {
         "event": "a double root is found down to the rounding of a height, far below 1e-9 mm",
@@ -278,10 +278,10 @@ def _rocking(model: str, method: str) -> Iterator[Check]:
 
 
 def _dip(model: str, method: str) -> Iterator[Check]:
-    """Rocking on the back foot, which slides: friction lifts the front foot, after it has dipped.
+    """Check a front foot that dips, before friction on the sliding back foot lifts it.
 
-    Turning down at `spin` against an angular acceleration alpha from the pitch spin^2 / (2 alpha),
-    it would just graze the plate.
+    Turning down at `spin` against an angular acceleration alpha, the foot would just graze the
+    plate if the pitch were spin^2 / (2 alpha).
     """
     mu, spin, share = 1.0, 0.2, {"event": 1e-3, "step": 3e-2}[method]
     plan = plan_of(model, method, 0.0, drive=STILL, contact={"restitution": 0.0, "friction": mu})

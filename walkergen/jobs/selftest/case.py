@@ -1,4 +1,4 @@
-"""What a hard case is: something to run, on which models and methods, and what must hold."""
+"""Hard cases: something to run, the models and methods to run it on, and what must hold."""
 
 from collections.abc import Callable, Iterator
 from typing import NamedTuple
@@ -12,7 +12,7 @@ EVERY: tuple[Pair, ...] = (
     ("compliant", "event"),
     ("compliant", "step"),
 )
-"""Every model with every method that it has."""
+"""Pairs of every model with every method that it has."""
 
 THREE_COORDINATES = EVERY[:2]
 """The event-driven plan without leg coordinates: instants in finite work, stands in one step."""
@@ -25,13 +25,13 @@ GEOMETRY: tuple[Pair, ...] = (("geometry", "solids"),)
 
 
 class Check(NamedTuple):
-    """One thing checked: it holds when value <= limit (NaN does not)."""
+    """Checked quantity: it holds when value <= limit (NaN does not hold)."""
 
     what: str
     value: float
     limit: float
     reason: str
-    """Of the limit: why it is not tighter."""
+    """Reason why the limit is not tighter."""
 
     @property
     def holds(self) -> bool:
@@ -40,17 +40,17 @@ class Check(NamedTuple):
 
 
 class Case(NamedTuple):
-    """One hard case, over every model and method to which it applies."""
+    """Hard case, for every model and method to which it applies."""
 
     name: str
     section: str
-    """Number in physics.md ("6.7"), or "geometry"."""
+    """Section of physics.md ("6.7"), or "geometry"."""
     runs_on: tuple[Pair, ...]
-    """(model, method)."""
+    """Pairs of model and method on which the case runs."""
     check: Callable[[str, str], Iterator[Check]]
-    """check(model, method) -> what was checked, with how much room."""
+    """Function of model and method that yields the checks."""
 
 
 def exactly(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:
-    """A check of a fact: value 0 when it holds and 1 when not, limit 0."""
+    """Check of a fact: value 0 when it holds, else 1; limit 0."""
     return Check(what, 0.0 if holds else 1.0, 0.0, reason)

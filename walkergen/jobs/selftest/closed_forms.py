@@ -11,7 +11,7 @@ from walkergen.walker.design import Design
 
 
 class Shape(NamedTuple):
-    """Of a plane figure: area (mm^2), centre (mm), polar second moment about it (mm^4)."""
+    """Area (mm^2), centre (mm) and polar second moment about it (mm^4) of a plane figure."""
 
     area: float
     x: float
@@ -20,13 +20,13 @@ class Shape(NamedTuple):
 
 
 def rectangle(length: float, height: float) -> Shape:
-    """Centred at the origin."""
+    """Shape of a rectangle centred at the origin."""
     area = length * height
     return Shape(area, 0.0, 0.0, area * (length**2 + height**2) / 12.0)
 
 
 def leg(design: Design) -> Shape:
-    """A leg without its brace, its anchor at the origin; its round foot a true half circle."""
+    """Shape of a leg without brace, its anchor at the origin, a round foot a true half circle."""
     s, foot = design.leg_thickness, design.legs.foot
     k, r = -math.tan(design.tilt), 0.5 * s
     side = design.legs.length_mm - (r if foot == "round" else 0.0)
@@ -46,7 +46,7 @@ def leg(design: Design) -> Shape:
 
 
 def brace_outside(design: Design) -> float:
-    """Area (mm^2) by which a flat-footed leg's brace adds to the leg.
+    """Area (mm^2) that a flat-footed leg's brace adds to the leg.
 
     Where their centre lines are d apart the brace is within the leg up to d = (w - b) / 2 and clear
     of it from d = (w + b) / 2 on, w and b their widths; d falls evenly from the brace's offset at

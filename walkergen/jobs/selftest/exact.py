@@ -1,4 +1,4 @@
-"""The impact law in exact rational arithmetic: the rival of the compiled one.
+"""Impact law in exact rational arithmetic: the rival of the compiled law.
 
 Velocities are followed along the normal impulse from event to event (stop of the slip, end of
 compression, end of the impact), as physics.md section 3 says, without a rounding. Stronge's law
@@ -15,7 +15,7 @@ Tensor = tuple[float, float, float]
 def follow(
     H: Tensor, velocity: tuple[float, float], restitution: float, friction: float, law: Law
 ) -> tuple[Fraction, Fraction, Fraction, Fraction]:
-    """Impulse (F_x, F_y) and velocity after (v_x, v_y) of one impact, for Poisson's or Newton's."""
+    """Impulse (F_x, F_y), and velocity (v_x, v_y) after, by Poisson's or Newton's law."""
     xx, xy, yy = (Fraction(entry) for entry in H)
     v_x, v_y = (Fraction(component) for component in velocity)
     e, mu = Fraction(restitution), Fraction(friction)
@@ -44,7 +44,7 @@ def follow(
 
 
 def _ratio(xx: Fraction, xy: Fraction, v_x: Fraction, mu: Fraction) -> Fraction:
-    """F_x / F_y: friction against the slip; at rest what holds the foot, or all there is."""
+    """Ratio F_x / F_y: friction against the slip; at rest as much as holds the foot, or all."""
     if v_x != 0:
         return -mu if v_x > 0 else mu
     if abs(xy) <= mu * xx:

@@ -40,7 +40,7 @@ def _below_one_g(model: str, method: str) -> Iterator[Check]:
     )
     off = float(np.abs(plan.feet(state)[:, 1]).max())
     yield Check("feet off the plate, mm", off, 1e-13, "rounding: drift is taken back each step")
-    if model != "compliant":  # whose legs let go of the plate's friction once a period, and creep
+    if model != "compliant":  # on springs, legs lose hold once a period and creep
         yield Check("way, mm", abs(state[X] - place), 1e-12, "held by friction; rounding")
 
 
@@ -124,7 +124,7 @@ def _corner(state: Array) -> float:
 
 
 def _stiff(model: str, method: str) -> Iterator[Check]:
-    """k_t -> infinity: the legs of a resting walker bend in proportion to 1 / k_t."""
+    """Check k_t -> infinity: the legs of a resting walker bend in proportion to 1 / k_t."""
     sunk = []
     for factor in (1e2, 1e4):
         plan = plan_of(
@@ -163,7 +163,7 @@ def _soft(model: str, method: str) -> Iterator[Check]:
 
 
 def _damping(model: str, method: str) -> Iterator[Check]:
-    """In flight: without damping energy stays; critical and beyond, a leg does not swing back."""
+    """Check flight: undamped legs keep energy; legs damped critically do not swing back."""
     for ratio in (0.0, 1.0, 3.0):
         plan = with_legs(plan_of(model, method, drive=STILL), 1.0, ratio)
         state = plan.start(50.0, 0.0, 0.5 * math.pi)
@@ -192,7 +192,7 @@ def _damping(model: str, method: str) -> Iterator[Check]:
 
 
 def _laid_flat(model: str, method: str) -> Iterator[Check]:
-    """Tilt towards 90 deg: refused with the limit, up to which it can be built."""
+    """Check tilts towards 90 deg: refused with the limit, up to which walkers can be built."""
     for tilt in (90.0, 89.999, -90.0, math.nan, 80.0, -70.0):
         try:
             Design.model_validate({"legs": {"tilt_deg": tilt}})

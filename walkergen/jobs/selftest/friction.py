@@ -57,7 +57,7 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
 
 
 def _jams(model: str, method: str) -> Iterator[Check]:
-    """A foot that slides where friction presses it ever harder down (H_yy < mu |H_xy|)."""
+    """Check a foot whose sliding presses it ever harder down (H_yy < mu |H_xy|)."""
     tilt = 0.0 if model in ("rigid", "relaxed") else 20.0
     plan = plan_of(model, method, tilt, drive=STILL, contact={"restitution": 0.0, "friction": 5.0})
     held = {}
@@ -82,7 +82,7 @@ def _jams(model: str, method: str) -> Iterator[Check]:
 
 
 def _stops(model: str, method: str) -> Iterator[Check]:
-    """Sliding on a plate at rest: v^2 / (2 mu g), then at rest for good."""
+    """Check sliding on a plate at rest: over v^2 / (2 mu g), then at rest for good."""
     mu, speed = 0.25, 60.0
     plan = plan_of(
         model,

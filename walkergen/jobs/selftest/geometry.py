@@ -1,4 +1,4 @@
-"""Geometry's hard cases: a closed body of the closed form's volume and inertia, or a refusal."""
+"""Hard cases of geometry: closed bodies with the closed form's volume and inertia, or refusals."""
 
 import itertools
 import math
@@ -35,7 +35,7 @@ def _relative(what: str, found: float, expected: float, limit: float, reason: st
 
 
 def _defects(mesh: Mesh) -> int:
-    """Edges that are not shared by exactly two triangles, one each way."""
+    """Number of edges that are not shared by exactly two triangles, one in each direction."""
     edges = np.concatenate([np.roll(mesh.triangles, -k, axis=1)[:, :2] for k in range(3)])
     keys, counts = np.unique(edges @ np.array([len(mesh.vertices), 1]), return_counts=True)
     backward = np.unique(edges @ np.array([1, len(mesh.vertices)]))
@@ -43,7 +43,7 @@ def _defects(mesh: Mesh) -> int:
 
 
 def _bodies(mesh: Mesh) -> int:
-    """Connected pieces, by spreading the least number of a vertex over triangles."""
+    """Number of connected pieces, by spreading the least number of a vertex over triangles."""
     label, before = np.arange(len(mesh.vertices)), None
     while before is None or (label != before).any():
         before = label.copy()
@@ -55,20 +55,20 @@ def _bodies(mesh: Mesh) -> int:
 
 
 def _genus(mesh: Mesh) -> int:
-    """Of one closed body, from Euler's number; three edges to two triangles."""
+    """Genus of a closed body, from Euler's number; three edges to two triangles."""
     euler = len(np.unique(mesh.triangles)) - len(mesh.triangles) // 2
     return 1 - euler // 2
 
 
 def _cut_off(design: Design, segments: int) -> float:
-    """Area that the polygon of a round foot lacks, to leading order in its edges (mm^2)."""
+    """Area (mm^2) that the polygon of a round foot lacks, to leading order in its edges."""
     if design.legs.foot != "round":
         return 0.0
     return math.pi**3 * (0.5 * design.leg_thickness) ** 2 / (12.0 * segments**2)
 
 
 def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Check]:
-    """One closed body, with the volume of its parts, and the volume and inertia of closed forms."""
+    """Check for one closed body with its parts' volume and the closed forms' volume and inertia."""
     name, built = _name(design), solids.build(design, segments)
     depth = design.body.depth_mm
     for part, mesh in (("walker", built.walker), ("leg", built.leg)):
@@ -93,7 +93,7 @@ def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Che
         yield Check(f"{name}: more than leg and brace", (more - brace) / shape.area, 0, EXACT)
     else:
         yield _relative(f"{name}: leg's volume", limb.volume, depth * shape.area, limit, reason)
-        # Missing area at the leg's end, a length from its centre: at most 4 times its share of j.
+        # Area missing at the leg's end, a length from its centre: at most 4 times its share of j.
         inertia = depth * shape.second
         yield _relative(f"{name}: leg's inertia", limb.inertia, inertia, 4.0 * limit, reason)
         off = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
@@ -106,7 +106,7 @@ def _all_sound(designs: Iterator[Design]) -> Iterator[Check]:
 
 
 def _refused(what: str, word: str, body: dict[str, Any] | None = None, **legs: Any) -> Check:
-    """Refused by name: the field that sets the limit, and what is wrong."""
+    """Check of a refusal: its text names the field that sets the limit, and the problem."""
     try:
         _design(body, **legs)
     except GeometryError as error:
@@ -132,14 +132,14 @@ def _thick_legs(model: str, method: str) -> Iterator[Check]:
 
 
 def _coplanar_brace(model: str, method: str) -> Iterator[Check]:
-    """Upright, the brace lies in the leg; as thick as the leg, its sides are the leg's."""
+    """Check an upright brace: it lies in the leg, and if as thick has the leg's sides."""
     tilts = (0.0, -0.0, 1e-300, 1e-12, -1e-12, 1e-7)
     for foot, tilt, brace in itertools.product(FEET, tilts, (0.5, 1.0 - 1e-12)):
         design = _design(kind="braced", foot=foot, tilt_deg=tilt, brace_thickness_mm=brace)
         yield from _sound(design)
     frozen = solids.weigh(upright := _design(kind="braced", tilt_deg=0.0), solids.build(upright))
     body, leg = closed_forms.rectangle(28.0, 3.0), closed_forms.rectangle(1.0, 7.5)
-    area, lever = body.area + 2.0 * leg.area, 5.25  # body's middle to a leg's, along y
+    area, lever = body.area + 2.0 * leg.area, 5.25  # from the body's middle to a leg's, along y
     drop = 2.0 * leg.area * lever / area
     second = body.second + 2.0 * (leg.second + leg.area * (6.5**2 + lever**2)) - area * drop**2
     density = 1.24e-3 * 8.0
@@ -148,7 +148,7 @@ def _coplanar_brace(model: str, method: str) -> Iterator[Check]:
 
 
 def _opening_window(model: str, method: str) -> Iterator[Check]:
-    """The tilt at which air first appears between leg and brace: an edge of no width at the top."""
+    """Check the tilt at which leg and brace first part: an edge of no width at the top."""
     for foot, tilt in itertools.product(FEET, (10.0, -40.0)):
         start = _design(kind="braced", foot=foot, tilt_deg=tilt)
         sin, cos = abs(math.sin(start.tilt)), math.cos(start.tilt)
@@ -160,7 +160,7 @@ def _opening_window(model: str, method: str) -> Iterator[Check]:
 
 
 def _flush(model: str, method: str) -> Iterator[Check]:
-    """A leg's side lies in the body's end face: at the limit it is built, an ulp beyond refused."""
+    """Check a leg's side in the body's end face: built at the limit, refused an ulp beyond."""
     for kind, foot in itertools.product(KINDS, FEET):
         design = _design(kind=kind, foot=foot, tilt_deg=0.0)
         flush = 13.0 + design.leg_thickness
@@ -171,7 +171,7 @@ def _flush(model: str, method: str) -> Iterator[Check]:
 
 
 def _anchor_at_edge(model: str, method: str) -> Iterator[Check]:
-    """The tilt at which an anchor's leg reaches the body's edge: there built, just beyond not."""
+    """Check the tilt at which an anchor's leg reaches the body's edge: built there, not beyond."""
     for kind, foot, tilt in itertools.product(KINDS, FEET, (10.0, 45.0, -30.0)):
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": tilt}
         design = _design(**legs)
@@ -186,7 +186,7 @@ def _anchor_at_edge(model: str, method: str) -> Iterator[Check]:
 
 
 def _refusals(model: str, method: str) -> Iterator[Check]:
-    """Parts that touch or vanish: exactly at the limit too, where a body would have no volume."""
+    """Check refusals of parts that touch or vanish, also exactly at the limit, without volume."""
     yield _refused("feet as far apart as they are wide", "run into each other",
                    tilt_deg=0.0, contact_spacing_mm=0.4)  # fmt: skip
     yield _refused("round feet on a leg of no side", "no side left",
@@ -221,7 +221,7 @@ def _any_size(model: str, method: str) -> Iterator[Check]:
 
 
 def _far_away(model: str, method: str) -> Iterator[Check]:
-    """Weighed a kilometre from the origin: without a local one, inertias lose all their digits."""
+    """Check weighing a kilometre away: without a local origin inertias lose all their digits."""
     reason = "1e6 mm away a coordinate is rounded to 1e-10 mm, 3e-10 of a leg's thickness"
     for scale in (1e-3, 1.0, 1e3):
         shift = scale * np.array([1e6, -1e6, 1e6])
@@ -237,7 +237,7 @@ def _far_away(model: str, method: str) -> Iterator[Check]:
 
 
 def _round_feet(model: str, method: str) -> Iterator[Check]:
-    """From an arc of two edges to one of four thousand, never larger than the circle's."""
+    """Check arcs from two edges to four thousand: never larger than the circle's."""
     for tilt in (0.0, 20.0, -45.0):
         design = _design(foot="round", tilt_deg=tilt)
         exact, lacks = closed_forms.leg(design).area, []
@@ -280,4 +280,4 @@ CASES: tuple[Case, ...] = tuple(
         ("mirror image of a solid", _mirrored),
     )
 )
-"""Every hard case of the solids and their mass properties."""
+"""Hard cases of the solids and their mass properties."""

@@ -1,4 +1,4 @@
-"""Hard cases of one impact, and of the cascade that one landing on relaxed legs is."""
+"""Hard cases of a single impact, and of the cascade that a landing on relaxed legs is."""
 
 import math
 from collections.abc import Iterator
@@ -23,7 +23,7 @@ ROUNDING = "rounding of some ten operations, times the tensor's condition (up to
 def _random_impacts(
     count: int, seed: int
 ) -> Iterator[tuple[exact.Tensor, tuple[float, float], float, float]]:
-    """Tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
+    """Random tensors of condition up to 1e4, any sliding speed, all of e and mu with both ends."""
     rng = np.random.default_rng(seed)
     for _ in range(count):
         root = rng.normal(size=(2, 2))
@@ -72,7 +72,7 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
 
 
 def _jamming(model: str, method: str) -> Iterator[Check]:
-    """Sliding that presses the foot ever harder down, until it stops and sticks."""
+    """Check sliding that presses the foot ever harder down, until it stops and sticks."""
     H, mu, e = (1.0, -0.9, 1.0), 2.0, 0.5
     out = resolve(H, (-0.5, -1.0), e, mu)
     stop = 0.5 / (mu * H[0] + H[1])
@@ -94,7 +94,7 @@ def _jamming(model: str, method: str) -> Iterator[Check]:
 
 
 def _singular(model: str, method: str) -> Iterator[Check]:
-    """Tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
+    """Check tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
     worst = det = 0.0
     for condition in (1e8, 1e10, 1e12):
         x = 1.0 / 3.0
@@ -133,7 +133,7 @@ def _energy(model: str, method: str) -> Iterator[Check]:
 
 
 def _stationary(model: str, method: str) -> Iterator[Check]:
-    """At the closed form's speed an impact gives no horizontal impulse."""
+    """Check that an impact at the closed form's speed gives no horizontal impulse."""
     for name in speed.LAWS:
         law, worst, third = Law[name.upper()], 0.0, True
         for H, _, e, mu in _random_impacts(400, seed=9):
@@ -141,7 +141,7 @@ def _stationary(model: str, method: str) -> Iterator[Check]:
                 continue
             v_x = float(speed.factor(InverseMass(*H), e, mu, "coulomb", name))
             out = resolve(H, (v_x, -1.0), e, mu, law)
-            # what the rounding of v_x alone moves F_x by is mu F_y eps v_x / v_x
+            # rounding of v_x alone moves F_x by mu F_y eps v_x / v_x
             worst = max(worst, abs(out.F_x) / (out.F_y * max(mu, 1.0)))
             third = third and (abs(out.kind) in (3, 5) or e == 1.0)  # e = 1: a tie with II
         yield Check(f"{name}: horizontal over normal impulse", worst, 1e-10, ROUNDING)
@@ -150,7 +150,7 @@ def _stationary(model: str, method: str) -> Iterator[Check]:
 
 
 def _upright_factors(model: str, method: str) -> Iterator[Check]:
-    """By symmetry the feet of an upright walker push in opposite directions."""
+    """Check by symmetry: the feet of an upright walker push in opposite directions."""
 
     def factors(tilt: float, e: float, mu: float) -> speed.Factors:
         return speed.factors(masses(design_of("relaxed", tilt)), e, mu)
@@ -191,7 +191,7 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
 
 
 def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
-    """Light legs: H m / 3 -> P(c) / |c|^2 (physics.md section 2); heavy: positive definite."""
+    """Check legs: light, H m / 3 -> P(c) / |c|^2 (physics.md section 2); heavy, H > 0."""
     design = design_of("relaxed", 10.0)
     reach = np.array(design.anchor_to_foot)
     worst, least = 0.0, math.inf
@@ -214,7 +214,7 @@ def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
 
 
 def _tensors(tilt_deg: float, leg_mass: float) -> list[tuple[Tensor, Tensor]]:
-    """(flexible, rigid) of the back and of the front foot."""
+    """Tensors (flexible, rigid) of the back and of the front foot."""
     mass = masses(design_of("relaxed", tilt_deg), leg_mass)
     pairs = []
     for own, anchor in zip(feet(mass), (mass.a, mass.b), strict=True):
@@ -231,7 +231,7 @@ def _landed(own: Tensor, H: Tensor, v_x: float, contact: Contact) -> tuple[Landi
 
 @kernel
 def _one_by_one(own: Tensor, H: Tensor, v_x: float, contact: Contact) -> tuple[float, float]:
-    """The landing's impulse summed impact by impact, until the approach is below 1e-14."""
+    """Impulse of a landing summed over its impacts, until the approach is below 1e-14."""
     e, mu, law = contact
     v_y, F_x, F_y = -1.0, 0.0, 0.0
     for _ in range(3_000_000):
@@ -290,7 +290,7 @@ def _finite_work(model: str, method: str) -> Iterator[Check]:
 
 
 def _closed_form(model: str, method: str) -> Iterator[Check]:
-    """Sliding throughout: a plastic rigid impact, in which e and the flexible tensor drop out."""
+    """Check sliding throughout: a plastic rigid impact, without e and the flexible tensor."""
     worst = held = 0.0
     tails, mu = 0, 0.1
     for tilt in (3.0, 10.0, 20.0, 35.0):

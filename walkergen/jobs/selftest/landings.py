@@ -46,11 +46,11 @@ from walkergen.simulation.world import (
 )
 
 INSTANT = 1e-12
-"""s: what happens at once, and nothing else."""
+"""Time, s, in which nothing happens but what happens at once."""
 
 
 def _both_feet(model: str, method: str) -> Iterator[Check]:
-    """Level landings with any spin, at any tilt and friction, by Stronge's law."""
+    """Check level landings with any spin, at any tilt and friction, by Stronge's law."""
     rng = np.random.default_rng(11)
     approach = gain = image = 0.0
     finished = True
@@ -80,7 +80,7 @@ def _both_feet(model: str, method: str) -> Iterator[Check]:
     limit = 0.5 if method == "step" else 1e-2
     reason = "resting speed: the event's snap of 1e-3; g h and more on springs for steps of 30 us"
     yield Check("approach left, mm/s", approach, limit, reason)
-    if model != "relaxed":  # whose scheme may gain where H_rigid > H_flexible
+    if model != "relaxed":  # relaxed legs may gain where H_rigid > H_flexible
         yield Check("energy gained, over the kinetic", gain, 1e-9, "rounding of the sums")
     exact = (model, method) in THREE_COORDINATES
     yield Check(
@@ -92,7 +92,7 @@ def _both_feet(model: str, method: str) -> Iterator[Check]:
 
 
 def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
-    """Upright, pitched by 1e-13 rad: one foot is 1e-12 mm lower, and yet both land as one."""
+    """Check an upright walker pitched by 1e-13 rad: with feet 1e-12 mm apart both land as one."""
     for pitch in (1e-13, -1e-13):
         plan = plan_of(
             model,
@@ -116,7 +116,7 @@ def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
 
 
 def _swinging(model: str, method: str) -> Iterator[Check]:
-    """The time for which a long step of flight is told to be clear of the plate, looked through.
+    """Check that a flight stays clear of the plate for as long as a long step assumes.
 
     Hardest: upright legs on their fastest swing, which turn the body, while the plate rises at its
     largest acceleration.

@@ -1,7 +1,7 @@
-"""Run the hard cases: on every processor, each case on its own, none able to stop the others.
+"""Run of the hard cases: on every processor, each on its own, so that none can stop the others.
 
 Processes and not threads, because the first run compiles the simulators and the compiler works on
-one thread at a time.
+a single thread at a time.
 """
 
 import multiprocessing
@@ -20,7 +20,7 @@ from walkergen.jobs.selftest.case import Case, Check
 
 
 class Job(NamedTuple):
-    """One case on one model and method."""
+    """Case to run on one model and method."""
 
     case: Case
     model: str
@@ -28,28 +28,28 @@ class Job(NamedTuple):
 
 
 class Result(NamedTuple):
-    """What came of a job."""
+    """Result of a job."""
 
     section: str
     case: str
     model: str
     method: str
     checks: tuple[Check, ...]
-    """As many as were made before an error, if any."""
+    """Checks that were made before an error, or all of them."""
     error: str
-    """What a case raised, in one line; empty when it ran to its end."""
+    """Error that the case raised, in one line; empty when it ran to its end."""
     seconds: float
 
     @property
     def holds(self) -> bool:
-        """True when the case ran to its end and all that it checked holds."""
+        """True when the case ran to its end and all its checks hold."""
         return not self.error and all(check.holds for check in self.checks)
 
 
 def choose(only: str | None) -> list[Job]:
-    """The jobs whose section is `only` or lies below it, or whose case's name contains it.
+    """Select the jobs whose section is `only` or lies below it, or whose case's name contains it.
 
-    All of them for None. Raises InputError when there is none.
+    All jobs for None. Raises InputError when there is none.
     """
     cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
     if not cases:
@@ -69,11 +69,11 @@ def _named(case: Case, only: str) -> bool:
 
 
 def run_job(job: Job) -> Result:
-    """Run one case; what it raises is its failure, not ours."""
+    """Run a case; an error that it raises is reported as its failure."""
     started, checks, error = time.perf_counter(), list[Check](), ""
     try:
         checks.extend(job.case.check(job.model, job.method))
-    except Exception as raised:  # whatever it is, the table is to name it
+    except Exception as raised:  # any error at all: the table must name it
         error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
     if not (checks or error):
         error = "it checked nothing"
@@ -86,7 +86,7 @@ def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> 
 
 
 def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
-    """Results in the order of the jobs, and whether all were run: Ctrl-C keeps those done."""
+    """Run jobs; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     done: dict[int, Result] = {}
     progress("compiling (slow the first time only)", 0, len(jobs))
     workers = min(os.cpu_count() or 1, len(jobs))
@@ -95,7 +95,7 @@ def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
             done[index] = result
             progress(f"{result.case}, {result.model} {result.method}", len(done), len(jobs))
     except KeyboardInterrupt:
-        pass  # told by the second value
+        pass  # reported by the second value
     return [done[index] for index in sorted(done)], len(done) == len(jobs)
 
 
@@ -126,7 +126,7 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Resu
 
 
 def _compilers_first(jobs: Sequence[Job]) -> list[int]:
-    """Indices, the first job of each model and method in front: no two compile the same at once."""
+    """Indices of jobs, the first of each model and method in front: no two compile the same."""
     seen = set[tuple[str, str]]()
     first, rest = list[int](), list[int]()
     for index, job in enumerate(jobs):
@@ -137,7 +137,7 @@ def _compilers_first(jobs: Sequence[Job]) -> list[int]:
 
 
 def _ignore_interrupts() -> None:
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C belongs to the parent process
 
 
 def _run_named(name: str, model: str, method: str) -> Result:

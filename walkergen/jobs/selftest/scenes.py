@@ -22,19 +22,19 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 LEG, HALF, TALL = 7.5, 6.5, 9.0
-"""The paper's walker, mm: length of a leg; half the distance of the feet; height of O at tilt 0."""
+"""Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
 
 STILL = {"frequency_hz": 90.0, "gamma": 1e-30}
-"""A plate at rest: its amplitude vanishes against the rounding of any height."""
+"""Drive of a plate at rest: its amplitude vanishes against the rounding of any height."""
 
 
 def shaken(gamma: float) -> dict[str, float]:
-    """A drive at the paper's 90 Hz."""
+    """Drive at the paper's 90 Hz with a peak acceleration over g."""
     return {"frequency_hz": 90.0, "gamma": gamma}
 
 
 def design_of(model: str, tilt_deg: float) -> Design:
-    """The paper's walker, braced for the rigid model."""
+    """Design of the paper's walker, braced for the rigid model."""
     kind = "braced" if model == "rigid" else "flexible"
     return Design.model_validate({"legs": {"tilt_deg": tilt_deg, "kind": kind}})
 
@@ -53,7 +53,7 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
 
 
 def scene_of(model: str, method: str, **tables: dict[str, Any]) -> Scene:
-    """A scene with the given tables, on one model and method."""
+    """Scene with the given tables, on one model and method."""
     data = {key: dict(value) for key, value in tables.items()}
     data.setdefault("legs", {})["model"] = model
     data.setdefault("run", {})["method"] = method
@@ -100,5 +100,5 @@ def energy_error(plan: Plan, before: float, state: Array, tally: record.Tally) -
 
 
 def fall_time(gap: float) -> float:
-    """Time (s) of a fall by `gap` mm."""
+    """Time (s) in which a body falls by `gap` mm."""
     return math.sqrt(2.0 * gap / GRAVITY)

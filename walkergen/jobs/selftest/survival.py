@@ -1,4 +1,4 @@
-"""What any run must do, however extreme its scene: end as physics may, and account for itself."""
+"""Survival: any run, however extreme, ends as physics may and accounts for its energy."""
 
 from collections.abc import Iterator
 
@@ -13,7 +13,7 @@ from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import PHASE, PITCH, V_X
 
 ENDINGS = (Outcome.OK, Outcome.TOPPLED, Outcome.FOLDED)
-"""Physical ends of a run; no convergence, and energy from nowhere, are none."""
+"""Physical ends of a run; failed convergence and energy from nowhere are not among them."""
 
 ENERGY = {
     ("relaxed", "event"): (1e-9, "rounding and the rocking integrator's 1e-11 a step"),
@@ -22,11 +22,11 @@ ENERGY = {
     ("compliant", "event"): (1e-4, "rebounds below 1e-3 mm/s are left out; drift is taken back"),
     ("compliant", "step"): (2e-2, "steps of 30 us: second order, of impacts and friction"),
 }
-"""Energy that may go unaccounted for, over that exchanged."""
+"""Largest share of the exchanged energy that may be unaccounted for, and the reason."""
 
 DEEPEST = {"event": 1e-9, "step": 4e-3}
-"""mm below the plate: rounding; by steps, what a foot travels in one of 30 us at 130 mm/s, where
-legs lighter by 1e-9 swing back many times within it."""
+"""Largest depth below the plate, mm: rounding; by steps, a foot's way in a step of 30 us
+at 130 mm/s, where legs lighter by 1e-9 swing back many times within it."""
 
 
 def survives(

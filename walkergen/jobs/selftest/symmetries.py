@@ -25,7 +25,7 @@ from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y, mirro
 from walkergen.walker import mass as masses
 
 SHORT = 0.012
-"""s: two landings, before chaos (an e-fold within 4 to 13 ms) has grown what rounding began."""
+"""Duration, s, of two landings, before chaos (an e-fold in 4 to 13 ms) has amplified rounding."""
 
 GROWN = "rounding, grown tenfold by each of a few impacts"
 
@@ -109,7 +109,7 @@ def _shift(model: str, method: str) -> Iterator[Check]:
 
 
 def _moving_plate(model: str, method: str) -> Iterator[Check]:
-    """At phase 0 the plate moves at A omega, without acceleration: only relative speeds count."""
+    """Check landings at phase 0, where the plate moves at A omega: only relative speeds count."""
     instant = 1e-11
     contact = {"restitution": 0.5, "friction": 0.25}
     for both in (True, False):
@@ -170,7 +170,7 @@ def _scales(model: str, method: str) -> Iterator[Check]:
 
 
 def _tolerance(model: str, method: str) -> Iterator[Check]:
-    """Coarser contact tolerances by 16, and the snap speed that belongs to them by 4."""
+    """Check contact tolerances coarser by 16, and the snap speed that belongs to them by 4."""
     for mu in (0.0, 0.1, 5.0):
         contact = {"restitution": 0.8, "friction": mu}
         plan = plan_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
