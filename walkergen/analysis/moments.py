@@ -24,7 +24,7 @@ PIECES = 10
 """Least number of pieces, in all, that the tracks of few particles are cut into."""
 
 MOST_GROUPS = 64
-"""Largest number of samples; further ones are merged, since they hardly sharpen the error."""
+"""Largest number of samples; further samples are merged: they hardly sharpen the error."""
 
 
 class Grid(NamedTuple):

@@ -1,4 +1,4 @@
-"""The main job: one design in; solids, STL, plates, predicted speeds and pictures in a folder."""
+"""The main job: from one design to solids, STL, plates, predicted speeds, pictures in a folder."""
 
 import platform
 import time

@@ -92,7 +92,7 @@ def _both_feet(model: str, method: str) -> Iterator[Check]:
 
 
 def _a_rounding_apart(model: str, method: str) -> Iterator[Check]:
-    """Check an upright walker pitched by 1e-13 rad: with feet 1e-12 mm apart both land as one."""
+    """Check an upright walker pitched by 1e-13 rad: feet 1e-12 mm apart must land together."""
     for pitch in (1e-13, -1e-13):
         plan = plan_of(
             model,
