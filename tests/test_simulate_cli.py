@@ -101,7 +101,7 @@ def test_explain_names_every_effect(run):
     assert by_name["air drag"]["number"] < 1e-3
     assert all(row["reason"] for row in rows)
     text = run("explain", "koumakis2016", "--no-cost").stdout
-    assert "effects.leg_compliance" in text.replace("\n", "")
+    assert "effects.plate_slope" in text.replace("\n", "")
 
 
 def test_explain_measures_what_an_effect_costs(run, monkeypatch):

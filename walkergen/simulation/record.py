@@ -10,23 +10,12 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.numerics.kernels import kernel
-from walkergen.theory.impact import (
-    FROM_REST,
-    II_MIRRORED,
-    III_MIRRORED,
-    TYPE_I,
-    TYPE_II,
-    TYPE_III,
-    TYPE_IV,
-)
+from walkergen.theory.impact import TYPE_IV, Kind
 
 Array = npt.NDArray[np.float64]
 Counts = npt.NDArray[np.int64]
 
-KINDS = {
-    "I": TYPE_I, "II": TYPE_II, "III": TYPE_III, "IV": TYPE_IV, "from rest": FROM_REST,
-    "II mirrored": II_MIRRORED, "III mirrored": III_MIRRORED,
-}  # fmt: skip
+KINDS = {kind.label: int(kind) for kind in Kind if kind}
 """Types of impacts (values of `impact.Kind`) by their names, in the order of `Tally.counts`."""
 
 # Rows of `Tally.counts` beside those of KINDS: all impacts, and those in which a foot sticks.

@@ -51,6 +51,12 @@ class Kind(IntEnum):
     III_MIRRORED = III_MIRRORED
     """v_x < 0 stops during compression."""
 
+    @property
+    def label(self) -> str:
+        """The type as people read it: "II", "from rest", "II mirrored"."""
+        words = self.name.split("_")
+        return " ".join(word if set(word) <= set("IV") else word.lower() for word in words)
+
 
 class Impact(NamedTuple):
     """Outcome of one impact: impulse (g mm/s), velocity of the foot after it (mm/s), and type."""

@@ -13,15 +13,7 @@ from walkergen.simulation import points, record
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
-from walkergen.theory.impact import (
-    FROM_REST,
-    II_MIRRORED,
-    III_MIRRORED,
-    TYPE_I,
-    TYPE_II,
-    TYPE_III,
-    TYPE_IV,
-)
+from walkergen.theory.impact import Kind
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -29,8 +21,8 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 
 TYPES = {
-    "III": (TYPE_III,), "II": (TYPE_II,), "I": (TYPE_I,), "IV": (TYPE_IV,),
-    "from rest": (FROM_REST,), "mirrored": (II_MIRRORED, III_MIRRORED),
+    "III": (Kind.III,), "II": (Kind.II,), "I": (Kind.I,), "IV": (Kind.IV,),
+    "from rest": (Kind.FROM_REST,), "mirrored": (Kind.II_MIRRORED, Kind.III_MIRRORED),
 }  # fmt: skip
 """Types of impacts; from rest: v_x = 0 exactly before; mirrored: II or III of a foot that slides
 backward before."""

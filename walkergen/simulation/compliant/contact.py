@@ -16,6 +16,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
+from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     Chain,
     Mobility,
@@ -28,14 +29,7 @@ from walkergen.simulation.compliant.chain import (
     shift,
 )
 from walkergen.simulation.drive import velocity
-from walkergen.simulation.record import (
-    ELAPSED,
-    IMPACT_LOSS,
-    PLATE_WORK,
-    Tally,
-    note_event,
-    tally_impact,
-)
+from walkergen.simulation.record import Tally, note_event, tally_impact
 from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
@@ -236,9 +230,9 @@ def one_foot(world, restitution, state, now, foot):
     F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
     accelerate(world.walker.legs, state, push(now.chain, F))
     tally_impact(tally.counts, hit.kind, hit.sticks)
-    tally.sums[PLATE_WORK] += hit.F_y * velocity(world.drive, state[PHASE])
-    tally.sums[IMPACT_LOSS] -= 0.5 * (hit.F_x * (v_x + hit.v_x) + hit.F_y * (v_y + hit.v_y))
-    note_event(tally.events, tally.sums[ELAPSED], foot, hit.F_x, hit.F_y, v_x, v_y, hit.kind)
+    tally.sums[record.PLATE_WORK] += hit.F_y * velocity(world.drive, state[PHASE])
+    tally.sums[record.IMPACT_LOSS] -= 0.5 * (hit.F_x * (v_x + hit.v_x) + hit.F_y * (v_y + hit.v_y))
+    note_event(tally.events, tally.sums[record.ELAPSED], foot, hit.F_x, hit.F_y, v_x, v_y, hit.kind)
 
 
 @kernel
@@ -251,11 +245,11 @@ def both_feet(world, restitution, state, now):
     F = (k * F[0], k * F[1], k * F[2], k * F[3])
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(now.chain, F))
-    tally.sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
+    tally.sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for foot in range(2):
         F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
         d_x, d_y = d[2 * foot], d[2 * foot + 1]
-        tally.sums[IMPACT_LOSS] -= F_x * (v_x + 0.5 * d_x) + F_y * (v_y + 0.5 * d_y)
+        tally.sums[record.IMPACT_LOSS] -= F_x * (v_x + 0.5 * d_x) + F_y * (v_y + 0.5 * d_y)
         stops = abs(v_x + d_x) <= 1e-9 * abs(v_x)
         if v_x == 0.0:
             kind = FROM_REST
@@ -264,7 +258,7 @@ def both_feet(world, restitution, state, now):
         else:
             kind = III_MIRRORED if stops else TYPE_IV
         tally_impact(tally.counts, kind, abs(kind) == TYPE_III)
-        note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
+        note_event(tally.events, tally.sums[record.ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 
 @kernel

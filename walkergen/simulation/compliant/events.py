@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
+from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     accelerate,
     chain_of,
@@ -42,19 +43,7 @@ from walkergen.simulation.compliant.flow import (
     slopes_of,
 )
 from walkergen.simulation.drive import TWO_PI, velocity
-from walkergen.simulation.record import (
-    CONTACT_TIME,
-    DAMPING_LOSS,
-    ELAPSED,
-    FRICTION_LOSS,
-    IMPACT_LOSS,
-    LARGEST_PITCH,
-    PLATE_WORK,
-    next_sample,
-    note_event,
-    take_sample,
-    tally_impact,
-)
+from walkergen.simulation.record import next_sample, note_event, take_sample, tally_impact
 from walkergen.simulation.world import (
     FAILED,
     FOLDED,
@@ -175,9 +164,9 @@ def _hold(world, state, chain, closed, sums, rows):
     F = impulses(W, u, back, front, 0.0, rows)
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(chain, F))
-    sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
+    sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for i in range(4):
-        sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
+        sums[record.IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
 
 
 @kernel
@@ -199,15 +188,15 @@ def _stop_jam(world, state, now, closed, sliding):
         F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(now.chain, F))
-    tally.sums[PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
+    tally.sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for i in range(4):
-        tally.sums[IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
+        tally.sums[record.IMPACT_LOSS] -= F[i] * (u[i] + 0.5 * d[i])
     for foot in range(2):
         if (back, front)[foot]:
             F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
             kind = TYPE_III if v_x > 0.0 else III_MIRRORED
             tally_impact(tally.counts, kind, True)
-            note_event(tally.events, tally.sums[ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
+            note_event(tally.events, tally.sums[record.ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 
 @kernel
@@ -256,12 +245,12 @@ def _accept(world, state, work, passed, sums):
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     state[:] = work.trial[:n]
     state[PHASE] %= TWO_PI
-    sums[PLATE_WORK] += work.trial[n]
-    sums[FRICTION_LOSS] += work.trial[n + 1]
-    sums[DAMPING_LOSS] += work.trial[n + 2]
-    sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
+    sums[record.PLATE_WORK] += work.trial[n]
+    sums[record.FRICTION_LOSS] += work.trial[n + 1]
+    sums[record.DAMPING_LOSS] += work.trial[n + 2]
+    sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
     if closed[0] or closed[1]:
-        sums[CONTACT_TIME] += passed
+        sums[record.CONTACT_TIME] += passed
         settle(world, state, 0.0, work.rows)
         chain = chain_of(world.walker, state, 0.0)
         _hold(world, state, chain, closed, sums, work.rows)
@@ -308,10 +297,10 @@ def advance(world, state, duration, tally):
         np.empty((4, 5)),
         scales_of(world, state),
     )
-    begin, t, stalled, length = sums[ELAPSED], 0.0, 0, 1e-6
+    begin, t, stalled, length = sums[record.ELAPSED], 0.0, 0, 1e-6
     decide(world, state, tally, work.rows)
     while t < duration:
-        sums[ELAPSED] = begin + t
+        sums[record.ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - 1e-12:
             take_sample(tally.samples, begin + t, state)
         if corner_height(world, state) <= 0.0:
@@ -331,7 +320,7 @@ def advance(world, state, duration, tally):
         stalled = stalled + 1 if passed <= SHORTEST else 0
         _accept(world, state, work, passed, sums)
         t = duration if duration - t - passed < 1e-15 else t + passed
-        sums[ELAPSED] = begin + t
+        sums[record.ELAPSED] = begin + t
         if event:
             decide(world, state, tally, work.rows)
     return OK

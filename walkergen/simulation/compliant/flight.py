@@ -72,10 +72,12 @@ def _falling(world, state, mass, t):
     """Acceleration (x, y) of the centre of mass of all and force (x, y) of effects on the body, at
     the middle of a flight of t seconds.
     """
-    v_x = state[V_X] + 0.5 * t * along(world.acting)
-    v_y = state[V_Y] - 0.5 * t * across(world.acting)
-    f_x, f_y = body_force(world.acting, state[PITCH] + 0.5 * t * state[SPIN], v_x, v_y)
-    return along(world.acting) + f_x / mass, f_y / mass - across(world.acting), f_x, f_y
+    acting, pitch, v_x, v_y = world.acting, state[PITCH], state[V_X], state[V_Y]
+    f_x, f_y = body_force(acting, pitch, v_x, v_y)
+    v_x += 0.5 * t * (along(acting) + f_x / mass)
+    v_y += 0.5 * t * (f_y / mass - across(acting))
+    f_x, f_y = body_force(acting, pitch + 0.5 * t * state[SPIN], v_x, v_y)
+    return along(acting) + f_x / mass, f_y / mass - across(acting), f_x, f_y
 
 
 @kernel

@@ -1,23 +1,59 @@
 """Model B, legs on springs, and the rigid walker by time steps, behind the seam."""
 
-from walkergen.simulation import world
-from walkergen.simulation.compliant import chain, events, state, steps
+import numpy as np
+
+from walkergen.simulation.compliant import chain, events, steps
+from walkergen.simulation.compliant.state import Walker, start, walker_of
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
-from walkergen.simulation.model import Model
+from walkergen.simulation.model import Array, Model
+from walkergen.simulation.world import (
+    LEG_COLUMNS,
+    RATE_BACK,
+    RATE_FRONT,
+    RIGID_COLUMNS,
+    SPIN,
+    V_X,
+    State,
+    World,
+    X,
+    mirrored,
+    pose,
+)
+
+
+def feet(world: World, state: State) -> Array:
+    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
+    now = chain.chain_of(world.walker, state, 0.0)
+    x = [state[X] + limb.A_x + limb.r_x for limb in (now.back, now.front)]
+    b_x, b_y, f_x, f_y = chain.feet_velocities(world, state, now)
+    return np.array([x, chain.gaps(world.drive, state, now), (b_x, f_x), (b_y, f_y)]).T
+
+
+def momentum(world: World, state: State) -> float:
+    """Momentum of body and legs along the plate, g mm/s."""
+    walker, legs = world.walker, world.walker.legs
+    total = walker.mass * state[V_X]
+    if legs is not None:
+        now = chain.chain_of(walker, state, 0.0)
+        for limb, rate in ((now.back, state[RATE_BACK]), (now.front, state[RATE_FRONT])):
+            turning = state[SPIN] * limb.A_y + (state[SPIN] + rate) * limb.C_y
+            total += legs.mass * (state[V_X] - turning)
+    return float(total)
+
 
 STEPS = Model(
-    start=state.start,
+    start=start,
     advance=steps.advance,
     energy=chain.energy,
-    feet=state.feet,
-    momentum=state.momentum,
-    mirrored=world.mirrored,
-    pose=world.pose,
+    feet=feet,
+    momentum=momentum,
+    mirrored=mirrored,
+    pose=pose,
     coarser=steps.coarser,
     resting=steps.resting,
-    columns=world.RIGID_COLUMNS + world.LEG_COLUMNS,
+    columns=RIGID_COLUMNS + LEG_COLUMNS,
 )
 """By time steps of second order."""
 
@@ -27,14 +63,12 @@ EVENTS = STEPS._replace(advance=events.advance, coarser=events.coarser, resting=
 
 def of(
     case: Case, resolved: Resolved, drive: Drive
-) -> tuple[Model, state.Walker, steps.Options | events.Options]:
+) -> tuple[Model, Walker, steps.Options | events.Options]:
     """Model, walker and options of a case: legs on springs, or none where its mass is rigid."""
     legs, stepped = case.scene.legs, resolved.method == "step"
-    walker = state.walker_of(
-        case.design, case.mass, damping_ratio=legs.damping_ratio, spring=legs.spring
-    )
+    walker = walker_of(case.design, case.mass, damping_ratio=legs.damping_ratio, spring=legs.spring)
     model = STEPS if stepped else EVENTS
     if walker.legs is None:
-        model = model._replace(columns=world.RIGID_COLUMNS)
+        model = model._replace(columns=RIGID_COLUMNS)
     step = 1e-6 * case.scene.run.step_us
     return model, walker, steps.Options(step) if stepped else events.Options()

@@ -11,23 +11,15 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.simulation.drive import height, velocity
+from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
 from walkergen.simulation.world import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
     COMPLIANT_SIZE,
     PHASE,
     PITCH,
-    RATE_BACK,
-    RATE_FRONT,
     RIGID_SIZE,
-    SPIN,
-    V_X,
-    V_Y,
     State,
     World,
-    X,
     Y,
 )
 from walkergen.walker.design import Design
@@ -153,50 +145,10 @@ def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0
     cos, sin = math.cos(pitch), math.sin(pitch)
     lower = min(
         sin * (anchor_x + walker.reach_x) + cos * (anchor_y + walker.reach_y)
-        for anchor_x, anchor_y in _anchors(walker)
+        for anchor_x, anchor_y in (
+            (walker.back_x, walker.back_y),
+            (walker.front_x, walker.front_y),
+        )
     )
     state[Y] = height(world.drive, phase) + clearance - lower
     return state
-
-
-def _anchors(walker: Walker) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Back and front anchor in the body's frame, mm."""
-    return (walker.back_x, walker.back_y), (walker.front_x, walker.front_y)
-
-
-def _swings(walker: Walker, state: State) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Angle (rad) and rate (rad/s) of the back and of the front leg against the body."""
-    if walker.legs is None:
-        return (0.0, 0.0), (0.0, 0.0)
-    return (state[ANGLE_BACK], state[RATE_BACK]), (state[ANGLE_FRONT], state[RATE_FRONT])
-
-
-def _turned(x: float, y: float, angle: float) -> tuple[float, float]:
-    cos, sin = math.cos(angle), math.sin(angle)
-    return x * cos - y * sin, x * sin + y * cos
-
-
-def feet(world: World, state: State) -> Array:
-    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
-    walker, pitch, spin = world.walker, state[PITCH], state[SPIN]
-    ground, rising = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
-    rows = []
-    for anchor, (angle, rate) in zip(_anchors(walker), _swings(walker, state), strict=True):
-        A_x, A_y = _turned(*anchor, pitch)
-        r_x, r_y = _turned(walker.reach_x, walker.reach_y, pitch + angle)
-        v_x = state[V_X] - spin * A_y - (spin + rate) * r_y
-        v_y = state[V_Y] + spin * A_x + (spin + rate) * r_x
-        rows.append((state[X] + A_x + r_x, state[Y] + A_y + r_y - ground, v_x, v_y - rising))
-    return np.array(rows)
-
-
-def momentum(world: World, state: State) -> float:
-    """Momentum of body and legs along the plate, g mm/s."""
-    walker, legs = world.walker, world.walker.legs
-    total = walker.mass * state[V_X]
-    if legs is not None:
-        for anchor, (angle, rate) in zip(_anchors(walker), _swings(walker, state), strict=True):
-            _, A_y = _turned(*anchor, state[PITCH])
-            _, C_y = _turned(legs.centre_x, legs.centre_y, state[PITCH] + angle)
-            total += legs.mass * (state[V_X] - state[SPIN] * A_y - (state[SPIN] + rate) * C_y)
-    return float(total)

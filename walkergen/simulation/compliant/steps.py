@@ -15,6 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
+from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     accelerate,
     angle,
@@ -41,16 +42,7 @@ from walkergen.simulation.compliant.contact import (
 from walkergen.simulation.compliant.flight import advance_phase, clear_time, fly
 from walkergen.simulation.drive import acceleration, velocity
 from walkergen.simulation.effects.acting import across
-from walkergen.simulation.record import (
-    CONTACT_TIME,
-    DAMPING_LOSS,
-    ELAPSED,
-    FRICTION_LOSS,
-    LARGEST_PITCH,
-    PLATE_WORK,
-    next_sample,
-    take_sample,
-)
+from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
@@ -222,12 +214,12 @@ def _contact_step(world, state, t, sums, rows):
         gained += 0.5 * F[i] * (before[i] + after[i])
     # `before` was taken against the plate's velocity at the end of the step
     gained += (F[1] + F[3]) * plate_after
-    sums[PLATE_WORK] += work
-    sums[FRICTION_LOSS] += work - gained
+    sums[record.PLATE_WORK] += work
+    sums[record.FRICTION_LOSS] += work - gained
     mean_b = 0.5 * (rate_b + angle(legs, state, RATE_BACK))
     mean_f = 0.5 * (rate_f + angle(legs, state, RATE_FRONT))
     v_x, v_y = 0.5 * (v_x + state[V_X]), 0.5 * (v_y + state[V_Y])
-    sums[DAMPING_LOSS] += t * power_lost(world, state[PITCH], v_x, v_y, mean_b, mean_f)
+    sums[record.DAMPING_LOSS] += t * power_lost(world, state[PITCH], v_x, v_y, mean_b, mean_f)
     return part
 
 
@@ -344,10 +336,10 @@ def advance(world, state, duration, tally):
     """
     work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)))
     sums, h = tally.sums, world.options.step
-    begin, t, stalled, back, front = sums[ELAPSED], 0.0, 0, False, False
+    begin, t, stalled, back, front = sums[record.ELAPSED], 0.0, 0, False, False
     stopped = False
     while t < duration:
-        sums[ELAPSED] = begin + t
+        sums[record.ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - INSTANT:
             take_sample(tally.samples, begin + t, state)
         if corner_height(world, state) <= 0.0:
@@ -371,12 +363,12 @@ def advance(world, state, duration, tally):
         passed, back, front = _step_to_landing(world, state, length, stops, gap, u, sums, work)
         stopped = passed < length and not (back or front)
         if closed:
-            sums[CONTACT_TIME] += passed
+            sums[record.CONTACT_TIME] += passed
             settle(world, state, _stiffening(world.walker.legs, h), work.rows)
-        sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(state[PITCH]))
+        sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
         stalled = stalled + 1 if passed <= INSTANT else 0
         if stalled > STALLED or not math.isfinite(state[Y]):
             return FAILED
         t = duration if duration - t - passed < 1e-15 else t + passed
-    sums[ELAPSED] = begin + duration
+    sums[record.ELAPSED] = begin + duration
     return OK

@@ -11,18 +11,10 @@ import math
 import numpy as np
 
 from walkergen.numerics.kernels import kernel
+from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height
 from walkergen.simulation.effects.acting import across, along
-from walkergen.simulation.record import (
-    CONTACT_TIME,
-    ELAPSED,
-    FRICTION_LOSS,
-    LARGEST_PITCH,
-    PLATE_WORK,
-    Tally,
-    next_sample,
-    take_sample,
-)
+from walkergen.simulation.record import Tally, next_sample, take_sample
 from walkergen.simulation.relaxed.contact import land
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
 from walkergen.simulation.relaxed.rocking import FIRST, closed_foot, end_of_step, new_stages, rock
@@ -77,7 +69,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
     """
     if not _lift_out(world, state):
         return INSIDE
-    began, t, at_once = tally.sums[ELAPSED], 0.0, 0
+    began, t, at_once = tally.sums[record.ELAPSED], 0.0, 0
     trial, stages = np.zeros(TRIAL_SIZE), new_stages()
     trial[:RIGID_SIZE] = state
     step = FIRST * TWO_PI / world.drive.omega
@@ -89,7 +81,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
         _sample(world, state, began + t, dt, tally.samples, stages)
         _tally(state, trial, dt, tally.sums)
         t = t + dt if running else duration
-        tally.sums[ELAPSED] = began + t
+        tally.sums[record.ELAPSED] = began + t
         state[:] = trial[:RIGID_SIZE]
         at_once = at_once + 1 if dt * world.drive.omega < INSTANT else 0
         if event == CORNER:
@@ -190,10 +182,10 @@ def _sample(world, state, t, dt, samples, stages):
 @kernel
 def _tally(state, trial, dt, sums):
     if _closed_feet(state) > 0:
-        sums[CONTACT_TIME] += dt
-        sums[PLATE_WORK] += trial[TRIAL_WORK]
-        sums[FRICTION_LOSS] += trial[TRIAL_FRICTION]
-    sums[LARGEST_PITCH] = max(sums[LARGEST_PITCH], abs(trial[PITCH]))
+        sums[record.CONTACT_TIME] += dt
+        sums[record.PLATE_WORK] += trial[TRIAL_WORK]
+        sums[record.FRICTION_LOSS] += trial[TRIAL_FRICTION]
+    sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(trial[PITCH]))
 
 
 @kernel
