@@ -130,7 +130,7 @@ def with_loop(triples: Triples, mode: Mode, law: LawName) -> Array | None:
 
 
 def paper_tensor(mass: MassProperties, anchor: Array) -> Array:
-    """H = I/m + P(c_T)/j - R^T K^-1 R, as published (physics.md section 2)."""
+    """H = I/m + P(c_T)/j - R^T K^-1 R, as published (docs/physics.md section 2)."""
 
     def perp(u: Array) -> Array:
         return np.array([-u[1], u[0]])
@@ -146,7 +146,7 @@ def paper_tensor(mass: MassProperties, anchor: Array) -> Array:
 def closed_form(
     xx: float, xy: float, yy: float, e: float, mu: float, mode: Mode, law: LawName
 ) -> float:
-    """The stationary factor under Poisson's or Newton's law (physics.md section 4)."""
+    """The stationary factor under Poisson's or Newton's law (docs/physics.md section 4)."""
     ratio = mu if mode == "paper" else min(mu, abs(xy) / xx)
     top = (1 + e) * ratio / (mu + ratio) * (mu * xx + abs(xy))
     return float(-np.sign(xy) * top / (yy + (e * ratio * abs(xy) if law == "poisson" else 0.0)))

@@ -49,7 +49,7 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
             assert len(list(csv.DictReader(file))) == len(found["ladders"][name])
     assert "--error 5%" in (folder / "accuracy.md").read_text()
     assert (folder / "choice.png").exists()
-    # The most expensive model is its own truth; the relaxed one is not (physics.md: 64 and 35).
+    # The most expensive model is its own truth; the relaxed one is not (64 and 35 mm/s).
     biases = {rung["series"]: rung["error"] for rung in found["ladders"]["models"]}
     assert biases["compliant, step"] < 0.15 < biases["relaxed, event"]
 

@@ -97,7 +97,7 @@ def test_samples_and_events_do_not_disturb_and_obey_the_laws():
 
 
 def test_braced_walker_makes_no_way():
-    """physics.md section 5: below 2 mm/s always."""
+    """docs/physics.md section 5: below 2 mm/s always."""
     w, plate = relaxed_walker(10.0), shaken(1.8)
     state = level_state(w, plate, 1.0, gap=0.05)
     state[SPIN] = 0.7

@@ -87,7 +87,7 @@ def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():
 
 
 def test_braced_walkers_hardly_move():
-    """Paper: rigid objects show no significant propulsion; physics.md: below 2 mm/s."""
+    """Paper: rigid objects show no significant propulsion; docs/physics.md: below 2 mm/s."""
     for tilt in (0.0, 10.0, 30.0, 45.0):
         row = row_of(Design().variant(tilt_deg=tilt, kind="braced"))[0]
         assert abs(row.speed_mm_s) < 2.0
@@ -103,7 +103,7 @@ def test_the_peak_lies_below_ten_degrees():
 
 
 def test_notes_name_where_equation_15_fails():
-    """physics.md section 4: below about atan(mu), 14.4 deg at mu = 0.25."""
+    """docs/physics.md section 4: below about atan(mu), 14.4 deg at mu = 0.25."""
     limit = math.degrees(math.atan(0.25))
     below, above = (Design().variant(tilt_deg=limit + d) for d in (-1.0, 1.0))
     assert "can stick" in row_of(below)[0].note

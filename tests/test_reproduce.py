@@ -159,7 +159,7 @@ def test_another_law_is_refused_for_the_papers_is_poissons(design):
      (5, "coulomb", 5.001)],
 )  # fmt: skip
 def test_the_theory_drawn_has_the_known_values(design, tilt, mode, mean):
-    # physics.md section 4, e = 0.9, mu = 0.1: means of its back and front, for masses that are
+    # docs/physics.md section 4, e = 0.9, mu = 0.1: means of its back and front, for masses that are
     # rounded to three digits.
     scene = templates.load("lane-90hz-fitted", "scenes", Scene)
     curve = prediction.curve(design, scene, mode, 0.0, 45.0)

@@ -23,7 +23,7 @@ def test_any_two_numbers_determine_the_drive(pair):
 
 
 def test_the_paper_drive():
-    """physics.md section 1: 1.8 g at 90 Hz is 31.2 mm/s and 55.2 um."""
+    """docs/physics.md section 1: 1.8 g at 90 Hz is 31.2 mm/s and 55.2 um."""
     drive = templates.load("lane-90hz", "scenes", Scene).drive
     assert drive.peak_speed == pytest.approx(31.2, abs=0.05)
     assert 1e3 * drive.amplitude == pytest.approx(55.2, abs=0.05)

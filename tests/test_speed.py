@@ -14,7 +14,7 @@ from walkergen.walker.mass import MassProperties
 
 
 def ideal(tilt_deg, m_over_M=None):
-    """The paper's idealised walker: thin uniform legs (physics.md section 1)."""
+    """The paper's idealised walker: thin uniform legs (docs/physics.md section 1)."""
     tilt, density = np.radians(tilt_deg), 1.24e-3
     M = 28 * 8 * 3 * density
     m = 7.5 * 0.4 * 8 * density if m_over_M is None else m_over_M * M
@@ -34,7 +34,7 @@ def ideal(tilt_deg, m_over_M=None):
     ],
 )  # fmt: skip
 def test_known_values(tilt, mode, back, front):
-    """physics.md section 4, e = 0.9, mu = 0.1; given to three decimals."""
+    """docs/physics.md section 4, e = 0.9, mu = 0.1; given to three decimals."""
     found = factors(ideal(tilt), 0.9, 0.1, mode)
     assert float(found.back) == pytest.approx(back, abs=6e-4)
     assert float(found.front) == pytest.approx(front, abs=6e-4)
@@ -42,7 +42,7 @@ def test_known_values(tilt, mode, back, front):
 
 @pytest.mark.parametrize(("e", "friction", "value"), [(0.9, 0.1, 5.2), (0.8, 0.25, 12.0)])
 def test_equation_15_does_not_vanish_at_tilt_zero_but_coulomb_does(e, friction, value):
-    """physics.md section 4: eq. 15 as printed gives 5.2 w (fitted) and 12 w (measured) there."""
+    """docs/physics.md section 4: eq. 15 gives 5.2 w (fitted) and 12 w (measured) there."""
     feet_at_zero = feet(ideal(0.0))
     printed = [
         0.5 * (1 + e) * (friction * H.xx - H.xy) / (H.yy - e * friction * H.xy)

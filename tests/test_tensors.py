@@ -18,7 +18,7 @@ def outer(u, v):
 
 
 def published(M, J, m, j, a, c_A, c_T):
-    """physics.md section 2 (for c_A = c_T the paper's eq. 12), literally, in 50 digits."""
+    """docs/physics.md section 2 (for c_A = c_T the paper's eq. 12), literally, in 50 digits."""
     one = mp.eye(2)
     M, J, m, j = (mp.mpf(float(value)) for value in (M, J, m, j))
     a, c_A, c_T = (mp.matrix([float(v) for v in u]) for u in (a, c_A, c_T))

@@ -73,13 +73,13 @@ def mean_speed(tilt, contact, duration, kind="flexible", h=3e-5):
     ],
 )
 def test_mean_speed_is_that_of_an_independent_code(tilt, contact, speed, spread):
-    """physics.md section 5; spread: its +-2-5 mm/s and ours over 3 s of a chaotic run."""
+    """docs/physics.md section 5; spread: its +-2-5 mm/s and ours over 3 s of a chaotic run."""
     assert mean_speed(tilt, contact, 3.0) == pytest.approx(speed, abs=spread)
 
 
 @pytest.mark.parametrize("tilt", [0, 10])
 def test_braced_walker_goes_nowhere(tilt):
-    # physics.md section 5: below 2 mm/s always; 3 s of a chaotic run
+    # docs/physics.md section 5: below 2 mm/s always; 3 s of a chaotic run
     assert abs(mean_speed(tilt, Contact(0.8, 0.25, Law.POISSON), 3.0, "braced")) < 2.5
 
 

@@ -72,7 +72,7 @@ def test_an_empty_template_follows_the_print(tmp_path):
 
 
 def test_whole_walkers_scale_all_masses_alike_and_leave_the_speed(read):
-    """The factor depends on ratios of masses only (physics.md section 2)."""
+    """The factor depends on ratios of masses only (docs/physics.md section 2)."""
     member = predicted(read(f"part,grams\n{TEN},1.0\n"))[1]
     body, leg = meshed(MEMBERS[1])
     scale = 1.0 / (body + 2 * leg)

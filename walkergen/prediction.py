@@ -98,7 +98,7 @@ def predict(
     mode: Mode = "coulomb",
     draws: Draws | None = None,
 ) -> Prediction:
-    """Predict the stationary speed of one walker (physics.md section 4; paper eq. 15).
+    """Predict the stationary speed of one walker (docs/physics.md section 4; paper eq. 15).
 
     speed = mean factor of both feet x impact speed; impact speed = impact_speed_factor x peak
     speed of the plate. `draws` can be shared between the members of a family. Raises TheoryError

@@ -123,7 +123,7 @@ class Arena(Section):
 
 
 class LegModel(Section):
-    """Treatment of the legs by the simulator (physics.md section 5)."""
+    """Treatment of the legs by the simulator (docs/physics.md section 5)."""
 
     model: Literal["auto", "relaxed", "compliant", "rigid"] = "auto"
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05

@@ -1,8 +1,8 @@
 """Least squares for the contact: restitution, friction and impact speed from measured speeds.
 
 The theory's speed is impact_speed_factor x plate speed x factor(tilt; restitution, friction)
-(physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly at
-every trial of the other two (variable projection, Golub and Pereyra 1973).
+(docs/physics.md section 4; paper eq. 15). The first is a mere factor, so it is solved for exactly
+at every trial of the other two (variable projection, Golub and Pereyra 1973).
 """
 
 import math

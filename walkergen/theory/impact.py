@@ -1,4 +1,4 @@
-"""One planar impact with Coulomb friction (Routh's construction; physics.md section 3).
+"""One planar impact with Coulomb friction (Routh's construction; docs/physics.md section 3).
 
 The foot touches the plate with velocity (v_x, v_y < 0) and inverse-mass tensor H. Velocities are
 followed along the normal impulse p = F_y, along which they are piecewise linear: a first segment

@@ -1,4 +1,4 @@
-"""Inverse-mass tensors at a foot: dv_foot = H F (physics.md section 2; paper eqs 4 and 12).
+"""Inverse-mass tensors at a foot: dv_foot = H F (docs/physics.md section 2; paper eqs 4 and 12).
 
 Symmetric 2x2 tensors are kept as their three entries, each an array of any common shape, so that
 a call serves one foot or a million draws.

@@ -3,7 +3,7 @@
 Geometry in the x-y plane with the middle of the body at the origin, y up; both legs leave the
 body's bottom face at their anchors, tilted so that the feet lie behind them for tilt > 0, and the
 two feet touch the plate `contact_spacing` apart, symmetric about the middle, whatever the tilt
-(physics.md section 1). Defaults are the paper's object.
+(docs/physics.md section 1). Defaults are the paper's object.
 """
 
 import math

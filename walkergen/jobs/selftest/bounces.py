@@ -236,7 +236,7 @@ def _long_time(model: str, method: str) -> Iterator[Check]:
         f"phase after {pieces * length:g} s, s",
         _phase_error(state, 0.3, omega, pieces * length),
         1e-9,
-        "physics.md asks for 1e-9 s",
+        "docs/physics.md asks for 1e-9 s",
     )
 
 

@@ -44,7 +44,7 @@ class Case(NamedTuple):
 
     name: str
     section: str
-    """Section of physics.md ("6.7"), or "geometry"."""
+    """Section of docs/physics.md ("6.7"), or "geometry"."""
     runs_on: tuple[Pair, ...]
     """Pairs of model and method on which the case runs."""
     check: Callable[[str, str], Iterator[Check]]

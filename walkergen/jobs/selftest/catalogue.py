@@ -13,7 +13,7 @@ from walkergen.jobs.selftest.case import Case
 
 
 def _place(case: Case) -> tuple[int, ...]:
-    """Sort key of a case: its section of physics.md by numbers, geometry last."""
+    """Sort key of a case: its section of docs/physics.md by numbers, geometry last."""
     numbers = case.section.split(".")
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
@@ -23,4 +23,4 @@ _MODULES = (impacts, friction, bounces, landings, symmetries, extremes, geometry
 CASES: tuple[Case, ...] = tuple(
     sorted((case for module in _MODULES for case in module.CASES), key=_place)
 )
-"""Every case, sorted by the section of physics.md that it answers."""
+"""Every case, sorted by the section of docs/physics.md that it answers."""

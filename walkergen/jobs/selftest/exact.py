@@ -1,8 +1,8 @@
 """Impact law in exact rational arithmetic: the rival of the compiled law.
 
 Velocities are followed along the normal impulse from event to event (stop of the slip, end of
-compression, end of the impact), as physics.md section 3 says, without a rounding. Stronge's law
-needs a square root and has no place here.
+compression, end of the impact), as docs/physics.md section 3 says, without a rounding. Stronge's
+law needs a square root and has no place here.
 """
 
 from fractions import Fraction

@@ -113,7 +113,7 @@ def _topples(model: str, method: str) -> Iterator[Check]:
             f"{way}: 44.6 deg less the pitch then",
             44.6 - math.degrees(abs(state[PITCH])),
             2.0 if model == "compliant" else 0.1,
-            "physics.md gives three digits; bent legs let it down earlier",
+            "docs/physics.md gives three digits; bent legs let it down earlier",
         )
 
 

@@ -191,7 +191,7 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
 
 
 def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
-    """Check legs: light, H m / 3 -> P(c) / |c|^2 (physics.md section 2); heavy, H > 0."""
+    """Check legs: light, H m / 3 -> P(c) / |c|^2 (docs/physics.md section 2); heavy, H > 0."""
     design = design_of("relaxed", 10.0)
     reach = np.array(design.anchor_to_foot)
     worst, least = 0.0, math.inf

@@ -2,7 +2,7 @@
 
 While a foot lies on the plate, steps of fixed length h: trapezoidal rule (legs' springs implicit),
 contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
-of modes (physics.md section 5). In the air, closed-form flight, in long steps when no foot can
+of modes (docs/physics.md section 5). In the air, closed-form flight, in long steps when no foot can
 reach the plate. A landing is located inside its step and resolved by the impact law there, so
 that every law of restitution is supported; rebounds too short for a step (less than 2 h) are
 absorbed, and so is every rebound off a leg that swings back within that time. Second order in h

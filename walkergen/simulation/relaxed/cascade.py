@@ -1,8 +1,8 @@
 """One landing of one foot: the cascade of impacts at one instant that relaxed legs make.
 
 Every impact sets its impulse F(v) by the flexible tensor, after which the foot's velocity has
-changed by the rigid tensor only: v' = v + H_rigid F(v) (physics.md section 5, trap 1). A light leg
-therefore approaches again at once, and infinitely many impacts may pass at one instant. F is
+changed by the rigid tensor only: v' = v + H_rigid F(v) (docs/physics.md section 5, trap 1). A light
+leg therefore approaches again at once, and infinitely many impacts may pass at one instant. F is
 homogeneous of degree 1 in v, and for Poisson's and Newton's laws linear within each type of
 impact. So the sequence ends in one of three ways, each found in finite work:
 

@@ -4,7 +4,7 @@ Rules, all symmetric under exchange of the feet:
 
 * Rounds. In each, every closed foot that approaches receives the impulse of its own cascade,
   computed from the velocity before the round. Rounds go on until no closed foot approaches.
-* When both approach in one round (simultaneous landing, physics.md trap 3), both impulses are
+* When both approach in one round (simultaneous landing, docs/physics.md trap 3), both impulses are
   scaled by kappa = sum_i F_i H_ii F_i / sum_ij F_i H_ij F_j (H: rigid). The energy then changes by
   kappa times what the two would change alone, so that the pair gains nothing that the feet alone
   do not gain; a level symmetric landing has the restitution of a single foot.

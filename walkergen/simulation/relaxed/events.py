@@ -2,7 +2,7 @@
 
 Flight is exact, contacts are found with a guarantee (`flight`); what happens at one instant is
 resolved in finite work (`contact`, `cascade`); sustained contact is in closed form on both feet
-(`sustained`) and integrated to high order on one (`rocking`). Source: physics.md section 5,
+(`sustained`) and integrated to high order on one (`rocking`). Source: docs/physics.md section 5,
 model A; the paper's flexible tensors enter only the impulses.
 """
 
@@ -123,7 +123,7 @@ def _runs_away(world, state):
 
 @kernel
 def _closed_feet(state):
-    return (state[MODE_BACK] != OPEN) + (state[MODE_FRONT] != OPEN)
+    return int(state[MODE_BACK] != OPEN) + int(state[MODE_FRONT] != OPEN)
 
 
 @kernel

@@ -2,7 +2,8 @@
 
 A closed foot sticks or slips; accelerations follow from rigid dynamics with the foot's
 acceleration over the plate fixed to zero (normal; tangential too when it sticks) and
-|F_x| = mu N against the slip. Modes are enumerated once after each event (physics.md section 5).
+|F_x| = mu N against the slip. Modes are enumerated once after each event (docs/physics.md
+section 5).
 
 On both feet the body translates with the plate, so that the sum of the friction forces sets both
 normal forces, and every motion is in closed form. The split of the friction is hyperstatic: each
