@@ -311,7 +311,8 @@ def test_with_several_printers_a_warning_names_its_own(run):
 def test_warnings_are_printed_and_kept_on_the_sheet(run, tmp_path, command):
     words = (command, "--tilt", "10", "--legs", "flexible", "--printer", "ender3",
              "--no-pictures")  # fmt: skip
-    assert run(*words, "--quiet").output == ""
+    quiet = run(*words, "--quiet")
+    assert (quiet.exit_code, quiet.output) == (0, "")
     result = run(*words)
     assert result.exit_code == 0
     assert result.stderr.startswith("warning: walker_t10.0_flexible_s0.40: plastic in the leg")

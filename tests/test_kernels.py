@@ -21,6 +21,15 @@ def kernel_names(tree):
             yield from (inner.id for inner in ast.walk(node) if isinstance(inner, ast.Name))
 
 
+def imported(node):
+    """Names that an import from the package binds, each with the file that it comes from."""
+    source = PACKAGE.joinpath(*node.module.split(".")[1:])
+    for alias in node.names:
+        module = source / f"{alias.name}.py"
+        found = module if module.is_file() else source.with_suffix(".py")
+        yield alias.asname or alias.name, found if found.is_file() else source / "__init__.py"
+
+
 def test_the_cache_covers_every_file_that_kernels_are_made_of():
     assert len(WITH_KERNELS) > 10
     # A kernel's own file is watched by numba; every other that it is made of has to be covered.
@@ -29,7 +38,5 @@ def test_the_cache_covers_every_file_that_kernels_are_made_of():
         used = set(kernel_names(tree))
         for node in ast.walk(tree):
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("walkergen"):
-                source = PACKAGE.joinpath(*(node.module or "").split(".")[1:])
-                covered = source.with_suffix(".py") in COVERED or source.is_dir()
-                names = {alias.asname or alias.name for alias in node.names}
-                assert covered or not names & used, f"{path.name} uses {names & used}"
+                for name, source in imported(node):
+                    assert source in COVERED or name not in used, f"{path.name} uses {name}"

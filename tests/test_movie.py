@@ -312,6 +312,7 @@ def test_json_names_the_files_and_the_runs(run):
     assert (found["frames"], found["slow"]) == (3, 0.5)
     assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
     assert (found["mp4"] is None) == bool(found["without_mp4"])
+    assert all(Path(found[form]).is_file() for form in ("gif", "mp4") if found[form])
 
 
 @pytest.mark.parametrize(

@@ -207,7 +207,7 @@ def test_a_folder_that_family_did_not_write_is_refused(tmp_path):
                        ('{"design": 1}', "design")):  # fmt: skip
         manifest.write_text(text)
         assert told in refused(tmp_path)
-    assert run(tmp_path).exception is not None
+    assert isinstance(run(tmp_path).exception, InputError)
     assert not (tmp_path / "report.html").exists()
 
 

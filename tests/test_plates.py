@@ -16,7 +16,7 @@ from test_printing import read_3mf
 from typer.testing import CliRunner
 
 from walkergen.cli import app
-from walkergen.errors import InputError
+from walkergen.errors import InputError, PlateError
 from walkergen.files import templates
 from walkergen.jobs.orders import make as batch
 from walkergen.printing import layout as plates
@@ -141,7 +141,8 @@ def test_how_many_fit_is_answered_without_writing(run, tmp_path):
         tilt = row["name"].split("_")[1].removeprefix("t")
         words = ("plate", "--tilt", tilt, "--printer", row["printer"], "--no-pictures", "--quiet")
         assert run(*words, "--copies", str(row["fit"]), "--max-plates", "1").exit_code == 0
-        assert run(*words, "--copies", str(row["fit"] + 1), "--max-plates", "1").exit_code == 1
+        more = run(*words, "--copies", str(row["fit"] + 1), "--max-plates", "1")
+        assert isinstance(more.exception, PlateError)
 
 
 def test_a_thousand_parts_are_planned_within_seconds(tmp_path):
@@ -231,6 +232,7 @@ def test_bad_orders_are_one_clear_line(run, tmp_path, words, hint):
     error = run("plate", *words).exception
     assert isinstance(error, InputError), error
     assert hint in str(error)
+    assert len(str(error).splitlines()) == 1
     assert not list(tmp_path.iterdir())
 
 

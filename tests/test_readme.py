@@ -54,6 +54,8 @@ def test_the_python_runs_as_shown(tmp_path):
 
 
 def test_pictures_shown_exist():
-    for picture in re.findall(r"!\[.*?\]\((.*?)\)", README):
+    pictures = re.findall(r"!\[.*?\]\((.*?)\)", README)
+    assert pictures
+    for picture in pictures:
         start = {".png": b"\x89PNG", ".gif": b"GIF89a"}[Path(picture).suffix]
         assert (ROOT / picture).read_bytes().startswith(start)

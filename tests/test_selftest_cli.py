@@ -42,7 +42,8 @@ def test_json_holds_every_check_with_its_reason():
 
 
 def test_quiet_prints_nothing():
-    assert call("--only", "jamming: one impact", "--quiet").output == ""
+    result = call("--only", "jamming: one impact", "--quiet")
+    assert (result.exit_code, result.output) == (0, "")
 
 
 @pytest.mark.parametrize("value", [2.0, math.nan, math.inf])
@@ -68,7 +69,10 @@ def test_a_case_that_raises_is_a_failed_case_with_its_message(monkeypatch):
 
 def test_a_case_that_checks_nothing_fails(monkeypatch):
     only(monkeypatch, lambda model, method: iter([]))
-    assert call().exit_code == 1
+    result = call()
+    assert result.exit_code == 1
+    assert "it checked nothing" in result.stdout
+    assert "0 runs hold, 1 fail" in result.stdout
 
 
 def test_ctrl_c_shows_what_is_done(monkeypatch):

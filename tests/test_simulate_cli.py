@@ -62,8 +62,17 @@ def test_overrides_reach_the_scene(run):
     calm = json.loads(run("simulate", "--gamma", "0.5", *SHORT, "--json").stdout)
     assert calm["contact_fraction"] > 0.99
     assert abs(calm["speed_mm_s"]) < 1.0
-    fine = run("simulate", "--step", "10", "--seed", "5", "--frequency", "80", *SHORT, "--json")
-    assert json.loads(fine.stdout)["runs"] == 2
+    told = run("simulate", "--frequency", "80", *SHORT).stdout
+    assert "80 Hz, 1.8 g, 35.1 mm/s" in told  # 1.8 g / (2 pi 80 Hz)
+    smooth = json.loads(run("simulate", "--friction", "0", *SHORT, "--json").stdout)
+    power = smooth["energies_per_s"]
+    assert power["friction"] < 1e-3 * power["impacts"]  # what time steps leave of none
+    assert smooth["type_fractions"]["sticking"] == 0.0
+    speeds = [
+        json.loads(run("simulate", *words, *SHORT, "--json").stdout)["speed_mm_s"]
+        for words in ((), ("--step", "30"), ("--step", "10"))
+    ]
+    assert speeds[0] == speeds[1] != speeds[2]
 
 
 def test_same_seed_same_numbers(run):
@@ -150,4 +159,5 @@ def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
     result = run("simulate", *words)
     assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
     assert hint in str(result.exception)
+    assert len(str(result.exception).splitlines()) == 1
     assert [path.name for path in tmp_path.iterdir()] == ["file"]

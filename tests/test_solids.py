@@ -1,5 +1,7 @@
 """Every printable mesh is one closed body, outward, of the right genus and volume."""
 
+import re
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -94,6 +96,7 @@ def test_any_design_is_sound_or_refused_with_a_reason(body, legs, brace, tilt, k
     }  # fmt: skip
     try:
         design = Design.model_validate(data)
-    except GeometryError:
+    except GeometryError as refusal:
+        assert all(re.match(r"legs\.\w+ = .+: .+", line) for line in str(refusal).splitlines())
         return
     check_sound(design)
