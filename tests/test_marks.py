@@ -4,9 +4,9 @@ import itertools
 
 import numpy as np
 import pytest
+import soundness
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from test_solids import check_sound
 
 from walkergen import prediction
 from walkergen.errors import GeometryError
@@ -74,7 +74,7 @@ def test_marked_families_are_sound(kind, name):
     design = templates.load(name, "walkers", Design)
     design = design.model_copy(update={"marks": marks.Marks(kind=kind)})
     for member in design.members():
-        check_sound(member)
+        soundness.check(member)
 
 
 @settings(max_examples=150, deadline=None, derandomize=True)
@@ -98,7 +98,7 @@ def test_any_marked_design_is_sound_or_refused(kind, body, line, depth, tilt, le
         design = Design.model_validate(data)
     except GeometryError:
         return
-    built = check_sound(design)
+    built = soundness.check(design)
     plain = mass.weigh(solids.build(design.unmarked).body, 1.0).volume
     rectangles, deep = cut(design)
     removed = deep * moments(rectangles)[0]
@@ -163,7 +163,7 @@ def test_marks_that_do_not_fit_are_refused_with_what_would(kind, changes, told):
 def test_the_limits_that_a_refusal_names_are_buildable():
     for kind, line in (("digits", 3.0 / 7.0 - 1e-9), ("notches", 28.0 / 34.0 - 1e-9)):
         for member in marked(kind, line_mm=line, depth_mm=1.0).members():
-            check_sound(member)
+            soundness.check(member)
 
 
 def test_a_refusal_names_the_line_of_the_file(tmp_path):

@@ -4,11 +4,11 @@ import io
 import time
 import xml.etree.ElementTree as ElementTree
 import zipfile
-from typing import NamedTuple
 
 import lib3mf
 import numpy as np
 import pytest
+import threemf
 import trimesh
 
 from walkergen.errors import SolidError
@@ -42,50 +42,6 @@ def prism(shift: tuple[float, float, float] = (0.0, 0.0, 0.0), height: float = 3
     )
     vertices = np.concatenate([floor, floor + np.array([0.0, 0.0, height])]) + shift
     return Mesh(vertices, np.concatenate([bottom[:, ::-1], bottom + count, walls]))
-
-
-class ReadItem(NamedTuple):
-    """A build item of a 3MF file as lib3mf reads it."""
-
-    part_number: str
-    moved: tuple[float, ...]
-    low: tuple[float, ...]
-    high: tuple[float, ...]
-
-
-class ReadFile(NamedTuple):
-    """What lib3mf reads in a 3MF file; plain data, because its items die with their model."""
-
-    unit: lib3mf.ModelUnit
-    metadata: dict[str, str]
-    names: list[str]
-    sound: bool
-    items: list[ReadItem]
-    identifiers: list[str]
-
-
-def read_3mf(data: bytes) -> ReadFile:
-    model = lib3mf.get_wrapper().CreateModel()
-    reader = model.QueryReader("3mf")
-    reader.SetStrictModeActive(True)
-    reader.ReadFromBuffer(data)
-    assert reader.GetWarningCount() == 0
-    group, objects, items = model.GetMetaDataGroup(), model.GetMeshObjects(), model.GetBuildItems()
-    pairs = [group.GetMetaData(index) for index in range(group.GetMetaDataCount())]
-    metadata = {pair.GetName(): pair.GetValue() for pair in pairs}
-    read = ReadFile(model.GetUnit(), metadata, [], True, [], [model.GetBuildUUID()[1]])
-    while objects.MoveNext():
-        one = objects.GetCurrentMeshObject()
-        read.names.append(one.GetName())
-        read.identifiers.append(one.GetUUID()[1])
-        read = read._replace(sound=read.sound and one.IsManifoldAndOriented())
-    while items.MoveNext():
-        one = items.GetCurrent()
-        box, moved = one.GetOutbox(), tuple(one.GetObjectTransform().Fields[3])
-        low, high = tuple(box.MinCoordinate), tuple(box.MaxCoordinate)
-        read.items.append(ReadItem(one.GetPartNumber(), moved, low, high))
-        read.identifiers.append(one.GetUUID()[1])
-    return read
 
 
 def read_stl(data: bytes) -> trimesh.Trimesh:
@@ -151,7 +107,7 @@ def test_equal_meshes_give_equal_stl_whatever_their_memory_layout() -> None:
 def test_3mf_is_read_back_by_lib3mf() -> None:
     solids = [Solid("long", prism(shift=(5.0, -9.0, 2.0))), Solid("tall", prism(height=4.0))]
     items = [Item(0, "long-1", 10.0, 20.0), Item(1, "tall-1", 0.5, 0.25), Item(0, "long-2", 7, 8)]
-    read = read_3mf(export.threemf_bytes(solids, items, "two shapes"))
+    read = threemf.read(export.threemf_bytes(solids, items, "two shapes"))
     assert read.unit == lib3mf.ModelUnit.MilliMeter
     assert read.metadata == {"Title": "two shapes", "Application": "walkergen"}
     assert read.names == ["long", "tall"]
@@ -177,7 +133,7 @@ def test_3mf_is_read_back_by_trimesh() -> None:
 
 
 def test_one_part_stands_at_the_origin_of_its_file() -> None:
-    (item,) = read_3mf(export.part_3mf(prism(shift=(-50.0, -60.0, -70.0)), "L")).items
+    (item,) = threemf.read(export.part_3mf(prism(shift=(-50.0, -60.0, -70.0)), "L")).items
     assert item.low == (0.0, 0.0, 0.0)
     assert item.part_number == "L"
 
@@ -185,14 +141,14 @@ def test_one_part_stands_at_the_origin_of_its_file() -> None:
 def test_identifiers_differ_within_a_file() -> None:
     solids = [Solid("same", prism()), Solid("same", prism(height=2.0))]
     items = [Item(index % 2, "same", 10.0 * index, 0.0) for index in range(6)]
-    found = read_3mf(export.threemf_bytes(solids, items, "same")).identifiers
+    found = threemf.read(export.threemf_bytes(solids, items, "same")).identifiers
     assert len(set(found)) == len(found) == 1 + 2 + 6
 
 
 def test_plates_of_one_title_are_different_builds() -> None:
     solids = [Solid("L", prism())]
     files = [export.threemf_bytes(solids, [Item(0, f"L-{k}", 0.0, 0.0)], "t") for k in (1, 2)]
-    first, second = (read_3mf(data).identifiers[0] for data in files)
+    first, second = (threemf.read(data).identifiers[0] for data in files)
     assert first != second
 
 
@@ -241,7 +197,7 @@ def test_hostile_names_stay_text(name: str) -> None:
     assert all(seen in (meant, "_") for seen, meant in zip(read, name, strict=True))
     if name.isprintable():
         assert read == name
-    read_3mf(data)
+    threemf.read(data)
 
 
 def test_a_mesh_that_lib3mf_refuses_is_named() -> None:
@@ -259,7 +215,7 @@ def test_a_plate_file_holds_each_part_at_its_place_on_the_bed(origin: str) -> No
     meshes = [prism(shift=(-3.0, 7.0, -2.0)), prism(shift=(100.0, 0.0, 5.0), height=4.0)]
     parts = [Part.of("short", meshes[0], 3), Part.of("tall", meshes[1], 2)]
     (one,) = plate.pack(parts, printer)
-    read = read_3mf(plate.plate_3mf(one, parts, meshes, printer, "plate 1"))
+    read = threemf.read(plate.plate_3mf(one, parts, meshes, printer, "plate 1"))
     copies = ["short-1", "short-2", "short-3", "tall-1", "tall-2"]
     assert [item.part_number for item in read.items] == copies
     assert read.names == ["short", "tall"]
@@ -282,4 +238,4 @@ def test_a_plate_file_holds_only_the_parts_on_that_plate() -> None:
         (full.placements, ["first", "second"]),
     ]:
         data = plate.plate_3mf(plate.Plate(placements), parts, [mesh, mesh], MK3S, "")
-        assert read_3mf(data).names == names
+        assert threemf.read(data).names == names

@@ -1,0 +1,23 @@
+"""What makes a walker's solid sound: one closed body, outward, with its windows and no other."""
+
+import pytest
+
+from walkergen.walker import mass, solids
+
+
+def check(design):
+    """Build a design, check its walker, and return what was built."""
+    built = solids.build(design)
+    mesh = solids.to_trimesh(built.walker)
+    assert mesh.is_watertight
+    assert mesh.is_winding_consistent
+    assert mesh.body_count == 1
+    assert mesh.volume > 0
+    genus = 1 - mesh.euler_number // 2
+    assert genus == (2 if solids.has_window(design) else 0)
+    parts = [mass.weigh(part, 1.0).volume for part in built]
+    # The union neither loses nor doubles anything: coordinates carry 16 digits.
+    assert parts[0] == pytest.approx(parts[1] + 2 * parts[2], rel=1e-12)
+    z = built.walker.vertices[:, 2]
+    assert (z.min(), z.max()) == (0.0, design.body.depth_mm)
+    return built
