@@ -7,21 +7,18 @@ import pytest
 from scipy.optimize import brentq
 
 from walkergen.errors import TheoryError
+from walkergen.jobs.selftest import scenes
 from walkergen.theory.impact import Kind, Law, resolve
 from walkergen.theory.speed import LAWS, factor, factors
 from walkergen.theory.tensors import InverseMass, feet
+from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 
 def ideal(tilt_deg, m_over_M=None):
-    """The paper's idealised walker: thin uniform legs (docs/physics.md section 1)."""
-    tilt, density = np.radians(tilt_deg), 1.24e-3
-    M = 28 * 8 * 3 * density
-    m = 7.5 * 0.4 * 8 * density if m_over_M is None else m_over_M * M
-    c = 3.75 * np.array([-np.sin(tilt), -np.cos(tilt)])
-    a = np.array([-6.5 + 7.5 * np.sin(tilt), -1.5])
-    b = a + np.array([13.0, 0.0])
-    return MassProperties(M, M * (28**2 + 3**2) / 12, m, m * 7.5**2 / 12, a, b, c, c, False)
+    """The paper's idealised walker: thin uniform legs (physics.md section 1)."""
+    design = Design().variant(tilt_deg=tilt_deg)
+    return scenes.masses(design, None if m_over_M is None else m_over_M * scenes.masses(design).M)
 
 
 @pytest.mark.parametrize(
