@@ -1,4 +1,4 @@
-.PHONY: check test nightly bench
+.PHONY: check quick test nightly bench
 PYTHON ?= .venv/bin/python
 
 check:
@@ -6,6 +6,9 @@ check:
 	$(PYTHON) -m ruff format --check .
 	$(PYTHON) -m mypy
 	$(PYTHON) -c "from importlinter.cli import lint_imports_command; lint_imports_command()"
+
+quick:
+	$(PYTHON) -m pytest -m "not nightly and not slow and not programs"
 
 test:
 	$(PYTHON) -m pytest

@@ -1,6 +1,7 @@
 """Movies: what is drawn is what was simulated and what is printed."""
 
 import json
+import os
 import shutil
 import subprocess
 from functools import cache
@@ -26,7 +27,7 @@ from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 SCENE = templates.load("lane-90hz", "scenes", Scene)
-FFMPEG = pytest.mark.skipif(shutil.which("ffmpeg") is None, reason="ffmpeg is not installed")
+WITHOUT_FFMPEG = shutil.which("ffmpeg") is None and os.environ.get("CI") != "true"
 
 
 def silent(what, done, total):
@@ -208,9 +209,11 @@ def test_a_race_shows_every_walker_in_its_lane(tmp_path):
     assert wide[0] == pytest.approx(wide[1], abs=2)
 
 
-@FFMPEG
+@pytest.mark.programs
+@pytest.mark.skipif(WITHOUT_FFMPEG, reason="ffmpeg is not installed")
 def test_an_mp4_has_the_frames_of_the_gif(short, tmp_path):
     made = movie.make(short, tmp_path / "a.gif", silent)
+    assert made.mp4 is not None, made.without_mp4
     words = ["ffmpeg", "-loglevel", "error", "-i", str(made.mp4), "-f", "rawvideo",
              "-pix_fmt", "rgb24", "-"]  # fmt: skip
     raw = subprocess.run(words, capture_output=True, check=True).stdout

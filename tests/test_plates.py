@@ -262,6 +262,7 @@ def test_a_file_for_prusaslicer_holds_the_same_parts():
 
 
 @pytest.mark.slow
+@pytest.mark.programs
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)
 def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
     """Label `copy k` is copy k + 1 of the map, where the map says, and each part is one object."""

@@ -25,7 +25,7 @@ from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
 
-pytestmark = pytest.mark.slow
+pytestmark = [pytest.mark.slow, pytest.mark.programs]
 
 IN_CI = os.environ.get("CI") == "true"
 PRINTERS = ["prusa-mk3s", "ender3", "replicator2x"]  # classic, arachne, origin in the middle
