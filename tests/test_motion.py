@@ -27,6 +27,7 @@ def truth(walker):
     }
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize(
     ("particles", "seconds", "headed"), [(1, 60.0, True), (1, 60.0, False), (16, 12.0, False)]
 )
