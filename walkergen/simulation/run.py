@@ -38,7 +38,7 @@ class Outcome(Enum):
     FOLDED = "leg folded"
     LEFT = "left the lane"
     RUNAWAY = "energy without bound"
-    """Impacts of relaxed legs gain energy where H_rigid > H_flexible (docs/physics.md section 5)."""
+    """Impacts of relaxed legs gain energy: H_rigid > H_flexible (docs/physics.md section 5)."""
     ENERGY = "energy error"
     """More energy unaccounted for than scene.run.energy_tolerance allows."""
     FAILED = "no convergence"
