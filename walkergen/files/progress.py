@@ -4,3 +4,11 @@ from collections.abc import Callable
 
 Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many steps are done, and of how many."""
+
+
+def part(progress: Progress, number: int, count: int, title: str = "") -> Progress:
+    """Progress of a part, the `number`-th (from 0) of `count` equal ones, as a share of the whole.
+
+    A title stands in place of what the part says it does.
+    """
+    return lambda what, done, total: progress(title or what, number * total + done, count * total)

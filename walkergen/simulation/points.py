@@ -14,7 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen import __version__
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
@@ -91,11 +91,7 @@ def each(
             yield task.result()
         return
     for number, one in enumerate(asked):
-
-        def told(_: str, done: int, total: int, number: int = number) -> None:
-            progress(titles[number], number * total + done, len(asked) * total)
-
-        point = measure(one, told)
+        point = measure(one, part(progress, number, len(asked), titles[number]))
         if point.summary.runs < one.scene.run.runs:
             raise KeyboardInterrupt
         yield point

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import output
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
 from walkergen.jobs.accuracy import choose, kept, models, shape, statistics, steps
 from walkergen.jobs.accuracy import tables as ladders
@@ -60,12 +60,8 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     done: list[Ladder] = []
     for place, name in enumerate(job.only):
-
-        def told(what: str, at: int, of: int, place: int = place, name: str = name) -> None:
-            progress(f"{name}: {what}", place * of + at, len(job.only) * of)
-
         for measure in LADDERS[name]:
-            done.append(measure(survey, told))
+            done.append(measure(survey, part(progress, place, len(job.only))))
             _write(done[-1], folder)
         if survey.known:
             kept.remember(survey)

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, part
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.simulation.effects.effect import ModelName
@@ -158,11 +158,8 @@ class Survey:
         """Measure the settings that are not known yet; returns all of them in their order."""
         for place, setting in enumerate(settings):
             if setting not in self.known:
-
-                def told(what: str, done: int, total: int, place: int = place) -> None:
-                    progress(what, place * total + done, len(settings) * total)
-
-                self.known[setting] = self._measured(setting, told)
+                own = part(progress, place, len(settings))
+                self.known[setting] = self._measured(setting, own)
         return [self.known[setting] for setting in settings]
 
     def ensemble(

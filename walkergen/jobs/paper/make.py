@@ -32,8 +32,8 @@ SECONDS, RUNS, FEWEST_RUNS = 8.0, 8, 8
 the spread of independent runs."""
 
 LOW_RESTITUTION = 0.3
-"""Restitution of the foot alone with which the compliant walker has the experiment's speeds: the
-measured restitution describes the bounce of the whole structure, springs included."""
+"""Restitution of the foot with which the compliant walker in its plane has the experiment's speeds:
+chosen for that, not measured."""
 
 
 class Job(NamedTuple):

@@ -45,10 +45,10 @@ def yaw_and_roll(case: Case) -> Effect:
 
 
 def lane_walls(case: Case) -> Effect:
-    """Walls of a lane."""
+    """Walls of a lane, which need yaw."""
     return Effect("lane walls", False, 0.0, "needs yaw", LANE, "")
 
 
 def neighbours(case: Case) -> Effect:
-    """Other walkers."""
+    """Neighbours on the plate, which need a plane."""
     return Effect("neighbours", False, 0.0, "other walkers", "one walker alone", "")
