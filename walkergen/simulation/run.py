@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.numerics import kernels
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.world import FAILED, FOLDED, INSIDE, OK, RUNAWAY, TOPPLED
@@ -101,9 +102,10 @@ def simulate(
     state = plan.start(drive.amplitude * clearance, FIRST_PITCH * pitch, phase)
     outcome = Outcome.OK
     if run.discard_seconds > 0:
-        outcome = _advance(plan, state, run.discard_seconds, record.new(len(state)))
+        outcome = _advancer(plan, state, record.new(len(state)))(run.discard_seconds)
 
     tally = record.new(len(state), run.seconds, sample_interval, event_room)
+    advance = _advancer(plan, state, tally)
     blocks = round(run.seconds / (PERIODS_PER_BLOCK * drive.period))
     blocks = min(max(blocks, 1), MOST_BLOCKS)
     block = run.seconds / blocks
@@ -114,7 +116,7 @@ def simulate(
         if stopped():
             outcome = Outcome.STOPPED
             break
-        outcome = _advance(plan, state, block, tally)
+        outcome = advance(block)
         done += 1
         places[done] = plan.model.pose(state)[0]
 
@@ -154,11 +156,16 @@ def impacts_of(result: RunResult) -> Array:
     return np.asarray(events.rows[: events.cursor[0]])
 
 
-def _advance(plan: Plan, state: Array, duration: float, tally: record.Tally) -> Outcome:
-    status = plan.advance(state, duration, tally)
-    if status != OK:
-        return ENDS[status]
+def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
+    """What advances a state by so many seconds and says how that ended."""
+    code = kernels.entry(plan.model.advance, plan.world, state, 1.0, tally)
     length = plan.scene.arena.length_mm
-    if length is not None and abs(plan.model.pose(state)[0]) > 0.5 * length:
-        return Outcome.LEFT
-    return Outcome.OK
+
+    def advance(seconds: float) -> Outcome:
+        status = code(plan.world, state, seconds, tally)
+        if status != OK:
+            return ENDS[status]
+        left = length is not None and abs(plan.model.pose(state)[0]) > 0.5 * length
+        return Outcome.LEFT if left else Outcome.OK
+
+    return advance
