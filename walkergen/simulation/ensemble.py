@@ -13,7 +13,6 @@ from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
@@ -27,8 +26,6 @@ from walkergen.simulation.run import (
     simulate,
     with_impacts,
 )
-
-Array = npt.NDArray[np.float64]
 
 FEWEST_RUNS = 8
 """From this many runs on, their spread gives the standard error; below, the blocks of each run."""

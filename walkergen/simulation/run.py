@@ -24,7 +24,6 @@ FIRST_PITCH = 1e-3
 PERIODS_PER_BLOCK = 4
 """A block, in periods of the drive: the time resolution of the speed's statistics."""
 
-
 FIRST_ROOM = 64
 """Impacts in a period for which there is room at first, when all are kept."""
 

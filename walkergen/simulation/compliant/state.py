@@ -9,7 +9,6 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
@@ -24,8 +23,6 @@ from walkergen.simulation.world import (
 )
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
-
-Array = npt.NDArray[np.float64]
 
 
 class Swing(NamedTuple):
@@ -145,10 +142,7 @@ def start(world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0
     cos, sin = math.cos(pitch), math.sin(pitch)
     lower = min(
         sin * (anchor_x + walker.reach_x) + cos * (anchor_y + walker.reach_y)
-        for anchor_x, anchor_y in (
-            (walker.back_x, walker.back_y),
-            (walker.front_x, walker.front_y),
-        )
+        for anchor_x, anchor_y in ((walker.back_x, walker.back_y), (walker.front_x, walker.front_y))
     )
     state[Y] = height(world.drive, phase) + clearance - lower
     return state

@@ -17,7 +17,7 @@ from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import Tally, next_sample, take_sample
 from walkergen.simulation.relaxed.contact import land
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
-from walkergen.simulation.relaxed.rocking import FIRST, closed_foot, end_of_step, new_stages, rock
+from walkergen.simulation.relaxed.rocking import COLUMNS, FIRST, closed_foot, end_of_step, rock
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_SIZE, TRIAL_WORK, lever
 from walkergen.simulation.relaxed.sustained import (
     BREAK,
@@ -70,7 +70,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
     if not _lift_out(world, state):
         return INSIDE
     began, t, at_once = tally.sums[record.ELAPSED], 0.0, 0
-    trial, stages = np.zeros(TRIAL_SIZE), new_stages()
+    trial, stages = np.zeros(TRIAL_SIZE), np.zeros((7, COLUMNS))
     trial[:RIGID_SIZE] = state
     step = FIRST * TWO_PI / world.drive.omega
     status, running = OK, True

@@ -34,14 +34,8 @@ from walkergen.simulation.world import (
 # Tolerated error of a step, in gap tolerances; longest and first step, in periods of the drive.
 TOLERANCE, LONGEST, FIRST = 50.0, 1 / 16, 1 / 128
 MOST_TRIALS, MOST_HALVINGS = 60, 200
-# Columns of the integration: x, pitch, v_x, Omega, work of the plate, loss to friction.
+# Columns of `stages`, a row per stage: slopes of x, pitch, v_x, Omega, plate work, friction loss.
 COLUMNS = 6
-
-
-@kernel
-def new_stages():
-    """Work space of the integrator: one row of derivatives per stage."""
-    return np.zeros((7, COLUMNS))
 
 
 @kernel

@@ -281,10 +281,7 @@ def _stopping_time(world, state, limit):
     slip, mu = direction(int(state[MODE_BACK])), world.contact.friction
     g_x, g_y = slip * along(world.acting), across(world.acting)
     v_p, bound = velocity(world.drive, state[PHASE]), mu * derivative_bound(world.drive, 3)
-    t, instant = (
-        0.0,
-        1e-12 / world.drive.omega,
-    )  # a break-away may have been located so much too early
+    t, instant = 0.0, 1e-12 / world.drive.omega  # a break-away may be located so much too early
     for _ in range(MOST_STEPS):
         phase = state[PHASE] + world.drive.omega * t
         speed = slip * state[V_X] + (g_x - mu * g_y) * t - mu * (velocity(world.drive, phase) - v_p)
