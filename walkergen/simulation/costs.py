@@ -1,4 +1,4 @@
-"""What the effects of a scene cost: measured, each against the same scene without it."""
+"""Cost of each effect of a scene: CPU time against that of the same scene without it."""
 
 import time
 from typing import NamedTuple
@@ -11,13 +11,13 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 MEASURED_S = 2.0
-"""Simulated seconds of each measurement."""
+"""Simulated time of one measurement, s."""
 
 REPEATS = 3
 
 
 class Explained(NamedTuple):
-    """One effect as `explain` shows it."""
+    """Row of `explain`: the fields of an `Effect`, and its cost."""
 
     effect: str
     on: bool
@@ -26,13 +26,13 @@ class Explained(NamedTuple):
     reason: str
     switch: str
     cost: float | None
-    """CPU time with the effect over that without it; None when off, unmeasured or not separable."""
+    """CPU time with the effect over that without it; None: off, unmeasured or without a switch."""
 
 
 def explain(
     plan: Plan, design: Design, mass: MassProperties, measured: bool, progress: Progress
 ) -> list[Explained]:
-    """Every effect with its verdict; with `measured`, those that can be switched off are timed."""
+    """Rows for all effects of a plan; `measured` times those that are on and have a switch."""
     effects = plan.resolved.effects
     whole = cpu_per_second(plan) if measured else None
     rows = []

@@ -1,7 +1,6 @@
 """The drive: a plate at height A sin(phase), phase = omega t, with a second harmonic if called for.
 
-The phase is kept in 0..2 pi and never the absolute time, so that a run of 1e5 s still resolves
-1e-9 s.
+The phase is kept, in 0..2 pi, and not the absolute time: a run of 1e5 s still resolves 1e-9 s.
 """
 
 import math
@@ -28,26 +27,26 @@ class Drive(NamedTuple):
 
     @property
     def period(self) -> float:
-        """Period, s."""
+        """Period of the fundamental, s."""
         return TWO_PI / self.omega
 
 
 @kernel
 def height(drive: Drive, phase: float) -> float:
-    """Height of the plate's surface, mm."""
+    """Height of the plate's surface at a phase (rad), mm."""
     return drive.amplitude * (math.sin(phase) + _height(drive.harmonic, phase))
 
 
 @kernel
 def velocity(drive: Drive, phase: float) -> float:
-    """Vertical velocity of the plate, mm/s."""
+    """Vertical velocity of the plate at a phase (rad), mm/s."""
     both = math.cos(phase) + _velocity(drive.harmonic, phase)
     return drive.amplitude * drive.omega * both
 
 
 @kernel
 def acceleration(drive: Drive, phase: float) -> float:
-    """Vertical acceleration of the plate, mm/s^2."""
+    """Vertical acceleration of the plate at a phase (rad), mm/s^2."""
     both = _acceleration(drive.harmonic, phase) - math.sin(phase)
     return drive.amplitude * drive.omega * drive.omega * both
 

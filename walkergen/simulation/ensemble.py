@@ -1,7 +1,7 @@
 """Many independent runs of a plan: threads, seeds, and the statistics of their mean speed.
 
-Runs differ by the drive's phase and the height of the drop, drawn from a stream of their own
-(seed, number): the first n of N runs equal a run of n, and any number of threads gives equal bits.
+Runs differ by height, pitch and phase of the drop, which each draws from its own random stream
+(seed, number): the first n of N runs equal an ensemble of n, to the bit, on any number of threads.
 """
 
 import math
@@ -28,40 +28,40 @@ from walkergen.simulation.run import (
 )
 
 FEWEST_RUNS = 8
-"""From this many runs on, their spread gives the standard error; below, the blocks of each run."""
+"""Number of runs whose spread gives the standard error; with fewer, the blocks of the runs do."""
 
 
 class Summary(NamedTuple):
-    """Statistics of an ensemble; every mean is over the runs that ended well."""
+    """Statistics of an ensemble: speeds over the runs that ended well, all else over every run."""
 
     runs: int
     simulated_s: float
     cpu_s: float
     wall_s: float
     speed_mm_s: float | None
-    """None when no run ended well."""
+    """Mean speed; None when no run ended well."""
     speed_se_mm_s: float | None
     """Standard error; None when the data are too few (then `outcomes` says so)."""
     correlation_time_s: float | None
     """Integrated autocorrelation time of the speed."""
     impacts_per_s: float
     type_fractions: dict[str, float]
-    """Share of each impact type, and "sticking" (of those in which a foot sticks)."""
+    """Share of each type of impact, and "sticking": share in which a foot sticks."""
     contact_fraction: float
     max_pitch_deg: float
     energy_error: float
-    """Largest share of the exchanged energy unaccounted for, over the runs."""
+    """Largest energy error (`record.energy_error`) of a run."""
     energies_per_s: dict[str, float]
-    """Mean power in g mm^2/s^3 (nW): from the plate, lost to impacts, friction and damping."""
+    """Mean powers in g mm^2/s^3 (nW): from the plate, lost to impacts, friction and damping."""
     outcomes: dict[str, int]
 
 
 def run(
     plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs, sorted by number; with `impacts` each keeps all of its own.
+    """Simulate scene.run.runs runs, sorted by number; with `impacts` each keeps all its impacts.
 
-    Ctrl-C stops the runs under way and returns those that are finished (an empty list raises).
+    Ctrl-C stops the runs under way and returns the finished runs; without any it is raised again.
     """
     count, one = plan.scene.run.runs, with_impacts if impacts else simulate
     stop: list[bool] = []
@@ -84,7 +84,7 @@ def run(
 
 
 def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
-    """Mean speed with its standard error, and everything else a user asks of an ensemble."""
+    """Statistics of finished runs, which together took `wall_s` seconds."""
     outcomes = Counter(result.outcome.value for result in results)
     good = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in good])
@@ -124,7 +124,7 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:
-    """Integrated autocorrelation time of the block speeds (s); None without enough blocks."""
+    """Integrated autocorrelation time of the block speeds (s); None when blocks are too few."""
     if not results:
         return None
     series = [result.block_speeds for result in results]
@@ -134,8 +134,8 @@ def correlation_time(results: Sequence[RunResult]) -> float | None:
 def standard_error(results: Sequence[RunResult], correlation: float | None) -> float | None:
     """Standard error of the mean speed, mm/s; None when there are too few independent samples.
 
-    From the spread of independent runs when there are enough of them; otherwise from the blocks
-    within the runs, of which each correlation time pair gives one independent sample.
+    From the spread of the runs when they are at least `FEWEST_RUNS`; otherwise from their blocks,
+    of which every two correlation times give an independent sample.
     """
     speeds = np.array([result.speed for result in results])
     if len(speeds) >= FEWEST_RUNS:
@@ -149,7 +149,7 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
 def measure(
     plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
 ) -> tuple[Summary, list[RunResult]]:
-    """Run an ensemble and summarise it; compilation is not part of its time."""
+    """Run an ensemble and summarise it; its wall time leaves out compilation."""
     progress("compiling (slow the first time only)", 0, plan.scene.run.runs)
     compile_kernels(plan)
     started = time.perf_counter()

@@ -1,4 +1,4 @@
-"""The seam: a model with a method is a handful of functions under names that all models share."""
+"""Seam between models and runs: a model is a few functions under names that all models share."""
 
 from collections.abc import Callable
 from typing import NamedTuple
@@ -25,24 +25,24 @@ class Model(NamedTuple):
     energy: Callable[[World, State], float]
     """Mechanical energy of a state, g mm^2/s^2."""
     feet: Callable[[World, State], Array]
-    """Back and front foot: rows of x (mm), height over the plate (mm), and v_x, v_y over the plate
-    (mm/s)."""
+    """Shape (2, 4), rows back and front foot: x (mm), height over the plate (mm), v_x and v_y
+    over the plate (mm/s)."""
     momentum: Callable[[World, State], float]
     """Momentum of body and legs along the plate, g mm/s."""
     mirrored: Callable[[State], State]
-    """State of the mirror image."""
+    """State of the mirror image, but for the contact modes."""
     pose: Callable[[State], tuple[float, float, float]]
     """Place along x and across it (mm) and heading (rad)."""
     coarser: Callable[[World, float], World]
-    """The world with the method's accuracy so many times coarser."""
+    """coarser(world, factor) -> the world with a step or tolerance `factor` times larger."""
     resting: Callable[[World], float]
     """Speed (mm/s) below which a foot does not rebound."""
     columns: tuple[str, ...]
-    """Names of the state's places that a trajectory shows, from the first on."""
+    """Names, with units, of the leading entries of a state, which a trajectory shows."""
 
 
 class Plan(NamedTuple):
-    """What will be simulated: a scene, what it calls for, and the model in its world."""
+    """Simulation to be run: a scene, what it calls for, and the model with its world."""
 
     scene: Scene
     resolved: Resolved
@@ -50,7 +50,7 @@ class Plan(NamedTuple):
     world: World
 
     def lasting(self, **run: float) -> "Plan":
-        """The same with other seconds, discard_seconds, runs or seed in the scene's [run]."""
+        """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
         changed = self.scene.run.model_copy(update=run)
         return self._replace(scene=self.scene.model_copy(update={"run": changed}))
 
@@ -59,7 +59,7 @@ class Plan(NamedTuple):
         return self.model.start(self.world, clearance, pitch, phase)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
-        """Advance a state in place; returns a status of `world`."""
+        """Advance a state in place by `seconds`; returns a status of `world`."""
         return self.model.advance(self.world, state, seconds, tally)
 
     def energy(self, state: State) -> float:
@@ -67,5 +67,5 @@ class Plan(NamedTuple):
         return float(self.model.energy(self.world, state))
 
     def feet(self, state: State) -> Array:
-        """Back and front foot, as `Model.feet`."""
+        """Places and velocities of the feet, shape (2, 4), as in `Model.feet`."""
         return self.model.feet(self.world, state)

@@ -1,4 +1,4 @@
-"""From a scene, a design and its masses to a plan: the kernels that a run needs, and no others."""
+"""Plans, made of a scene, a design and its masses: the kernels that a run needs, and no others."""
 
 from walkergen.scene import Scene
 from walkergen.simulation.compliant import model as compliant
@@ -15,7 +15,7 @@ from walkergen.walker.mass import MassProperties, as_rigid
 
 
 def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
-    """Resolve the scene's effects and put the walker into its world.
+    """Plan of a scene: its effects resolved, the walker put into its world.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
@@ -33,7 +33,7 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
 
 
 def without(scene: Scene, effect: Effect) -> Scene:
-    """The same scene with an effect off; the method follows where the model changes."""
+    """Scene with `effect` off; where that changes the model, the method becomes 'auto'."""
     simpler = {compliance.NAME: "relaxed", tensor.NAME: "rigid"}.get(effect.name)
     if simpler is None:
         off = {effect.switch.removeprefix("effects."): False}

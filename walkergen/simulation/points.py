@@ -1,4 +1,4 @@
-"""Points: a walker in a scene, simulated; a pure function of its inputs, which a key names.
+"""Points: a walker simulated in a scene, a pure function of inputs that a key names.
 
 Whatever needs a simulated speed asks for a point: families, sweeps, surveys and the command line.
 What is asked and what comes back can be sent to other processes, so that any executor of
@@ -28,7 +28,7 @@ from walkergen.walker.mass import MassProperties
 
 
 class Asked(NamedTuple):
-    """Everything that a point's numbers rest on, apart from the kernels."""
+    """Input of a point: all that its numbers depend on, apart from the kernels."""
 
     scene: Scene
     design: Design
@@ -38,7 +38,7 @@ class Asked(NamedTuple):
 
 
 class Point(NamedTuple):
-    """An ensemble of runs, as the scene's [run] asks for."""
+    """Result of a point: the ensemble of runs that the scene's [run] asks for."""
 
     key: str
     model: ModelName
@@ -49,7 +49,7 @@ class Point(NamedTuple):
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
-    """What a simulation rests on, for keys: no names, and nothing that only the theory reads."""
+    """Inputs of a simulation, for keys: without names and without what only the theory reads."""
     return [
         scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
         design.model_dump(mode="json", exclude={"name", "description", "family"}),
@@ -59,14 +59,14 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 
 
 def key(asked: Asked) -> str:
-    """A name of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
+    """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
     masses = {name: np.asarray(value).tolist() for name, value in asked.mass._asdict().items()}
     text = json.dumps([*facts(asked.scene, asked.design), masses, asked.impacts], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Point:
-    """Simulate a point on so many threads (every core by default); Ctrl-C gives the runs done.
+    """Simulate a point on `threads` threads (None: every core); Ctrl-C gives the runs done.
 
     Any number of threads gives equal bits. Raises InputError where the scene contradicts itself
     or the design, and KeyboardInterrupt when no run was done.
@@ -79,10 +79,10 @@ def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Poi
 def each(
     asked: Sequence[Asked], titles: Sequence[str], progress: Progress, executor: Executor | None
 ) -> Iterator[Point]:
-    """Points in their order; progress goes by their titles.
+    """Points in their order, yielded when done; progress is reported under their titles.
 
-    Without an executor they are simulated one after another, each on every core; with one, each is
-    a task on one thread of its own. Raises KeyboardInterrupt instead of giving half a point.
+    Without an executor points are simulated in turn, each on every core; with it each is a task on
+    a single thread. Raises KeyboardInterrupt rather than yield a point with runs missing.
     """
     if executor is not None:
         tasks = [executor.submit(measure, one, _silent, 1) for one in asked]
@@ -98,4 +98,4 @@ def each(
 
 
 def _silent(what: str, done: int, total: int) -> None:
-    """A progress that says nothing."""
+    """Progress that reports nothing."""

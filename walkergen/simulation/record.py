@@ -1,7 +1,7 @@
-"""What a run keeps: tallies always (constant memory), samples and events only when asked for.
+"""Record of a run: sums and counts always (constant memory), samples and events when asked for.
 
-The arrays are filled in place by the integrators' kernels. `samples` or `events` that are None
-leave nothing in the compiled code.
+The integrators' kernels fill its arrays in place. `samples` or `events` that are None leave nothing
+in the compiled code.
 """
 
 from typing import NamedTuple
@@ -26,18 +26,18 @@ PLATE_WORK, IMPACT_LOSS, FRICTION_LOSS, DAMPING_LOSS = 3, 4, 5, 6
 
 
 class Samples(NamedTuple):
-    """States at a fixed interval: rows of (t, state...)."""
+    """States at a fixed interval: rows of (t in s, state...)."""
 
     rows: Array
     """Shape (n, 1 + size of the state)."""
     cursor: Counts
     """Shape (1,): rows filled so far; full arrays stop filling."""
     interval: float
-    """s"""
+    """Time between samples, s."""
 
 
 class Events(NamedTuple):
-    """Every impact: rows of (t, foot 0 back / 1 front, F_x, F_y, v_x, v_y before, kind)."""
+    """Impacts: rows of t (s), foot (0 back, 1 front), F_x, F_y (g mm/s), v_x, v_y before, kind."""
 
     rows: Array
     """Shape (n, 7)."""
@@ -45,14 +45,13 @@ class Events(NamedTuple):
 
 
 class Tally(NamedTuple):
-    """The record of one run."""
+    """Record of one run."""
 
     counts: Counts
     """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
     sums: Array
-    """Shape (7,): elapsed time s, time with a foot in contact s, largest |pitch| rad; energies in
-    g mm^2/s^2: work done by the plate, and lost to impacts, to friction in sustained contact, to
-    damping in the legs (losses positive)."""
+    """Shape (7,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
+    of the plate, losses (positive) to impacts, friction in lasting contact, damping and drag."""
     samples: Samples | None
     events: Events | None
 
@@ -63,7 +62,7 @@ def new(
     sample_interval: float | None = None,
     event_room: int | None = None,
 ) -> Tally:
-    """An empty record; `duration` (s) sizes the samples, `event_room` the events."""
+    """Empty record; `duration` (s) sizes the samples, `event_room` the events; None: not kept."""
     samples = events = None
     if sample_interval is not None:
         room = int(duration / sample_interval + 1e-9) + 2
@@ -74,9 +73,9 @@ def new(
 
 
 def energy_error(sums: Array, gained: float, before: float) -> float:
-    """Energy that the sums of a tally leave unaccounted for, over the energy exchanged.
+    """Energy that the `sums` of a tally leave unaccounted for, over the energy exchanged.
 
-    A motion started with the energy `before` and has `gained` so much (g mm^2/s^2).
+    The motion began with the energy `before` and has gained the energy `gained` (g mm^2/s^2).
     """
     work = sums[PLATE_WORK]
     losses = sums[IMPACT_LOSS] + sums[FRICTION_LOSS] + sums[DAMPING_LOSS]
@@ -86,13 +85,13 @@ def energy_error(sums: Array, gained: float, before: float) -> float:
 
 @kernel
 def row_of(kind: int) -> int:
-    """Row of `Tally.counts` of a type of impact."""
+    """Row of `Tally.counts` for a type of impact (`impact.Kind`)."""
     return kind if kind >= 0 else TYPE_IV - kind
 
 
 @kernel
 def tally_impact(counts, kind, sticks):
-    """Count one impact by its type."""
+    """Count one impact by its type, and whether its foot sticks."""
     counts[IMPACTS] += 1
     counts[row_of(kind)] += 1
     if sticks:
@@ -117,7 +116,7 @@ def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
 
 @kernel
 def next_sample(samples):
-    """Time (s, since the start) of the next sample to take; infinity when none is wanted."""
+    """Time (s, since the record began) of the next sample; infinity when none is wanted."""
     if samples is None:
         return np.inf
     if samples.cursor[0] >= samples.rows.shape[0]:
@@ -127,7 +126,7 @@ def next_sample(samples):
 
 @kernel
 def take_sample(samples, t, state):
-    """Append a state to the samples, if they are kept."""
+    """Append a state at time t (s) to the samples, if they are kept."""
     if samples is not None:
         row = samples.cursor[0]
         samples.rows[row, 0] = t

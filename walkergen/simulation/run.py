@@ -16,16 +16,16 @@ from walkergen.simulation.world import FAILED, FOLDED, INSIDE, OK, RUNAWAY, TOPP
 Array = npt.NDArray[np.float64]
 
 MOST_BLOCKS = 100_000
-"""Longer runs have longer blocks: memory stays the same for any duration."""
+"""Largest number of blocks: longer runs have longer blocks, which bounds the memory."""
 
 FIRST_PITCH = 1e-3
 """Largest pitch of the first drop, rad: enough to leave the unstable level motion."""
 
 PERIODS_PER_BLOCK = 4
-"""A block, in periods of the drive: the time resolution of the speed's statistics."""
+"""Length of a block in periods of the drive: the time resolution of the speed's statistics."""
 
 FIRST_ROOM = 64
-"""Impacts in a period for which there is room at first, when all are kept."""
+"""Impacts per period of the drive for which there is room at first, when all are kept."""
 
 
 class Outcome(Enum):
@@ -56,17 +56,17 @@ ENDS = {
 """Outcome of each status of `world` other than OK."""
 
 UNFINISHED = {Outcome.FAILED, Outcome.STOPPED, Outcome.RUNAWAY}
-"""Ends that no energy balance explains; a fall or a folded leg must balance like any motion."""
+"""Outcomes whose energy need not balance; that of a fall or a folded leg must."""
 
 
 class RunResult(NamedTuple):
-    """One finished run."""
+    """Result of one run."""
 
     number: int
     outcome: Outcome
     measured_s: float
     speed: float
-    """Mean over the measured time, mm/s."""
+    """Mean speed over the measured time, mm/s."""
     block_s: float
     block_speeds: Array
     """Mean speed of each block, mm/s."""
@@ -90,9 +90,9 @@ def simulate(
     sample_interval: float | None = None,
     event_room: int | None = None,
 ) -> RunResult:
-    """One run: a drop onto the plate, the discarded start, then the measured time in blocks.
+    """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
-    A drop starts from about the drive's amplitude over the plate, at a random phase.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase and pitch; `stopped()` ends it.
     """
     started = time.thread_time()
     run, drive = plan.scene.run, plan.world.drive
@@ -136,10 +136,7 @@ def with_impacts(
     stopped: Callable[[], bool] = lambda: False,
     sample_interval: float | None = None,
 ) -> RunResult:
-    """One run with every impact kept.
-
-    Runs are deterministic: it runs again, with more room, until there is room for all impacts.
-    """
+    """Simulate one run with every impact kept: again, with more room, until all have room."""
     room = 256 + int(FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period)
     while True:
         result = simulate(plan, number, stopped, sample_interval, room)

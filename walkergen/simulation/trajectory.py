@@ -1,4 +1,4 @@
-"""Trajectories of one run: sampled at a fixed rate, written as CSV or NPZ."""
+"""Trajectory of one run: its states at a fixed rate, written as CSV or NPZ."""
 
 import io
 from collections.abc import Callable
@@ -20,10 +20,10 @@ MOST_SAMPLES = 20_000_000
 
 
 class Trajectory(NamedTuple):
-    """Samples of one run."""
+    """States of one run at a fixed interval."""
 
     columns: tuple[str, ...]
-    """t_s, then the state's own names with their units."""
+    """Names with units: t_s, then those of the state (`Model.columns`)."""
     rows: Array
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
@@ -49,7 +49,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
 
 
 def to_csv(trajectory: Trajectory) -> bytes:
-    """Comma-separated values, every digit."""
+    """CSV with a header line, every digit kept."""
     text = io.StringIO()
     text.write(",".join(trajectory.columns) + "\n")
     np.savetxt(text, trajectory.rows, fmt="%.17g", delimiter=",")
@@ -57,7 +57,7 @@ def to_csv(trajectory: Trajectory) -> bytes:
 
 
 def to_npz(trajectory: Trajectory) -> bytes:
-    """NumPy's archive, one array a column."""
+    """NPZ archive with one array per column."""
     data = io.BytesIO()
     columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     np.savez(data, allow_pickle=False, **columns)

@@ -1,6 +1,6 @@
-"""The world that kernels read, by name; and what the states of all planar walkers have in common.
+"""World that kernels read by name, and the layout of the states of all planar walkers.
 
-A state is a float64 array: place and pitch of the centre of mass O (mm, rad), their rates, the
+A state is a float64 array: place of the centre of mass O and pitch (mm, rad), their rates, the
 drive's phase (rad), the contact mode of either foot, and, where legs swing, the angles of the legs
 against the body and their rates. Pitch and angles turn counter-clockwise.
 """
@@ -25,20 +25,20 @@ OPEN, STICK, FORWARD, BACKWARD = range(4)
 OK, TOPPLED, FAILED, FOLDED, INSIDE, RUNAWAY = range(6)
 """Statuses of a model's `advance`: ran to the end; a corner of the body touched the plate; no
 progress; a leg turned by 90 deg against the body; started with a foot inside the plate; impacts
-gained energy without bound, as heavy relaxed legs may."""
+gained energy without bound, as those of relaxed legs can."""
 
 RIGID_COLUMNS = (
     "x_mm", "y_mm", "pitch_rad", "v_x_mm_s", "v_y_mm_s", "pitch_rate_rad_s", "phase_rad",
     "mode_back", "mode_front",
 )  # fmt: skip
-"""Names of a rigid state's places, in their order."""
+"""Names, with units, of the entries of a rigid walker's state, in their order."""
 
 LEG_COLUMNS = ("alpha_back_rad", "alpha_front_rad", "rate_back_rad_s", "rate_front_rad_s")
-"""Names of the places that swinging legs add."""
+"""Names, with units, of the entries that swinging legs add."""
 
 
 class Contact(NamedTuple):
-    """Contact of a foot with the plate."""
+    """Law of contact between a foot and the plate."""
 
     restitution: float
     """Coefficient of restitution, 0..1."""
@@ -61,7 +61,7 @@ class World(NamedTuple):
 
 
 def mirrored(state: State) -> State:
-    """The state of the mirror image (x -> -x, back and front exchanged), but for the modes."""
+    """State of the mirror image (x -> -x, back and front exchanged), but for the contact modes."""
     image = state.copy()
     image[[X, PITCH, V_X, SPIN]] *= -1.0
     if len(state) == COMPLIANT_SIZE:

@@ -27,10 +27,9 @@ from walkergen.simulation.world import (
 
 
 class Limb(NamedTuple):
-    """One leg of the chain in the laboratory's axes: A = O -> anchor, C = anchor -> centre of
-    mass, r = anchor -> foot; k = body's rates -> minus the leg's spin when its angle is free;
-    mobility = 1 / inertia of the leg on its hinge; E = body's rates -> velocity of the foot with
-    the hinge free (2 x 3).
+    """One leg in the laboratory's axes: vectors (mm) A = O -> anchor, C = anchor -> centre of mass,
+    r = anchor -> foot; maps from the body's rates (v_x, v_y, spin), hinge free: k to minus
+    the leg's spin, E (2 x 3) to the foot's velocity; mobility = 1 / inertia about the hinge.
     """
 
     A_x: float
@@ -52,7 +51,7 @@ class Limb(NamedTuple):
 
 
 class Chain(NamedTuple):
-    """The walker's inverse mass at one pose: S = inverse apparent mass of the body (3 x 3)."""
+    """Inverse mass of a walker: S (3 x 3), inverse apparent mass of the body, and legs."""
 
     S_xx: float
     S_xy: float
@@ -66,7 +65,7 @@ class Chain(NamedTuple):
 
 @kernel
 def angle(legs, state, index):
-    """Angle (or rate) of a leg against the body; 0 when braced."""
+    """Angle (rad) or rate (rad/s) of a leg at `index` of the state; 0 when braced."""
     if legs is None:
         return 0.0
     return state[index]
@@ -102,7 +101,7 @@ def _carried(legs, limb, implicit):
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     m, A_x, A_y = legs.mass, limb.A_x, limb.A_y
     p = m * (A_x * limb.C_x + A_y * limb.C_y)
-    # tt is m A^2 + implicit - (p - implicit)^2 mobility, without its cancellation when stiff
+    # The last is m A^2 + implicit - (p - implicit)^2 mobility, without cancellation when stiff
     return (
         m * (1.0 + limb.C_y * limb.k_x),
         m * limb.C_y * limb.k_y,
@@ -115,8 +114,8 @@ def _carried(legs, limb, implicit):
 
 @kernel
 def chain_of(walker, state, implicit):
-    """The chain at the pose of `state`; `implicit` (g mm^2) stiffens the hinges of an implicit
-    step: h c / 2 + h^2 k / 4 for the trapezoidal rule, 0 for the true inertia.
+    """Chain at the pose of `state`; `implicit` (g mm^2) stiffens the hinges of an implicit step:
+    h c / 2 + h^2 k / 4 for the trapezoidal rule, 0 for the true inertia.
     """
     legs, pitch = walker.legs, state[PITCH]
     cos, sin = math.cos(pitch), math.sin(pitch)
@@ -170,7 +169,7 @@ def respond(chain, f_x, f_y, f_t, tau_back, tau_front):
 
 @kernel
 def push(chain, impulses):
-    """The same by impulses (back x, y, front x, y) at the feet, g mm/s."""
+    """Change as by `respond`, by impulses (back x, y, front x, y) at the feet, g mm/s."""
     b, f = chain.back, chain.front
     b_x, b_y, f_x, f_y = impulses
     return _moved(
@@ -197,7 +196,7 @@ def accelerate(legs, state, change):
 
 @kernel
 def shift(legs, state, change):
-    """Shift the positions, as `accelerate` does the rates."""
+    """Add a change of (x, y, pitch, turns of the legs) to the positions of `state`."""
     x, y, turn, back, front = change
     state[X] += x
     state[Y] += y
@@ -208,9 +207,7 @@ def shift(legs, state, change):
 
 
 class Mobility(NamedTuple):
-    """Inverse mass felt at the two feet, 1/g: change of the feet's velocities by impulses there
-    (b back, f front; the block bf maps an impulse at the front to the back foot).
-    """
+    """Inverse mass at the feet (b back, f front), 1/g: bf_xy gives back v_x by front F_y."""
 
     bb_xx: float
     bb_xy: float
@@ -235,7 +232,7 @@ def _carry(chain, e_x, e_y, e_t):
 
 @kernel
 def mobility_of(chain):
-    """Inverse mass at the feet: E S E^T, and on the diagonal the leg's own swing."""
+    """Inverse mass at the feet: E S E^T, plus each leg's own swing in its own block."""
     b, f = chain.back, chain.front
     x_x, x_y, x_t = _carry(chain, b.E_xx, b.E_xy, b.E_xt)
     y_x, y_y, y_t = _carry(chain, b.E_yx, b.E_yy, b.E_yt)
@@ -257,14 +254,14 @@ def mobility_of(chain):
 
 @kernel
 def gaps(drive, state, chain):
-    """Height of the back and the front foot over the plate, mm."""
+    """Heights of the back and the front foot over the plate, mm."""
     level = state[Y] - height(drive, state[PHASE])
     return level + chain.back.A_y + chain.back.r_y, level + chain.front.A_y + chain.front.r_y
 
 
 @kernel
 def feet_velocities(world, state, chain):
-    """Velocities (back x, y, front x, y) of the feet against the plate, mm/s."""
+    """Velocities (back x, y, front x, y) of the feet over the plate, mm/s."""
     b, f, spin = chain.back, chain.front, state[SPIN]
     spin_b = spin + angle(world.walker.legs, state, RATE_BACK)
     spin_f = spin + angle(world.walker.legs, state, RATE_FRONT)
@@ -297,7 +294,7 @@ def _leg_spin(limb, spin, leg_spin):
 
 @kernel
 def feet_turning(walker, state, chain):
-    """Accelerations (back x, y, front x, y) of the feet due to the rotations alone: -spin^2 r."""
+    """Accelerations (back x, y, front x, y) of the feet by rotation alone, -spin^2 r, mm/s^2."""
     b, f, spin = chain.back, chain.front, state[SPIN]
     back = (spin + angle(walker.legs, state, RATE_BACK)) ** 2
     front = (spin + angle(walker.legs, state, RATE_FRONT)) ** 2
@@ -351,8 +348,7 @@ def _legs_energy(legs, world, state):
 
 @kernel
 def free_acceleration(world, state, chain, ahead):
-    """Rate of change of the velocities without contact: gravity, centrifugal forces, springs, and
-    the forces of effects on the body.
+    """Accelerations without contact, as in `respond`: by gravity, rotation, springs and effects.
 
     `ahead` (s) evaluates the springs at alpha + ahead * rate: 0 for the true acceleration, half
     the step in the trapezoidal rule.
@@ -392,8 +388,8 @@ def _torque(legs, alpha, rate, ahead):
 
 @kernel
 def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
-    """Power (g mm^2/s^3) that the legs' dampers take at rates of the back and the front leg (rad/s)
-    and that effects take from a body at that pitch (rad) and velocity (mm/s).
+    """Power (g mm^2/s^3) that the legs' dampers take at the rates of both legs (rad/s), and effects
+    from a body with that pitch (rad) and velocity (mm/s).
     """
     f_x, f_y = body_force(world.acting, pitch, v_x, v_y)
     return _damped(world.walker.legs, rate_b, rate_f) - (f_x * v_x + f_y * v_y)

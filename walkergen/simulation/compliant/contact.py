@@ -1,13 +1,12 @@
 """Contact of two feet with the plate: impacts at one instant, and the modes of lasting contact.
 
-Modes of lasting contact are found exactly, by enumeration: each foot is open, sticks or slips
-either way; impulses follow from the linear equations of the mode pair, and the pair is the one
-whose signs agree with Coulomb and Signorini. The same serves velocities (a time step) and
-accelerations (between events). The last pair is tried first.
+Modes of lasting contact are enumerated, the last pair first: each foot is open, sticks or slips
+either way; impulses follow from the linear equations of the mode pair, and the pair is right if its
+signs agree with Coulomb and Signorini. This serves velocities (a time step) and accelerations.
 
 Impacts: one foot after the other by the law of `theory.impact`. Feet that approach in the same
-instant are treated together, and mirror-symmetrically: (1 + e) times the impulses of the plastic
-impact of both. For every law of restitution, and it never creates energy.
+instant get (1 + e) times the impulses of their common plastic impact under every law, which is
+mirror-symmetric and never creates energy.
 """
 
 import math
@@ -51,15 +50,14 @@ from walkergen.theory.impact import (
 )
 
 SHARING = 1e-12
-"""Relative softness added to the friction of two feet that stick: a braced walker's two friction
-forces are undetermined by one, and it picks the pair of least squares (equal halves)."""
+"""Relative softness added to the friction of two feet that stick: how a braced walker's feet share
+it is undetermined, and the softness picks least squares (equal halves)."""
 
 FRICTIONLESS = 1e-12
-"""Friction below which a foot slides for ever: its force would be lost to rounding, and so would
-the side to which it points."""
+"""Coefficient of friction below which no foot sticks: rounding hides the force and its side."""
 
 ALTERNATIONS = 60
-"""Impacts at one instant before what is left of the sequence is taken as plastic."""
+"""Number of impacts at one instant after which the rest of the sequence is taken as plastic."""
 
 
 @kernel
@@ -76,7 +74,7 @@ def applied(W, F):
 
 @kernel
 def _single(xx, xy, yy, u_x, u_y, mode, friction):
-    """Impulse at one foot that stops it (stick) or its normal velocity (sliding)."""
+    """Impulse at one foot that moves at u: it stops the foot (STICK) or its normal velocity."""
     if mode == STICK:
         d = xx * yy - xy * xy
         return (xy * u_y - yy * u_x) / d, (xy * u_x - xx * u_y) / d
@@ -87,7 +85,7 @@ def _single(xx, xy, yy, u_x, u_y, mode, friction):
 
 @kernel
 def _row(rows, i, mode, friction, w_x, w_y, u_x, u_y):
-    """Two equations of one foot: it stays on the plate, and sticks or obeys sliding friction."""
+    """Set two equations of foot i: it stays on the plate, and sticks or obeys sliding friction."""
     for k in range(4):
         rows[2 * i, k] = w_y[k]
         rows[2 * i + 1, k] = w_x[k] if mode == STICK else 0.0
@@ -103,7 +101,7 @@ def _row(rows, i, mode, friction, w_x, w_y, u_x, u_y):
 
 @kernel
 def _eliminate(rows):
-    """Gauss with partial pivoting on 4 equations, in place; the solution as a tuple."""
+    """Solve 4 equations by Gauss with partial pivoting, in place; the solution is a tuple."""
     for i in range(4):
         pivot = i
         for j in range(i + 1, 4):
@@ -127,7 +125,7 @@ def _eliminate(rows):
 def impulses(W, u, back, front, friction, rows):
     """Impulses (back x, y, front x, y) of a mode pair when the feet would move at u without them.
 
-    rows: work of shape (4, 5).
+    `rows` is work space of shape (4, 5).
     """
     u_1, u_2, u_3, u_4 = u
     if back == OPEN and front == OPEN:
@@ -147,7 +145,7 @@ def impulses(W, u, back, front, friction, rows):
 
 @kernel
 def _violation(mode, slides, w_x, w_y, F_x, F_y, xx, yy, friction):
-    """By how much (in units of u) a foot's mode contradicts its signs; w = velocity after."""
+    """Excess (in units of u) by which a foot's mode contradicts its signs; w: velocity after."""
     if mode == OPEN:
         return -w_y
     worst = -F_y * yy
@@ -162,11 +160,10 @@ def _violation(mode, slides, w_x, w_y, F_x, F_y, xx, yy, friction):
 def solve(W, u, touching, sliding, guess, friction, rows):
     """Modes and impulses of lasting contact: (back, front, impulses, violation).
 
-    u: velocities (or accelerations) of the feet without contact. touching: (bool, bool). sliding:
-    per foot the sign of a given sliding velocity, 0 when it is at rest (its direction, if any, is
-    then part of the answer; in a time step always). guess: the mode pair tried first. violation:
-    how far the best pair contradicts its signs relative to |u|; above 1e-9 there is no solution
-    (sliding that jams; Painleve).
+    u: velocities or accelerations of the feet without contact. touching: (bool, bool). sliding:
+    the sign of each foot's sliding velocity; 0 (always in a time step) makes its direction part of
+    the answer. guess: the mode pair tried first. violation: how far the best pair contradicts its
+    signs relative to |u|; above 1e-9 there is no solution (sliding that jams; Painleve).
     """
     scale = abs(u[0]) + abs(u[1]) + abs(u[2]) + abs(u[3]) + 1e-300
     best, best_back, best_front = math.inf, OPEN, OPEN
@@ -208,7 +205,7 @@ def _allowed(mode, touching, sliding, friction):
 
 
 class Instant(NamedTuple):
-    """What does not change while impacts pass, and where they are recorded."""
+    """Chain and mobility, which do not change while impacts pass, and the tally of the impacts."""
 
     chain: Chain
     mobility: Mobility
@@ -219,7 +216,7 @@ class Instant(NamedTuple):
 
 @kernel
 def one_foot(world, restitution, state, now, foot):
-    """Impact of one foot, by the law of `theory.impact`; changes the velocities in `state`."""
+    """Impact of foot 0 (back) or 1 by the law of `theory.impact`; changes rates in `state`."""
     u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     if foot == 0:
         v_x, v_y, xx, xy, yy = u[0], u[1], W.bb_xx, W.bb_xy, W.bb_yy
@@ -237,7 +234,7 @@ def one_foot(world, restitution, state, now, foot):
 
 @kernel
 def both_feet(world, restitution, state, now):
-    """Impact of both feet at once: (1 + e) times the impulses of the plastic impact."""
+    """Impact of both feet at once: (1 + e) times the impulses of their common plastic impact."""
     u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     both = (True, True)
     _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), world.contact.friction, now.rows)
@@ -263,10 +260,9 @@ def both_feet(world, restitution, state, now):
 
 @kernel
 def collide(world, restitution, state, now, touching, rest):
-    """All impacts of one instant: touching feet that approach faster than their speed in `rest`.
+    """Resolve the impacts of one instant in `state`: of touching feet that approach beyond `rest`.
 
-    A foot that would rebound slower than that does not rebound: impacts without end (Zeno) stop
-    there. Changes the velocities in `state`.
+    A foot that would rebound slower than its `rest` (mm/s) stays: so endless impacts (Zeno) end.
     """
     e, u = restitution, feet_velocities(world, state, now.chain)
     if touching[0] and touching[1] and u[1] < -rest[0] and u[3] < -rest[1]:
@@ -285,9 +281,9 @@ def collide(world, restitution, state, now, touching, rest):
 
 @kernel
 def settle(world, state, implicit, rows):
-    """Shift the closed feet onto the plate: takes away the drift of their gaps.
+    """Shift the closed feet onto the plate, which takes away the drift of their gaps.
 
-    implicit: as in `chain_of`; hinges stiffer than the step can follow then keep their angles.
+    `implicit`, as in `chain_of`, lets hinges too stiff for the step keep their angles.
     """
     chain = chain_of(world.walker, state, implicit)
     back, front = gaps(world.drive, state, chain)

@@ -1,11 +1,9 @@
 """Event-driven integration of the compliant (or braced) walker: the reference of model B.
 
-Between events the equations of motion of the present contact modes are integrated by the embedded
-Runge-Kutta pair of Dormand and Prince, order 5(4), with error control; feet on the plate are held
-there by contact forces found at acceleration level. Events (landing, lift-off, stop, break-away)
-are located by shortening the step itself, not by an interpolant, so that they are as accurate as
-the flow. Impacts follow the impact law; a rebound slower than `snap` stays on the plate, which
-ends infinite sequences of impacts. All three laws of restitution are supported.
+Between events `flow` integrates the motion in the present contact modes, with error control. Events
+(landing, lift-off, stop, break-away) are located by shortening the step itself, not by an
+interpolant, so that they are as accurate as the flow. Impacts follow any law of restitution; a foot
+that would rebound slower than `snap` stays on the plate, which ends endless sequences of impacts.
 """
 
 from typing import NamedTuple
@@ -74,11 +72,11 @@ INSTANT, REPEATED = 1e-15, 10
 """Time (s) that counts as zero after `REPEATED` steps in a row without more progress."""
 
 STALLED = 10_000
-"""Steps below SHORTEST in a row before a run has failed."""
+"""Number of steps in a row no longer than SHORTEST after which a run has failed."""
 
 
 class Options(NamedTuple):
-    """How accurately to integrate."""
+    """Accuracy of the integration."""
 
     tolerance: float = 1e-10
     """Error of a step, relative to the speeds of a fall by a leg's length (1e-3 of the length)."""
@@ -90,7 +88,7 @@ class Options(NamedTuple):
 
 
 def coarser(world: World, factor: float) -> World:
-    """The world with an integration so many times less accurate."""
+    """World with a tolerance of the integration `factor` times larger."""
     options = world.options
     return world._replace(options=options._replace(tolerance=factor * options.tolerance))
 
@@ -102,9 +100,9 @@ def resting(world: World) -> float:
 
 @kernel
 def _locate(world, work, margin_0, t, margin_t):
-    """Shorten the step of t, which passes an event, to the event; work.trial is the state there.
+    """Shorten a step of t seconds that passes an event to the event; work.trial is the state there.
 
-    Returns the time passed, 0 when the event is at once. Illinois' variant of regula falsi.
+    Returns the time passed, 0 when the event is at once. Illinois variant of regula falsi.
     """
     low, m_low, high, m_high = 0.0, margin_0, t, margin_t
     while m_low <= 0.0:
@@ -155,7 +153,7 @@ def _direction(v_x):
 def _hold(world, state, chain, closed, sums, rows):
     """Remove what is left of the velocities of closed feet: normal, and tangential when at rest.
 
-    A rebound too slow to be one ends here; what it loses is an impact's loss.
+    Rebounds too slow to count end here; what they lose is an impact's loss.
     """
     u, W = feet_velocities(world, state, chain), mobility_of(chain)
     holds = world.contact.friction >= FRICTIONLESS
@@ -171,7 +169,7 @@ def _hold(world, state, chain, closed, sums, rows):
 
 @kernel
 def _stop_jam(world, state, now, closed, sliding):
-    """Sliding that friction presses ever harder into the plate (Painleve) stops at once.
+    """Stop feet at once whose friction presses them ever harder into the plate (Painleve).
 
     The impulse sticks each foot that jams on its own, or both when they jam only together; a foot
     that this would have to pull down leaves instead.
@@ -201,7 +199,7 @@ def _stop_jam(world, state, now, closed, sliding):
 
 @kernel
 def decide(world, state, tally, rows):
-    """Impacts of this instant, then the modes of the feet that stay on the plate; in place."""
+    """Resolve the impacts of this instant, then choose the modes of feet that stay; in place."""
     snap, friction = world.options.snap, world.contact.friction
     chain = chain_of(world.walker, state, 0.0)
     gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
@@ -240,7 +238,7 @@ def decide(world, state, tally, rows):
 
 @kernel
 def _accept(world, state, work, passed, sums):
-    """The step's end becomes the state; drift off the plate is taken away."""
+    """Move the state to the end of the step, without drift off the plate; tally its energies."""
     n = state.size
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     state[:] = work.trial[:n]
@@ -258,7 +256,7 @@ def _accept(world, state, work, passed, sums):
 
 @kernel
 def _next(world, work, length):
-    """Integrate to the next event or by at most `length`: (time, event, length to try next)."""
+    """Integrate to an event or by `length` s: (time, -1 on failure; event or not; next length)."""
     margins = slopes_of(world, work.now, work.slopes[0], work.rows)
     margin_0, t = min(margins[0], margins[1]), length
     while True:
@@ -284,10 +282,7 @@ def _next(world, work, length):
 
 @kernel
 def advance(world, state, duration, tally):
-    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `world`.
-
-    The state is laid out as in `world`.
-    """
+    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
     n, sums = state.size, tally.sums
     work = Work(
         np.zeros(n + 3),

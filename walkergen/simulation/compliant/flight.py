@@ -1,10 +1,9 @@
 """Flight of the compliant walker: exact for the linear legs, corrected for what is not linear.
 
-The centre of mass of all falls freely and is exact. In the body's frame the two legs are two
-uncoupled damped oscillators (`Swing`), whatever the pitch, also exact; the small rest (finite
-angles, centrifugal forces) is a kick in the middle of the flight, so that the flow is of second
-order in its length with an error that vanishes for small leg angles. A braced walker's flight is
-exact.
+The centre of mass of body and legs falls freely, exactly. In the body's frame the legs are two
+uncoupled damped oscillators (`Swing`), whatever the pitch, also exact; the rest (finite angles,
+centrifugal forces) is a kick in the middle of the flight: the flow is of second order in its
+length, with an error that vanishes for small leg angles. A braced walker's flight is exact.
 """
 
 import math
@@ -99,7 +98,7 @@ def _centre(legs, walker, state):
 
 @kernel
 def _oscillate(value, rate, square, decay, t):
-    """Damped oscillator value'' = -square value - 2 decay rate, after t; any damping."""
+    """Value and rate after t, where value'' = -square value - 2 decay rate, for any damping."""
     d = square - decay * decay
     if d > 0.0:
         w, fade = math.sqrt(d), math.exp(-decay * t)
@@ -142,7 +141,7 @@ def _swing(legs, state, t, sums):
 
 @kernel
 def _rest(legs, world, state, chain):
-    """What the true accelerations (spin, leg rates) have beyond the linear ones."""
+    """Rest of the true accelerations (spin, leg rates), rad/s^2, beyond the linear ones."""
     _, _, spin, back, front = free_acceleration(world, state, chain, 0.0)
     s, k, c = legs.swing, legs.stiffness, legs.damping
     t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
@@ -154,7 +153,7 @@ def _rest(legs, world, state, chain):
 
 @kernel
 def _kick(legs, world, state, t):
-    """The rest over t at a fixed pose, by the midpoint rule in the rates."""
+    """Change of the rates by `_rest` over t seconds at a fixed pose, by the midpoint rule."""
     chain = chain_of(world.walker, state, 0.0)
     spin, back, front = state[SPIN], state[RATE_BACK], state[RATE_FRONT]
     for ahead in (0.5 * t, t):
@@ -167,10 +166,9 @@ def _kick(legs, world, state, t):
 def clear_time(world, state, chain, gaps):
     """Time (s) within which neither foot reaches the plate; 0 when a foot is in reach.
 
-    No acceleration towards the plate is larger than gravity, the plate's largest and that of the
-    effects now together, and the legs swing no further than their energy allows, taken to first
-    order in their angles with 15 % to spare: safe for the few degrees that legs swing, not a bound
-    for large angles.
+    The bounds: gravity, the plate's largest acceleration and the present one of effects together;
+    legs that swing as far as their energy allows, to first order in their angles and 15 % more,
+    which is safe for the few degrees that legs swing, but no bound for large angles.
     """
     largest = derivative_bound(world.drive, 2)
     pull = math.hypot(along(world.acting), across(world.acting)) + largest

@@ -1,7 +1,7 @@
 """Flow of the compliant (or braced) walker between events: fixed contact modes, high order.
 
-Feet on the plate are held there by contact forces found at acceleration level; the embedded
-Runge-Kutta pair of Dormand and Prince (1980), order 5(4), with an error estimate.
+Contact forces that follow from the accelerations hold closed feet on the plate; the integrator is
+the embedded pair of Dormand and Prince (1980), order 5(4), with an error estimate.
 """
 
 import math
@@ -49,7 +49,7 @@ ROUNDING = 2e-15
 
 
 class Work(NamedTuple):
-    """Arrays of one run: state and three integrals (plate work, friction, damping loss)."""
+    """Arrays of a run; rows of state and three integrals: plate work, friction and damping loss."""
 
     now: np.ndarray
     trial: np.ndarray
@@ -61,7 +61,7 @@ class Work(NamedTuple):
 
 @kernel
 def _leg_slopes(legs, z, dz, change):
-    """Slopes of the legs' coordinates."""
+    """Set the time derivatives of the legs' angles and rates in `dz`."""
     if legs is not None:
         _, _, spin, back, front = change
         for i in range(2):
@@ -77,7 +77,7 @@ def level_of(drive, z):
 
 @kernel
 def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
-    """Positive while a foot's mode holds; passes zero at its event."""
+    """Quantity that is positive while a foot's mode holds and passes zero at its event."""
     if mode == OPEN:
         return gap + level
     if mode == STICK:
@@ -89,7 +89,7 @@ def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
 
 @kernel
 def accelerations(world, z, chain):
-    """Free acceleration of the chain, and of its feet against the plate."""
+    """Accelerations without contact: of the chain (`respond`), and of its feet over the plate."""
     free = free_acceleration(world, z, chain, 0.0)
     d, turning = feet_changes(chain, free), feet_turning(world.walker, z, chain)
     lift = acceleration(world.drive, z[PHASE])
@@ -138,7 +138,7 @@ def slopes_of(world, z, dz, rows):
 
 @kernel
 def shoot(world, work, t):
-    """One Runge-Kutta step of t from work.now to work.trial; returns the lesser margin there.
+    """One Runge-Kutta step of t s from work.now to work.trial; returns the lesser margin there.
 
     The first row of work.slopes must hold the slopes at work.now.
     """
@@ -157,7 +157,7 @@ def shoot(world, work, t):
 
 @kernel
 def scales_of(world, state):
-    """What an error is compared with: speeds of a fall by a leg's length, 1e-3 of that length."""
+    """Unit of each entry's error: speeds of a fall by a leg's length, 1e-3 of it, 1e-3 rad."""
     length = math.hypot(world.walker.reach_x, world.walker.reach_y)
     gravity = math.hypot(along(world.acting), across(world.acting))
     scales = np.full(state.size, 1e-3)
@@ -170,7 +170,7 @@ def scales_of(world, state):
 
 @kernel
 def error_of(work, t, tolerance):
-    """Largest error of the step relative to the tolerance."""
+    """Largest error of the step of t seconds, in units of its scale, over the tolerance."""
     worst = 0.0
     for k in range(work.scales.size):
         total = 0.0

@@ -1,4 +1,4 @@
-"""Model B, legs on springs, and the rigid walker by time steps, behind the seam."""
+"""Model B, legs on springs, and the rigid walker by time steps, each as a `Model`."""
 
 import numpy as np
 
@@ -24,7 +24,7 @@ from walkergen.simulation.world import (
 
 
 def feet(world: World, state: State) -> Array:
-    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
+    """Places and velocities of the feet, shape (2, 4), as in `Model.feet`."""
     now = chain.chain_of(world.walker, state, 0.0)
     x = [state[X] + limb.A_x + limb.r_x for limb in (now.back, now.front)]
     b_x, b_y, f_x, f_y = chain.feet_velocities(world, state, now)
@@ -55,10 +55,10 @@ STEPS = Model(
     resting=steps.resting,
     columns=RIGID_COLUMNS + LEG_COLUMNS,
 )
-"""By time steps of second order."""
+"""Method by time steps of second order."""
 
 EVENTS = STEPS._replace(advance=events.advance, coarser=events.coarser, resting=events.resting)
-"""From event to event, by an integrator of fifth order: the reference of the steps."""
+"""Method from event to event by an integrator of fifth order: the reference of the steps."""
 
 
 def of(

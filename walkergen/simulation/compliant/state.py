@@ -1,8 +1,7 @@
-"""The hinged walker: a body and two legs on hinges at its anchors (docs/physics.md, model B).
+"""Hinged walker: a body and legs on hinges at its anchors (docs/physics.md section 5, model B).
 
-Each leg hangs on a torsional spring with a damper; the angles of the legs against the body are zero
-when relaxed. A braced walker is the same with `legs` None: its state has no leg coordinates and its
-code no springs.
+Each leg hangs on a torsional spring with a damper; its angle against the body is zero when relaxed.
+A braced walker has `legs` None: its state has no leg coordinates and its code no springs.
 """
 
 import math
@@ -26,54 +25,54 @@ from walkergen.walker.mass import MassProperties
 
 
 class Swing(NamedTuple):
-    """The legs' two modes in flight, linear in the angles, seen from the body (closed form)."""
+    """Modes of the two legs in flight, linear in their angles, seen from the body."""
 
     cos: float
     sin: float
-    """First mode is (cos, sin) in (alpha back, alpha front), the second (-sin, cos)."""
+    """Modes in (alpha back, alpha front): the first is (cos, sin), the second (-sin, cos)."""
     mobility_1: float
     mobility_2: float
     """Inverse inertia of either mode, 1/(g mm^2): angular acceleration per torque at the hinges."""
     share_back: float
     share_front: float
-    """The body's turn per turn of a leg: pitch + sum(share alpha) turns uniformly in flight."""
+    """Backward turn of the body over a leg's: pitch + sum(share alpha) is uniform in flight."""
 
 
 class Legs(NamedTuple):
-    """Two equal legs on torsional springs."""
+    """Two equal legs on torsional springs; the mass (g) is that of a single leg."""
 
     mass: float
     inertia: float
-    """Of one leg about its anchor, g mm^2."""
+    """Moment of inertia of one leg about its anchor, g mm^2."""
     centre_x: float
     centre_y: float
-    """Anchor -> centre of mass of the relaxed leg (c_A)."""
+    """Vector anchor -> centre of mass of the relaxed leg (c_A), mm."""
     stiffness: float
-    """Torsional, g mm^2/s^2 per rad."""
+    """Torsional stiffness of a hinge, g mm^2/s^2 per rad."""
     damping: float
-    """g mm^2/s per rad."""
+    """Torsional damping of a hinge, g mm^2/s per rad."""
     swing: Swing
 
 
 class Walker(NamedTuple):
-    """Everything the integrators know of a walker; vectors in the body's frame, from O."""
+    """Everything the integrators know of a walker; vectors from O, in mm, in the body's frame."""
 
     mass: float
-    """Of the body (flexible legs) or of all (braced), g."""
+    """Mass of the body (flexible legs) or of the whole (braced), g."""
     inertia: float
-    """Of the same about O, g mm^2."""
+    """Moment of inertia about O of what `mass` counts, g mm^2."""
     back_x: float
     back_y: float
     front_x: float
     front_y: float
-    """Anchors."""
+    """Vectors O -> anchors."""
     reach_x: float
     reach_y: float
-    """Anchor -> foot, relaxed."""
+    """Vector anchor -> foot of a relaxed leg."""
     corner_back_x: float
     corner_front_x: float
     corner_y: float
-    """Lower corners of the body."""
+    """Vectors O -> lower corners of the body."""
     legs: Legs | None
 
 
@@ -84,10 +83,7 @@ def walker_of(
     damping_ratio: float = 0.05,
     spring: Spring = "cantilever",
 ) -> Walker:
-    """The walker of a design with its mass properties; braced designs get legs None.
-
-    damping_ratio is that of a free leg on a held body.
-    """
+    """Walker of a design, legs None if braced; `damping_ratio`: of a free leg on a held body."""
     O = np.array(design.anchors[0]) - mass.a  # noqa: E741  (the paper's name)
     half, bottom = 0.5 * design.body.length_mm, -0.5 * design.body.thickness_mm
     legs = None
@@ -118,7 +114,7 @@ def _legs(mass: MassProperties, stiffness: float, damping_ratio: float) -> Legs:
 
 
 def _swing(mass: MassProperties, inertia: float) -> Swing:
-    """Modes of the relaxed chain in flight: its rotations' inertia without the translations."""
+    """Modes of the relaxed chain in flight, from the inertia of its rotations about its centre."""
     m, ratio = mass.m, mass.m / (mass.M + 2.0 * mass.m)
     anchors = mass.a + mass.b
     inertias = np.full((3, 3), -m * ratio * float(mass.c_A @ mass.c_A))

@@ -1,12 +1,12 @@
 """Time stepping: Moreau and Jean's scheme with located landings, for compliant and braced walkers.
 
-While a foot lies on the plate, steps of fixed length h: trapezoidal rule (legs' springs implicit),
+While a foot lies on the plate, steps have a fixed length h: trapezoidal rule (springs implicit),
 contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
-of modes (docs/physics.md section 5). In the air, closed-form flight, in long steps when no foot can
-reach the plate. A landing is located inside its step and resolved by the impact law there, so
-that every law of restitution is supported; rebounds too short for a step (less than 2 h) are
-absorbed, and so is every rebound off a leg that swings back within that time. Second order in h
-while h resolves the legs' swing; a foot may sink by part of what it travels in a step.
+of modes. In the air, flight is in closed form, in long steps when no foot can reach the plate. A
+landing is located inside its step and resolved there by the law of impact; rebounds too short for
+steps (less than 2 h) are absorbed, and so is every rebound off a leg that swings back within that
+time. Second order in h while h resolves the legs' swing (docs/physics.md section 5, accuracy); a
+foot may sink by part of what it travels in a step.
 """
 
 import math
@@ -72,25 +72,25 @@ REACH = 1e-9
 """Gap (mm) below which an open foot that approaches has landed."""
 
 INSTANT = 1e-12
-"""Time (s) below which nothing is taken to have happened."""
+"""Time (s) that counts as zero."""
 
 TOGETHER = 1e-9
-"""Part of a step within which two landings are one."""
+"""Part of a step within which two landings count as simultaneous."""
 
 TURN = 0.25
 """Largest turn (rad) of body or legs in one step of flight: the kick that corrects the linear swing
 is unstable far beyond it."""
 
 SLIVER = 0.1
-"""Steps shorter than this part of h, and those after a stop, are not ended at a foot's stop: the
-error of second order that a stopped foot keeps would be stopped again and again."""
+"""Part of h below which a step does not end at a foot's stop, nor does a step after one: the error
+of second order that a stopped foot keeps would be stopped again and again."""
 
 STALLED = 200
-"""Landings in a row without any time passing before a run has failed."""
+"""Number of steps in a row that take no time after which a run has failed."""
 
 
 class Options(NamedTuple):
-    """How finely to step."""
+    """Lengths of the steps."""
 
     step: float = 3e-5
     """Length h of a step in contact, s."""
@@ -99,18 +99,18 @@ class Options(NamedTuple):
 
 
 class Work(NamedTuple):
-    """Arrays of a run that steps write into."""
+    """Work space of a run."""
 
     start: np.ndarray
     """State before the step."""
     trial: np.ndarray
-    """Sums of the tally after a step that is tried."""
+    """Sums of the tally after a trial step."""
     rows: np.ndarray
-    """Equations of two feet, shape (4, 5)."""
+    """Equations of two feet, work space of shape (4, 5)."""
 
 
 def coarser(world: World, factor: float) -> World:
-    """The world with steps so many times longer."""
+    """World with steps `factor` times longer."""
     return world._replace(options=world.options._replace(step=factor * world.options.step))
 
 
@@ -121,7 +121,7 @@ def resting(world: World) -> float:
 
 @kernel
 def _drift(legs, state, t):
-    """Positions move on for t seconds at the present rates."""
+    """Move the positions on for t seconds at the present rates."""
     state[X] += t * state[V_X]
     state[Y] += t * state[V_Y]
     state[PITCH] += t * state[SPIN]
@@ -132,7 +132,7 @@ def _drift(legs, state, t):
 
 @kernel
 def _stiffening(legs, t):
-    """Inertia that the trapezoidal rule adds to the hinges for a step of t."""
+    """Inertia (g mm^2) that the trapezoidal rule adds to the hinges for a step of t seconds."""
     if legs is None:
         return 0.0
     return t * (0.5 * legs.damping + 0.25 * t * legs.stiffness)
@@ -140,7 +140,7 @@ def _stiffening(legs, t):
 
 @kernel
 def _sliding_on(mode, v_x):
-    """The mode of a closed foot that goes on sliding at v_x."""
+    """Mode of a foot that goes on sliding at v_x; `mode` when it is open or does not slide."""
     if mode == OPEN or v_x == 0.0:
         return mode
     return FORWARD if v_x > 0.0 else BACKWARD
@@ -148,9 +148,9 @@ def _sliding_on(mode, v_x):
 
 @kernel
 def _stop(W, u, before, back, front, friction, rows):
-    """Part of the step after which a foot stops sliding, by the speeds with friction as it was.
+    """Part of the step after which a foot stops sliding, by its speeds if friction stayed the same.
 
-    Friction jumps there: a step across would be of first order only.
+    Friction jumps at a stop: a step across would be of first order only.
     """
     on_b, on_f = _sliding_on(back, before[0]), _sliding_on(front, before[2])
     if on_b == back and on_f == front:
@@ -166,7 +166,7 @@ def _stop(W, u, before, back, front, friction, rows):
 
 @kernel
 def _zero(first, last):
-    """Where a speed linear from `first` (0) to `last` (1) vanishes; 1 when it does not, or at once
+    """Place (0..1) where a speed linear from `first` to `last` vanishes; 1 when nowhere, or at once
     (a foot that has just stopped keeps an error of second order).
     """
     if first * last >= 0.0 or abs(first) < 1e-3 * abs(last):
@@ -212,7 +212,7 @@ def _contact_step(world, state, t, sums, rows):
     gained = 0.0
     for i in range(4):
         gained += 0.5 * F[i] * (before[i] + after[i])
-    # `before` was taken against the plate's velocity at the end of the step
+    # `before` was taken over the plate's velocity at the end of the step
     gained += (F[1] + F[3]) * plate_after
     sums[record.PLATE_WORK] += work
     sums[record.FRICTION_LOSS] += work - gained
@@ -251,8 +251,7 @@ def _crossing(gap_0, rate_0, gap_1, rate_1, t):
 def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
     """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
 
-    stops: whether to end at a foot's stop as well. gap_0, u_0: gaps and velocities of the feet
-    now.
+    `stops`: end at a foot's stop as well; gap_0, u_0: gaps and velocities of the feet before it.
     """
     start, trial = work.start, work.trial
     start[:] = state
@@ -280,7 +279,7 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
 
 @kernel
 def _swings_back(legs, t):
-    """True when a leg that is hit swings back within t: by the half period of its slower mode."""
+    """True when a leg that is hit swings back within t s, half the period of its slower mode."""
     if legs is None:
         return False
     swing = legs.swing
@@ -304,7 +303,7 @@ def _longest_flight(legs, state, options):
 @kernel
 def _land(world, state, chain, gap, landed, tally, rows):
     """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
-    other's impact may throw onto it; sets who stays there.
+    other's impact may throw onto it; sets the modes of all of these.
     """
     step = world.options.step
     touching = (
@@ -330,10 +329,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
 
 @kernel
 def advance(world, state, duration, tally):
-    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `world`.
-
-    The state is laid out as in `world`; its rates are those at the end of the step.
-    """
+    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
     work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)))
     sums, h = tally.sums, world.options.step
     begin, t, stalled, back, front = sums[record.ELAPSED], 0.0, 0, False, False

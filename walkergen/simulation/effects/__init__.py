@@ -1,4 +1,4 @@
-"""Effects: what a scene may call for; one file each, with its verdict, its kernels and its source.
+"""Effects that a scene may call for: a file each, with its verdict, its kernels and its source.
 
-An effect that is off is None in what kernels read, which leaves nothing of it in the compiled code.
+The parameters of an effect that is off are None, which leaves nothing of it in the compiled code.
 """

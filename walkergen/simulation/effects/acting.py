@@ -1,6 +1,6 @@
-"""The effects of a planar walker: their verdicts, what acts, and the sum of their forces.
+"""Effects on a planar walker: their verdicts, the parameters of those that act, their total force.
 
-A further effect is a file of its own and three lines here: verdict, field, `+`.
+A new effect is a file of its own and three lines here: verdict, field, `+`.
 """
 
 import math
@@ -26,20 +26,20 @@ VERDICTS: tuple[Callable[[Case], Effect], ...] = (
     parts.neighbours,
     air_drag.verdict,
 )
-"""Every effect, in the order in which `explain` shows them."""
+"""Functions that judge each effect, in the order in which `explain` shows them."""
 
 _along, _drag = slope.along, air_drag.force
 
 
 class Acting(NamedTuple):
-    """Parameters of the effects that act on a walker in motion; None where one is off."""
+    """Parameters of the effects that act on a walker in motion; None: the effect is off."""
 
     gravity: Gravity
     air: Air | None = None
 
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
-    """The effects of a case that are `on` by their names."""
+    """Parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else None
     return Acting(
         slope.gravity_of(descent),
@@ -49,7 +49,7 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
 
 @kernel
 def along(acting: Acting) -> float:
-    """Gravity along the plate, mm/s^2."""
+    """Gravity along the plate, toward +x, mm/s^2."""
     return _along(acting.gravity.along)
 
 
@@ -61,5 +61,5 @@ def across(acting: Acting) -> float:
 
 @kernel
 def body_force(acting, pitch, v_x, v_y):
-    """Force (x, y) on the body beside gravity, g mm/s^2; its power is what the effects take."""
+    """Force (x, y) of effects on a body at (v_x, v_y) mm/s, without its weight, g mm/s^2."""
     return _drag(acting.air, pitch, v_x, v_y)

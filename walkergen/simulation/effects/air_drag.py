@@ -1,8 +1,7 @@
-"""Air drag: quadratic, on the faces of the body, which is a box.
+"""Air drag: quadratic, on the faces of the body, which is a box (docs/physics.md section 5).
 
-Each face of area A feels its own normal speed v: C rho A v |v| / 2 against it, along the body's
-axes. S. F. Hoerner, Fluid-Dynamic Drag (1965): C = 1.2 for a plate broadside at Reynolds numbers
-above 1000. A walker's are some tens, where C is about twice that; turning and the legs add no drag.
+Each face of area A feels its own normal speed v: C rho A v |v| / 2 against it. S. F. Hoerner,
+Fluid-Dynamic Drag (1965): C = 1.2 for a plate broadside above a Reynolds number of 1000.
 Limits: no air, no force; a falling plate's speed is v_t tanh(g t / v_t), v_t^2 = 2 M g / (C rho A).
 """
 
@@ -20,29 +19,29 @@ DENSITY = 1.2e-6
 """Density of air at 20 deg C, g/mm^3."""
 
 COEFFICIENT = 1.2
-"""Drag coefficient of a face."""
+"""Drag coefficient C of a face."""
 
 FASTEST = 3.0
-"""Speed of a fast walker, over the plate's peak speed."""
+"""Speed of a fast walker over the plate's peak speed."""
 
 
 class Air(NamedTuple):
-    """Drag over the square of the speed, g/mm."""
+    """Drag of the body over the square of its speed, C rho A / 2, g/mm."""
 
     ends: float
-    """Of the faces at the body's back and front."""
+    """Drag along the body: on its back or front face."""
     sides: float
-    """Of the faces above and below the body."""
+    """Drag across the body: on its upper or lower face."""
 
 
 def parameters(case: Case) -> Air:
-    """Drag of the design's body."""
+    """Drag parameters of the design's body."""
     body, scale = case.design.body, 0.5 * COEFFICIENT * DENSITY
     return Air(scale * body.depth_mm * body.thickness_mm, scale * body.depth_mm * body.length_mm)
 
 
 def verdict(case: Case) -> Effect:
-    """Off unless forced: the number says how small it is.
+    """Verdict: off unless forced. The number is drag over friction, for a fast walker.
 
     Raises InputError for the relaxed model, whose flights are exact only without drag.
     """
@@ -63,7 +62,7 @@ def verdict(case: Case) -> Effect:
 
 @kernel
 def force(air, pitch, v_x, v_y):
-    """Force (x, y) on a body that moves at (v_x, v_y) mm/s, g mm/s^2."""
+    """Drag (x, y) on a body with `pitch` (rad) that moves at (v_x, v_y) mm/s, g mm/s^2."""
     if air is None:
         return 0.0, 0.0
     cos, sin = math.cos(pitch), math.sin(pitch)

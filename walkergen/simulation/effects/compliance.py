@@ -1,7 +1,7 @@
 """Leg compliance: each leg swings on a torsional spring at its anchor, with a damper.
 
-Source: docs/physics.md section 5, model B. Limits: a stiff spring is the braced walker, legs that
-relax at once are model A (tests/test_engines.py).
+Source: docs/physics.md section 5, model B. Limits: stiff legs slide like braced legs
+(tests/test_engines.py), and legs that relax at once are model A.
 """
 
 import math
@@ -14,17 +14,16 @@ NAME, SWITCH = "leg compliance", "legs.model"
 
 RELAXED_ERROR = 0.5
 """Relative error of the relaxed model's mean speed against the compliant model's: of the order of
-the speed itself (benchmarks/models.py measures it), so that a tolerance below it calls for
-compliance."""
+the speed itself (benchmarks/models.py). A smaller accepted error calls for compliance."""
 
 Spring = Literal["cantilever", "pseudo-rigid", "frequency"]
 SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, "frequency": 4.12}
-"""Torsional stiffness times length over E I: the static stiffness of the tip, the pseudo-rigid-body
-pair, the first natural frequency (docs/physics.md section 5)."""
+"""Torsional stiffness times length over E I that gives a cantilever's static tip stiffness, that of
+the pseudo-rigid-body pair, or its first natural frequency (docs/physics.md section 5)."""
 
 
 def verdict(case: Case) -> Effect:
-    """On for the compliant model; the number is a leg's frequency over the drive's."""
+    """Verdict: on for the compliant model. The number is a leg's frequency over the drive's."""
     scene, design = case.scene, case.design
     if design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
@@ -46,5 +45,5 @@ def stiffness(design: Design, spring: Spring) -> float:
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:
-    """Natural frequency (Hz) of a leg of that inertia (g mm^2) about its anchor, the body held."""
+    """Natural frequency (Hz) of a leg with `inertia` (g mm^2) about its anchor, on a held body."""
     return math.sqrt(stiffness / inertia) / (2.0 * math.pi)

@@ -1,4 +1,4 @@
-"""An effect as a verdict: whether a scene calls for it, and by which number."""
+"""Verdicts on effects: whether a scene calls for each, and the number that decides."""
 
 from typing import Literal, NamedTuple
 
@@ -10,24 +10,24 @@ ModelName = Literal["rigid", "relaxed", "compliant"]
 
 
 class Case(NamedTuple):
-    """What a verdict is made of."""
+    """Scene, walker and model of the legs that a verdict judges."""
 
     scene: Scene
     design: Design
     mass: MassProperties
     model: ModelName
-    """Model of the legs that the scene has been found to call for."""
+    """Model of the legs that the scene calls for, chosen by `resolve`."""
 
 
 class Effect(NamedTuple):
-    """One effect, its size in a scene, and the verdict on it."""
+    """Effect with its size in a scene and the verdict on it."""
 
     name: str
     on: bool
     number: float
     """Dimensionless number that decides."""
     meaning: str
-    """What the number is."""
+    """Meaning of the number, in words."""
     reason: str
     """Why the effect is on or off."""
     switch: str
@@ -35,7 +35,7 @@ class Effect(NamedTuple):
 
 
 def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
-    """Verdict and reason after the scene's switch, which overrules what was decided."""
+    """Verdict and reason after the scene's switch `wanted`, which overrules them unless None."""
     if wanted is None:
         return decided, reason
     return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"

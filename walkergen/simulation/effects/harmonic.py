@@ -1,7 +1,7 @@
 """Second harmonic of the drive: the plate moves as A [sin(phase) + ratio sin(2 phase + shift)].
 
-The kernels give the harmonic's share of height, velocity and acceleration over A, A omega and
-A omega^2; None shares nothing. Limit: ratio 0 is the plain sine (tests/test_engines.py).
+The kernels give the harmonic's part of height, velocity and acceleration over A, A omega and
+A omega^2, 0 for None. Limit: ratio 0 is the plain sine (tests/test_engines.py).
 """
 
 import math
@@ -14,16 +14,16 @@ NAME, SWITCH = "second harmonic", "effects.second_harmonic"
 
 
 class Harmonic(NamedTuple):
-    """Second harmonic of a drive."""
+    """Parameters of a second harmonic."""
 
     ratio: float
-    """Amplitude over that of the fundamental."""
+    """Amplitude over the fundamental's."""
     shift: float
     """Phase shift, rad."""
 
 
 def verdict(case: Case) -> Effect:
-    """On when the scene's drive has a second harmonic."""
+    """Verdict: on when the scene's drive has a second harmonic."""
     ratio = case.scene.drive.second_harmonic_ratio
     reason = "drive.second_harmonic_ratio" + (" > 0" if ratio > 0 else " = 0")
     on, reason = forced(case.scene.effects.second_harmonic, ratio > 0, reason)
@@ -31,14 +31,14 @@ def verdict(case: Case) -> Effect:
 
 
 def parameters(case: Case) -> Harmonic:
-    """The second harmonic of the scene's drive."""
+    """Parameters of the second harmonic of the scene's drive."""
     drive = case.scene.drive
     return Harmonic(drive.second_harmonic_ratio, math.radians(drive.second_harmonic_phase_deg))
 
 
 @kernel
 def height(harmonic, phase):
-    """Share of the height at a phase (rad) of the fundamental."""
+    """Harmonic's part of the height over A, at a phase (rad) of the fundamental."""
     if harmonic is None:
         return 0.0
     return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -46,7 +46,7 @@ def height(harmonic, phase):
 
 @kernel
 def velocity(harmonic, phase):
-    """Share of the velocity."""
+    """Harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
     if harmonic is None:
         return 0.0
     return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
@@ -54,7 +54,7 @@ def velocity(harmonic, phase):
 
 @kernel
 def acceleration(harmonic, phase):
-    """Share of the acceleration."""
+    """Harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
     if harmonic is None:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
@@ -62,7 +62,7 @@ def acceleration(harmonic, phase):
 
 @kernel
 def bound(harmonic, order):
-    """Largest share of the derivative of that order."""
+    """Largest |d^order height / dt^order| of the harmonic over A omega^order."""
     if harmonic is None:
         return 0.0
     return abs(harmonic.ratio) * 2.0**order

@@ -1,4 +1,4 @@
-"""Effects that are part of a model: their numbers tell what matters, and nothing switches them."""
+"""Effects that belong to a model: nothing switches them; their numbers say how much they matter."""
 
 import math
 
@@ -12,7 +12,7 @@ RARE = 50.0
 
 
 def sticking(case: Case) -> Effect:
-    """Sticking of a foot within an impact."""
+    """Verdict on sticking of a foot within an impact (docs/physics.md section 3)."""
     friction = case.scene.contact.friction
     ratios = [
         friction * float(H.xx) / abs(float(H.xy)) if H.xy != 0.0 else math.inf
@@ -26,29 +26,29 @@ def sticking(case: Case) -> Effect:
 
 
 def sustained(case: Case) -> Effect:
-    """Contact that lasts."""
+    """Verdict on contact that lasts: always on."""
     gamma = case.scene.drive.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 
 
 def pitch(case: Case) -> Effect:
-    """Turning in the plane."""
+    """Verdict on turning in the plane: always on."""
     number = case.design.legs.contact_spacing_mm / case.design.body.length_mm
     return Effect("pitch", True, number, "contact spacing over body length", "two feet", "")
 
 
 def yaw_and_roll(case: Case) -> Effect:
-    """Turning out of the plane, which needs a model in space."""
+    """Verdict on turning out of the plane: off, for it needs docs/physics.md section 7."""
     depth = case.design.body.depth_mm / case.design.legs.contact_spacing_mm
     return Effect("yaw and roll", False, depth, "depth over contact spacing", LANE, "")
 
 
 def lane_walls(case: Case) -> Effect:
-    """Walls of a lane, which need yaw."""
+    """Verdict on the walls of a lane: not built yet."""
     return Effect("lane walls", False, 0.0, "needs yaw", LANE, "")
 
 
 def neighbours(case: Case) -> Effect:
-    """Neighbours on the plate, which need a plane."""
+    """Verdict on other walkers: not built yet."""
     return Effect("neighbours", False, 0.0, "other walkers", "one walker alone", "")

@@ -14,7 +14,7 @@ MethodName = Literal["event", "step"]
 
 
 class Resolved(NamedTuple):
-    """What will be simulated."""
+    """Model, method and effects that will be simulated."""
 
     model: ModelName
     method: MethodName
@@ -22,7 +22,7 @@ class Resolved(NamedTuple):
     acting: Acting
 
     def on(self, name: str) -> bool:
-        """True when the effect of that name is simulated. Raises KeyError for an unknown name."""
+        """True when the effect `name` is simulated. Raises KeyError for an unknown name."""
         return {effect.name: effect.on for effect in self.effects}[name]
 
 

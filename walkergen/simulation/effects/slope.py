@@ -1,6 +1,6 @@
-"""Slope of the plate: it turns gravity in the plate's frame, in which everything else stays.
+"""Slope of the plate: gravity is turned in the plate's frame, and nothing else changes.
 
-Limit: slope 0 is the level plate; with friction mu a walker at rest slides from tan(slope) = mu on.
+Limits: slope 0 is the level plate; a walker at rest starts to slide beyond tan(slope) = mu.
 """
 
 import math
@@ -19,13 +19,13 @@ class Gravity(NamedTuple):
     size: float
     """Acceleration of free fall, > 0."""
     into: float
-    """Its component into the plate, > 0."""
+    """Component of gravity into the plate, > 0."""
     along: float | None
-    """Its component along the plate, toward +x; None on a level plate."""
+    """Component of gravity along the plate, toward +x; None on a level plate."""
 
 
 def verdict(case: Case) -> Effect:
-    """On when the scene's plate is not level."""
+    """Verdict: on when the scene's plate is not level."""
     slope = math.radians(case.scene.plate.slope_deg)
     friction = case.scene.contact.friction
     number = math.tan(slope) / friction if friction > 0 else math.tan(slope)
@@ -35,7 +35,7 @@ def verdict(case: Case) -> Effect:
 
 
 def gravity_of(slope: float | None, size: float = GRAVITY) -> Gravity:
-    """Gravity (mm/s^2) over a plate that descends toward +x by `slope` rad; None: level."""
+    """Gravity in the frame of a plate that descends toward +x by `slope` (rad; None: level)."""
     if slope is None:
         return Gravity(size, size, None)
     return Gravity(size, size * math.cos(slope), size * math.sin(slope))
@@ -43,5 +43,5 @@ def gravity_of(slope: float | None, size: float = GRAVITY) -> Gravity:
 
 @kernel
 def along(component):
-    """Gravity along the plate, mm/s^2, for which a level plate has no code."""
+    """Gravity along the plate, mm/s^2; the None of a level plate compiles to 0."""
     return 0.0 if component is None else component

@@ -1,6 +1,6 @@
 """Flexible foot tensor: the legs' joints carry force but no torque in an impact (paper, eqs 8-12).
 
-Limit: heavy joints, legs.model = "rigid", have the tensor of one rigid body (paper, eq. 4).
+Limit: locked joints (legs.model = "rigid") give the tensor of one rigid body (paper, eq. 4).
 """
 
 from walkergen.simulation.effects.effect import Case, Effect
@@ -9,7 +9,7 @@ NAME, SWITCH = "flexible foot tensor", "legs.model"
 
 
 def verdict(case: Case) -> Effect:
-    """On for every model of flexible legs but the rigid one."""
+    """Verdict: on for flexible legs unless their model is rigid. The number is m/M."""
     if case.design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
     ratio, meaning = float(case.mass.m / case.mass.M), "mass of a leg over the body's"

@@ -1,13 +1,12 @@
-"""One landing of one foot: the cascade of impacts at one instant that relaxed legs make.
+"""Landing of one foot on relaxed legs: a cascade of impacts (docs/physics.md section 5, trap 1).
 
-Every impact sets its impulse F(v) by the flexible tensor, after which the foot's velocity has
-changed by the rigid tensor only: v' = v + H_rigid F(v) (docs/physics.md section 5, trap 1). A light
-leg therefore approaches again at once, and infinitely many impacts may pass at one instant. F is
-homogeneous of degree 1 in v, and for Poisson's and Newton's laws linear within each type of
-impact. So the sequence ends in one of three ways, each found in finite work:
+The flexible tensor sets the impulse F(v) of an impact, the rigid tensor the velocity after it, v' =
+v + H_rigid F(v): infinitely many impacts may pass at one instant. F is homogeneous of degree 1 in
+v, and for Poisson's and Newton's laws linear within each type of impact. So the sequence ends in
+one of three ways, after finite work:
 
 * an impact separates the foot;
-* it slides on throughout (type I, IV) and the approach dies geometrically: closed form;
+* the foot slides on throughout (type I, IV) and its approach dies geometrically: closed form;
 * both components die: the impulse is the one that stops the foot in the rigid tensor.
 
 Long runs of impacts of one type are powers of one matrix and are raised by squaring. Under
@@ -31,37 +30,37 @@ from walkergen.theory.impact import (
 )
 
 MOST_IMPACTS = 1_000_000
-# Raise runs of one type to powers; look whether the direction is trapped between two types.
+# Impacts after which runs of one type are raised to powers; after which `_trapped` is asked.
 GALLOP_AFTER, SLOW = 8, 4096
 NEIGHBOURS = (0.125, -0.125, 0.001, -0.001)
-# Shares of the first speed: dead, zero but for rounding, growing without bound.
+# Speeds, over the first speed, that count as dead, as zero but for rounding, as without bound.
 DEAD, ROUNDING, BOUNDLESS = 1e-13, 1e-14, 1e100
 
 
 class Landing(NamedTuple):
-    """Outcome of a cascade at one foot."""
+    """Outcome of a cascade at one foot: impulse (g mm/s), velocity (mm/s), type."""
 
     F_x: float
     F_y: float
     v_x: float
     v_y: float
-    """Velocity after, over the plate; v_y = 0: the foot stays down."""
+    """Velocity after it, over the plate; v_y = 0: the foot stays down."""
     kind: int
     """`Kind` of the first impact; 0: the foot was not approaching."""
     finished: bool
-    """False: no end within `MOST_IMPACTS` (energy made by the law without bound)."""
+    """False: no end within `MOST_IMPACTS` (the law makes energy without bound)."""
 
 
 @kernel
 def stopping_impulse(H: Tensor, v_x: float, v_y: float) -> tuple[float, float]:
-    """F = -H^-1 v: the impulse that stops the foot."""
+    """Impulse that stops a foot, F = -H^-1 v, g mm/s."""
     det = determinant(H.xx, H.xy, H.yy)
     return (H.xy * v_y - H.yy * v_x) / det, (H.xy * v_x - H.xx * v_y) / det
 
 
 @kernel
 def cascade(own, rigid, v_x, v_y, contact, counts):
-    """All impacts of a foot that lands with (v_x, v_y < 0): a `Landing`.
+    """`Landing` of a foot that meets the plate with (v_x, v_y < 0) mm/s, after all its impacts.
 
     `own` (Tensor, 1/g, in the plate's frame) sets each impulse, `rigid` the velocity after it.
     Impacts summed in closed form count as one.
@@ -107,9 +106,9 @@ def cascade(own, rigid, v_x, v_y, contact, counts):
 
 @kernel
 def _trapped(from_x, from_y, to_x, to_y, widest):
-    """True when thousands of impacts (each a change `widest`) shrank v along one direction only.
+    """True when thousands of impacts, each a change <= `widest`, shrank v without turning it.
 
-    The direction chatters across the border of two types, both of which lead back to it (a
+    The direction of v chatters across the border of two types, both of which lead back to it (a
     sliding mode): it stays, and v dies along it.
     """
     start, end = math.hypot(from_x, from_y), math.hypot(to_x, to_y)
@@ -124,7 +123,7 @@ def _gallop(own, rigid, u_x, u_y, w_x, w_y, hit, contact):
     """Velocity after the impact `hit` (u -> w) and as many more of its type as squaring reaches.
 
     The ratio v_x/v_y moves one way through the cone of a type, so that a power of the impact's
-    matrix whose image is still inside has left no other type out.
+    matrix whose image is still inside has skipped no other type.
     """
     a, b, c, d, known = _matrix(own, rigid, u_x, u_y, hit, contact)
     turns_back = a * d - b * c <= 0.0 or a + d <= 0.0
@@ -150,9 +149,9 @@ def _same_type(own, v_x, v_y, hit, contact):
 
 @kernel
 def _matrix(own, rigid, u_x, u_y, hit, contact):
-    """Entries (xx, xy, yx, yy) of the linear map v -> v' of one type of impact, and if known.
+    """Entries (xx, xy, yx, yy) of the linear map v -> v' of a type of impact; False: not known.
 
-    From the impulses at u and at a neighbour of the same type: exact, for they are linear.
+    They follow from the impulses at u and at a neighbour of the same type: exact, being linear.
     """
     for step in range(4):
         q_x = u_x * (1.0 + NEIGHBOURS[step])

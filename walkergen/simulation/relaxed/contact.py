@@ -1,13 +1,11 @@
-"""What happens at one instant: impacts of one foot or both, until every closed contact is quiet.
+"""Impacts at one instant, of one foot or both, until every closed contact is quiet.
 
-Rules, all symmetric under exchange of the feet:
+Rules, all symmetric under exchange of the feet (docs/physics.md section 5, model A):
 
 * Rounds. In each, every closed foot that approaches receives the impulse of its own cascade,
   computed from the velocity before the round. Rounds go on until no closed foot approaches.
-* When both approach in one round (simultaneous landing, docs/physics.md trap 3), both impulses are
-  scaled by kappa = sum_i F_i H_ii F_i / sum_ij F_i H_ij F_j (H: rigid). The energy then changes by
-  kappa times what the two would change alone, so that the pair gains nothing that the feet alone
-  do not gain; a level symmetric landing has the restitution of a single foot.
+* Simultaneous landing (trap 3). When both approach in one round, both impulses are scaled by kappa
+  (`_share`): a level symmetric landing has the restitution of a single foot.
 * Snap (trap 2). Closed feet whose normal speed is below `snap_speed` close for good, both at once:
   the normal velocities, and a tangential one that friction can hold, are projected to zero.
 """
@@ -31,16 +29,13 @@ from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y
 from walkergen.theory.impact import NONE
 
 MOST_ROUNDS = 10_000
-# A foot within this many gap tolerances of the plate takes part: what the snap speed can climb.
+# Height, in gap tolerances, up to which a foot takes part: what the snap speed can climb.
 CLOSED = 16.0
 
 
 @kernel
 def land(world, state, t, tally):
-    """Resolve the present instant in place: velocities, contact modes, tally. False: no end.
-
-    Every foot within `CLOSED` gap tolerances takes part; t (s) is for the record of events.
-    """
+    """Resolve the instant t (s) in place: velocities, modes, tally; False: impacts do not end."""
     v_p, v_y = velocity(world.drive, state[PHASE]), state[V_Y]
     before = _energy(world, state, v_p)
     near = _near(world, state)
@@ -77,7 +72,7 @@ def _near(world, state):
 
 @kernel
 def _round(world, state, v_p, near, t, tally):
-    """One round of impacts: if any foot was struck, and if every cascade came to an end."""
+    """One round of impacts: (whether a foot was struck, whether every cascade came to an end)."""
     walker = world.walker
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
@@ -100,7 +95,7 @@ def _round(world, state, v_p, near, t, tally):
 
 @kernel
 def _meet(world, own, r, near, state, v_p, counts):
-    """The cascade of one foot, if it is closed and approaches; `own` is its flexible tensor."""
+    """`Landing` of one foot at r, if it is `near` and approaches; `own`: its flexible tensor."""
     v_y = state[V_Y] - v_p + state[SPIN] * r[0]
     if not near or v_y >= -world.options.snap_speed:
         return Landing(0.0, 0.0, 0.0, 0.0, NONE, True)
@@ -111,7 +106,7 @@ def _meet(world, own, r, near, state, v_p, counts):
 
 @kernel
 def _share(walker, back, front, at_back, at_front):
-    """The kappa of the module's second rule; 1 unless both feet are struck."""
+    """Factor kappa = sum_i F_i H_ii F_i / sum_ij F_i H_ij F_j, H rigid; 1 unless both strike."""
     if at_back.kind == NONE or at_front.kind == NONE:
         return 1.0
     torque_back, torque_front = _torque(back, at_back), _torque(front, at_front)

@@ -52,20 +52,19 @@ from walkergen.simulation.world import (
 )
 
 MOST_SPEED = 1e3
-"""Speed of a runaway, over the sum of the plate's and of a fall by the reach of a leg."""
+"""Speed of a runaway over the usual speed: the plate's peak plus sqrt(g |O -> back foot|)."""
 
-# Events in a row without a step of time; how deep a start may be inside, in gap tolerances.
+# Most events in a row without a step of time; largest depth of a start, in gap tolerances.
 MOST_AT_ONCE, DEEPEST_START = 1000, 1e7
 INSTANT = 1e-12  # rad of the drive
 
 
 @kernel
 def advance(world: World, state: State, duration: float, tally: Tally) -> int:
-    """Advance `state` in place by `duration` seconds and fill `tally`; returns the status.
+    """Advance `state` in place by `duration` seconds and fill `tally`; returns a status of `world`.
 
-    The state is laid out as in `world`. Two calls of half the duration agree with one to the
-    integrator's tolerance, until chaos takes over. After TOPPLED or FAILED the state is that of
-    the event, and the tally's elapsed time tells when.
+    Two calls of half the duration agree with a single call to the integrator's tolerance, until
+    chaos takes over. After TOPPLED or FAILED, state and elapsed time are those of the event.
     """
     if not _lift_out(world, state):
         return INSIDE
@@ -99,7 +98,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
 
 @kernel
 def _stretch(world, state, left, step, trial, stages):
-    """Smooth motion up to the next event within `left` seconds; fills `trial` with its end."""
+    """Move to the next event, by at most `left` s, into `trial`: (time s, event, next step s)."""
     feet = _closed_feet(state)
     if feet == 0:
         dt, event = first_contact(world, state, left)
@@ -114,7 +113,7 @@ def _stretch(world, state, left, step, trial, stages):
 
 @kernel
 def _runs_away(world, state):
-    """True when no plate and no fall explains the speed any more (H_rigid > H_flexible)."""
+    """True when neither plate nor fall explains the speed any more (H_rigid > H_flexible)."""
     reach = math.hypot(world.walker.d_back[0], world.walker.d_back[1])
     usual = derivative_bound(world.drive, 1) + math.sqrt(world.acting.gravity.size * reach)
     speed = max(abs(state[V_X]), abs(state[V_Y]), reach * abs(state[SPIN]))
@@ -128,7 +127,7 @@ def _closed_feet(state):
 
 @kernel
 def _change(world, state, event, t, tally):
-    """What an event changes at its instant; False when a landing finds no end."""
+    """Apply an event to modes and velocities; False when the impacts of a landing do not end."""
     if event == LIFT:
         state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     elif event == LIFT_BACK:
@@ -144,7 +143,7 @@ def _change(world, state, event, t, tally):
 
 @kernel
 def _break_away(world, state):
-    """Stuck feet begin to slip against the force that held them."""
+    """Make stuck feet slip against the force that held them."""
     pull = -along(world.acting)
     if _closed_feet(state) == 1:
         d, _, _ = closed_foot(world.walker, state)
@@ -162,7 +161,7 @@ def _break_away(world, state):
 
 @kernel
 def _sample(world, state, t, dt, samples, stages):
-    """Take the samples wanted between t and t + dt; the run itself is not disturbed by them."""
+    """Take the samples wanted between t and t + dt, without any effect on the run."""
     if samples is not None:
         wanted = next_sample(samples)
         if wanted <= t + dt:
@@ -190,7 +189,7 @@ def _tally(state, trial, dt, sums):
 
 @kernel
 def _lift_out(world, state):
-    """Raise a walker that starts inside the plate by no more than rounding of its maker."""
+    """Raise a walker that starts inside the plate by rounding; False when it starts deeper."""
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     lowest = min(lever(world.walker.d_back, sin, cos)[1], lever(world.walker.d_front, sin, cos)[1])
     depth = height(world.drive, state[PHASE]) - (state[Y] + lowest)

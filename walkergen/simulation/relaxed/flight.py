@@ -30,9 +30,9 @@ from walkergen.simulation.world import (
 # What ends a stretch of motion.
 NOTHING, TOUCH, CORNER, STUCK = 0, 1, 2, 3
 MOST_STEPS = 100_000
-# Of a height after a flight, over the way flown: heights far above a small walker lose its digits.
+# Rounding of a height over the way flown: heights far above a small walker lose its digits.
 ROUNDING = 1e-15
-# A foot at the surface that moves inward faster than this share of the snap speed has landed.
+# Share of the snap speed: a foot at the surface that moves inward faster has landed.
 INWARD = 1e-3
 
 
@@ -46,7 +46,7 @@ class Gap(NamedTuple):
 
 @kernel
 def drift(world: World, state: State, dt: float, out: State) -> None:
-    """Ballistic flight for `dt` seconds, exact: out = state moved on (may be the same array)."""
+    """Exact ballistic flight of `dt` seconds from `state` to `out` (may be the same array)."""
     g_x, g_y = along(world.acting), across(world.acting)
     out[X] = state[X] + dt * (state[V_X] + 0.5 * g_x * dt)
     out[Y] = state[Y] + dt * (state[V_Y] - 0.5 * g_y * dt)
@@ -74,10 +74,10 @@ def quadratic_wait(value: float, rate: float, bound: float) -> float:
 
 @kernel
 def cubic_wait(gap: Gap, margin: float, bound: float) -> float:
-    """A time within which margin + rate s + curvature s^2 / 2 - bound s^3 / 6 stays positive.
+    """Time within which margin + rate s + curvature s^2 / 2 - bound s^3 / 6 stays positive.
 
-    Any window S gives one: within it the curvature is at least curvature - bound S / 3. The best
-    window is the cubic's own root, approached by Newton's method from an upper bound of it.
+    Any window S gives such a time: within it the curvature is at least curvature - bound S / 3. The
+    best S is the cubic's own root, approached by Newton's method from an upper bound of it.
     """
     s = max(9.0 * gap.curvature / bound, (18.0 * margin / bound) ** (1.0 / 3.0))
     if gap.rate > 0.0:
@@ -145,7 +145,7 @@ def _gap(r: Point, rise: float, rate: float, pull: float, Omega: float) -> Gap:
 
 @kernel
 def _lands(gap: Gap, slack: float, snap: float) -> bool:
-    """A foot that leaves from the surface has not landed, whatever rounding says of its speed."""
+    """True when a point at or below the plate's surface moves inward by more than rounding."""
     if gap.height > 0.0 or gap.rate >= 0.0:
         return False
     inward = gap.rate < -INWARD * snap and gap.curvature < 0.0
@@ -154,7 +154,7 @@ def _lands(gap: Gap, slack: float, snap: float) -> bool:
 
 @kernel
 def _since(gap: Gap, landed: bool) -> float:
-    """Time since a landed foot passed the surface, to first order: takes back the tolerance."""
+    """Time (s) since a landed point passed the surface, to first order: undoes the tolerance."""
     fast = landed and gap.rate * gap.rate > -4.0 * gap.height * abs(gap.curvature)
     return gap.height / gap.rate if fast else 0.0
 

@@ -1,4 +1,4 @@
-"""Model A, relaxed legs, and the rigid walker from event to event, behind the seam."""
+"""Model A, relaxed legs, and the rigid walker from event to event, each as a `Model`."""
 
 from walkergen.simulation import world
 from walkergen.simulation.drive import Drive
@@ -19,7 +19,7 @@ EVENTS = Model(
     resting=state.resting,
     columns=world.RIGID_COLUMNS,
 )
-"""From event to event, with flights and contacts as exact as rounding allows."""
+"""Method from event to event, with flights and contacts as exact as rounding allows."""
 
 
 def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, state.Walker, state.Options]:

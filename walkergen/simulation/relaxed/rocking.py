@@ -40,7 +40,7 @@ COLUMNS = 6
 
 @kernel
 def closed_foot(walker, state):
-    """The foot that stands, the other one, and the standing one's mode."""
+    """Vectors O -> closed foot and O -> other foot (body's frame), and the closed foot's mode."""
     if state[MODE_BACK] != OPEN:
         return walker.d_back, walker.d_front, int(state[MODE_BACK])
     return walker.d_front, walker.d_back, int(state[MODE_FRONT])
@@ -48,7 +48,7 @@ def closed_foot(walker, state):
 
 @kernel
 def rock(world, state, dt, out, stages):
-    """One step of `dt` seconds: fills `out`, returns the error estimate (1: as tolerated)."""
+    """Step of `dt` seconds from `state` to `out`; returns its estimated error (1: as tolerated)."""
     d, _, mode = closed_foot(world.walker, state)
     g_x, g_y = along(world.acting), across(world.acting)
     for i in range(7):
@@ -90,7 +90,7 @@ def _combine(state, dt, out, stages):
 
 @kernel
 def _place(plate, d, mode, state, dt, out):
-    """Height (and x, when the foot sticks) from the contact."""
+    """Set height (and x, when the foot sticks) and their rates so that the foot stays closed."""
     before = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
     r = lever(d, math.sin(out[PITCH]), math.cos(out[PITCH]))
     out[PHASE] = (state[PHASE] + plate.omega * dt) % TWO_PI
@@ -125,7 +125,7 @@ def _gap_rate(world, state):
 
 @kernel
 def margin(world, state, event):
-    """What stays positive until `event`: a gap (mm), a force (g mm/s^2) or a speed (mm/s)."""
+    """Quantity that is positive until `event`: a gap (mm), force (g mm/s^2) or speed (mm/s)."""
     d, other, mode = closed_foot(world.walker, state)
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     if event == TOUCH:
@@ -151,9 +151,9 @@ def margin(world, state, event):
 
 @kernel
 def end_of_step(world, state, limit, suggested, out, stages):
-    """One accepted step within `limit`: (its length s, what ended it, next suggested length).
+    """Accepted step of at most `limit` s to `out`: (its length s, its event, next length to try s).
 
-    Fills `out` with the state at its end. STUCK when no step is short enough.
+    The event is what ended it, NOTHING, or STUCK when no step is short enough.
     """
     dt = min(limit, suggested)
     for _ in range(MOST_HALVINGS):
@@ -177,7 +177,7 @@ def end_of_step(world, state, limit, suggested, out, stages):
 
 @kernel
 def _slack(world, event):
-    """Rounding of a margin, in its unit."""
+    """Rounding error of an event's margin, in its unit."""
     if event in (LIFT, BREAK):
         return 1e-13 * world.walker.mass * world.acting.gravity.size
     return 1e-8 * world.options.snap_speed if event == STOP else 0.5 * world.options.gap_tolerance

@@ -1,9 +1,7 @@
-"""The relaxed-legs walker: what a simulation needs of it, and the motion of its points.
+"""The relaxed-legs walker (docs/physics.md section 5, model A): its parameters and its points.
 
-Model A of docs/physics.md section 5: a rigid body (x, y, pitch) on two feet fixed to it. An impulse
-F at a foot comes from the flexible tensor H of that foot, then the legs relax at once and the body
-alone receives it: M dv = F, J dspin = r x F. A braced walker has no flexible tensors: its rigid
-tensor serves both purposes.
+A rigid body (x, y, pitch) on two feet fixed to it. The flexible tensor of a foot sets the impulse,
+which the body alone receives. A braced walker has no flexible tensors: its rigid tensor sets it.
 
 Pitch turns counter-clockwise; a point d of the body lies at O + r, r = R(pitch) d, and moves at
 (v_x - spin r_y, v_y + spin r_x).
@@ -27,7 +25,7 @@ from walkergen.walker.mass import MassProperties
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
 
-# Two places behind a trial state: the energies (g mm^2/s^2) exchanged on the way to it.
+# Two entries behind a trial state: plate work and friction loss on the way to it, g mm^2/s^2.
 TRIAL_WORK, TRIAL_FRICTION, TRIAL_SIZE = 9, 10, 11
 
 
@@ -40,44 +38,43 @@ class Tensor(NamedTuple):
 
 
 class FlexibleTensors(NamedTuple):
-    """Tensors that the feet oppose to an impulse, in the body's frame (at pitch 0)."""
+    """Flexible tensors of the feet (paper, eqs 8-12), in the body's frame (at pitch 0)."""
 
     back: Tensor
     front: Tensor
 
 
 class Walker(NamedTuple):
-    """A body on two feet; vectors from its centre of mass O, in mm, in the body's frame."""
+    """Body on two feet; vectors in mm, in the body's frame, O its centre of mass."""
 
     mass: float
     """Mass of the body (flexible legs) or of the whole (braced), g."""
     inertia: float
-    """Moment of inertia of the same about O, g mm^2."""
+    """Moment of inertia about O of what `mass` counts, g mm^2."""
     d_back: Point
-    """O -> back foot."""
+    """Vector O -> back foot."""
     d_front: Point
-    """O -> front foot."""
+    """Vector O -> front foot."""
     corners: tuple[Point, Point, Point, Point]
-    """O -> corners of the body, which end the run when one touches the plate."""
+    """Vectors O -> corners of the body: the run ends when a corner touches the plate."""
     safe_pitch: float
     """Below this |pitch| (rad) every corner is higher than the lower foot (`safe_pitch`)."""
     flexible: FlexibleTensors | None
-    """None: rigid."""
+    """Tensors that set impulses; None: the rigid tensor does."""
 
 
 class Options(NamedTuple):
-    """The two tolerances, which belong together (`options_for`)."""
+    """Tolerances, which belong together (`options_for`)."""
 
     gap_tolerance: float
-    """Depth to which a foot is let into the plate, mm: some tens of roundings of its height."""
+    """Depth to which a foot may be inside the plate, mm: tens of roundings of its height."""
     snap_speed: float
-    """Normal speed (mm/s) below which closed contacts close for good. It must exceed
-    sqrt(2 a gap_tolerance), the speed that the tolerance itself can feed (docs/physics.md section
-    5, trap 2)."""
+    """Normal speed (mm/s) below which closed feet stay; above sqrt(2 a gap_tolerance), a speed that
+    the tolerance itself can feed (docs/physics.md section 5, trap 2)."""
 
 
 def options_for(walker: Walker, drive: Drive, gravity: float) -> Options:
-    """Options whose tolerances follow from the sizes of walker and drive, so that they scale."""
+    """Tolerances that scale with the sizes of walker and drive and with `gravity` (mm/s^2)."""
     size = max(math.hypot(*point) for point in (walker.d_back, walker.d_front, *walker.corners))
     gap = 64 * np.finfo(float).eps * (size + abs(drive.amplitude))
     largest_acceleration = gravity + derivative_bound(drive, 2)
@@ -85,7 +82,7 @@ def options_for(walker: Walker, drive: Drive, gravity: float) -> Options:
 
 
 def coarser(world: World, factor: float) -> World:
-    """The world with gap tolerances so many times larger, and the snap speed that belongs to it."""
+    """World with a gap tolerance `factor` times larger and the snap speed that belongs to it."""
     gap, snap = world.options
     return world._replace(options=Options(factor * gap, math.sqrt(factor) * snap))
 
@@ -116,7 +113,7 @@ def new(
     corners: tuple[Point, Point, Point, Point],
     flexible: tuple[InverseMass, InverseMass] | None = None,
 ) -> Walker:
-    """A walker from its numbers (g, mm); `flexible` holds the back and the front foot's tensor."""
+    """Walker from its numbers (g, mm); `flexible`: the back and the front foot's tensor (1/g)."""
     tensors = None
     if flexible is not None:
         back, front = (Tensor(float(H.xx), float(H.xy), float(H.yy)) for H in flexible)
@@ -133,7 +130,7 @@ def new(
 
 
 def walker_of(design: Design, mass: MassProperties) -> Walker:
-    """The walker of one design and its (unbatched) mass properties."""
+    """Walker of one design and its (unbatched) mass properties."""
     a, foot = mass.a, mass.c_A + mass.c_T
     middle = a - np.array(design.anchors[0])  # O -> middle of the body
     half_length, half_height = 0.5 * design.body.length_mm, 0.5 * design.body.thickness_mm
@@ -175,7 +172,7 @@ def energy(world: World, state: State) -> float:
 
 
 def feet(world: World, state: State) -> Array:
-    """Back and front foot: rows of x (mm), height over the plate (mm), v_x, v_y over the plate."""
+    """Places and velocities of the feet, shape (2, 4), as in `Model.feet`."""
     sin, cos, spin = math.sin(state[PITCH]), math.cos(state[PITCH]), state[SPIN]
     ground, rising = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
     rows = []
@@ -187,7 +184,7 @@ def feet(world: World, state: State) -> Array:
 
 
 def momentum(world: World, state: State) -> float:
-    """Momentum along the plate, g mm/s."""
+    """Momentum of the body along the plate, g mm/s."""
     return float(world.walker.mass * state[V_X])
 
 
@@ -199,7 +196,7 @@ def lever(d: Point, sin: float, cos: float) -> Point:
 
 @kernel
 def rigid_tensor(walker: Walker, r: Point) -> Tensor:
-    """I/M + P(r)/J: how the relaxed body answers to an impulse at r."""
+    """Rigid inverse-mass tensor at r: I/M + P(r)/J (paper, eq. 4), in the plate's frame, 1/g."""
     return Tensor(
         1.0 / walker.mass + r[1] * r[1] / walker.inertia,
         -r[0] * r[1] / walker.inertia,
@@ -209,19 +206,19 @@ def rigid_tensor(walker: Walker, r: Point) -> Tensor:
 
 @kernel
 def back_tensor(flexible):
-    """The back foot's tensor in the body's frame; None when rigid."""
+    """Flexible tensor of the back foot in the body's frame; None when rigid."""
     return None if flexible is None else flexible.back
 
 
 @kernel
 def front_tensor(flexible):
-    """The front foot's tensor in the body's frame; None when rigid."""
+    """Flexible tensor of the front foot in the body's frame; None when rigid."""
     return None if flexible is None else flexible.front
 
 
 @kernel
 def impulse_tensor(own, rigid, sin, cos):
-    """The tensor that sets the impulse, in the plate's frame: R own R^T, or `rigid` if None."""
+    """Tensor that sets the impulse, in the plate's frame: R own R^T; `rigid` if `own` is None."""
     if own is None:
         return rigid
     squares, product = cos * cos - sin * sin, cos * sin

@@ -44,17 +44,17 @@ from walkergen.simulation.world import (
 _level_pitch = kernel(level_pitch)
 
 JAM = 4
-"""Mode of a foot that no force lets slide on."""
+"""Mode of a sliding foot that jams: no contact force lets it slide on."""
 NO_JAM, BACK_JAMS, FRONT_JAMS = 0, 1, 2
 # What ends a stretch of contact (continues flight's NOTHING, TOUCH, CORNER, STUCK).
 LIFT, LIFT_BACK, LIFT_FRONT, STOP, BREAK = 4, 5, 6, 7, 8
-# Share of the snap speed below which a tangential speed is rounding.
+# Tangential speed, over the snap speed, below which it is rounding.
 REST = 1e-6
 MOST_STEPS = 100_000
 
 
 class Pivot(NamedTuple):
-    """Motion of the body on one foot: mm/s^2, rad/s^2; contact force in g mm/s^2."""
+    """Accelerations of the body on one foot, mm/s^2 and rad/s^2, and contact force, g mm/s^2."""
 
     a_x: float
     alpha: float
@@ -64,7 +64,7 @@ class Pivot(NamedTuple):
 
 @kernel
 def direction(mode: int) -> float:
-    """Sign of the slip of a mode; 0 when it does not slip."""
+    """Sign of the slip in a contact mode; 0 without slip."""
     if mode == FORWARD:
         return 1.0
     return -1.0 if mode == BACKWARD else 0.0
@@ -89,7 +89,7 @@ def on_one_foot(walker, r, Omega, pull, g_x, friction, mode):
 
 @kernel
 def _mode_of_one(walker, r, v_t, Omega, pull, g_x, friction, snap):
-    """Mode of the only closed foot, which slides at v_t; JAM when no force lets it slide on."""
+    """Mode of the only closed foot, at r, sliding at v_t mm/s; JAM: no force lets it slide on."""
     if -pull - Omega * Omega * r[1] >= 0.0:
         return OPEN
     rests = abs(v_t) <= REST * snap
@@ -101,7 +101,7 @@ def _mode_of_one(walker, r, v_t, Omega, pull, g_x, friction, snap):
     if not rests:
         slides = H.yy - math.copysign(friction, v_t) * H.xy > 0.0
         return (FORWARD if v_t > 0.0 else BACKWARD) if slides else JAM
-    # From rest it slips the way in which it would accelerate.
+    # From rest a foot slips the way in which it would accelerate.
     forward = _starts(walker, r, Omega, pull, g_x, friction, FORWARD)
     backward = _starts(walker, r, Omega, pull, g_x, friction, BACKWARD)
     if forward and backward:
@@ -122,7 +122,7 @@ def _starts(walker, r, Omega, pull, g_x, friction, mode):
 def choose_modes(world, state, near_back, near_front):
     """Set the modes of both feet from velocities and accelerations; snap the closed ones.
 
-    Returns NO_JAM, or which foot slides into a jam (its modes are then left for after the stop).
+    Returns NO_JAM, or which foot jams (BACK_JAMS, FRONT_JAMS): its mode is set after its stop.
     """
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
@@ -172,7 +172,7 @@ def choose_modes(world, state, near_back, near_front):
 
 @kernel
 def _press(plate, state, r):
-    """Put the foot exactly on the plate, moving with it."""
+    """Put the foot at r exactly on the plate, moving with it."""
     state[Y] = height(plate, state[PHASE]) - r[1]
     state[V_Y] = velocity(plate, state[PHASE]) - state[SPIN] * r[0]
 
@@ -190,7 +190,7 @@ def _mode_of_both(world, v_x, pull):
 
 @kernel
 def _normals(back, front, pull, g_x, friction, mode):
-    """Normal forces on both feet over the mass, from the balance of torques about O."""
+    """Normal forces on both feet over the mass, mm/s^2, from the balance of torques about O."""
     f_x = -g_x if mode == STICK else -direction(mode) * friction * pull
     torque = back[1] * f_x
     return (
@@ -201,7 +201,7 @@ def _normals(back, front, pull, g_x, friction, mode):
 
 @kernel
 def stand(world, state, dt, out):
-    """Both feet closed for `dt` seconds: the plate carries the body, which may slide; exact."""
+    """Exact motion to `out`, both feet closed for `dt` s: carried by the plate, it may slide."""
     g_x, g_y, slip = along(world.acting), across(world.acting), direction(int(state[MODE_BACK]))
     h, v_p = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
     phase = (state[PHASE] + world.drive.omega * dt) % TWO_PI
