@@ -32,6 +32,12 @@ class Drive(NamedTuple):
 
 
 @kernel
+def moved_on(drive: Drive, phase: float, t: float) -> float:
+    """Phase (rad) after t seconds; it stays in 0..2 pi."""
+    return (phase + drive.omega * t) % TWO_PI
+
+
+@kernel
 def height(drive: Drive, phase: float) -> float:
     """Height of the plate's surface at a phase (rad), mm."""
     return drive.amplitude * (math.sin(phase) + _height(drive.harmonic, phase))

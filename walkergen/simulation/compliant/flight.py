@@ -10,7 +10,7 @@ import math
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.compliant.chain import chain_of, free_acceleration
-from walkergen.simulation.drive import TWO_PI, derivative_bound, velocity
+from walkergen.simulation.drive import derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import DAMPING_LOSS
 from walkergen.simulation.world import (
@@ -29,16 +29,10 @@ from walkergen.simulation.world import (
 
 
 @kernel
-def advance_phase(drive, state, t):
-    """Move the drive on by t seconds; the phase stays in 0..2 pi."""
-    state[PHASE] = (state[PHASE] + drive.omega * t) % TWO_PI
-
-
-@kernel
 def fly(world, state, t, sums):
     """Free flight of `t` seconds, in place; what damping and effects take goes to `sums`."""
     _fly(world.walker.legs, world, state, t, sums)
-    advance_phase(world.drive, state, t)
+    state[PHASE] = moved_on(world.drive, state[PHASE], t)
 
 
 @kernel

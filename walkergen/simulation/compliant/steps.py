@@ -2,11 +2,11 @@
 
 While a foot lies on the plate, steps have a fixed length h: trapezoidal rule (springs implicit),
 contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
-of modes. In the air, flight is in closed form, in long steps when no foot can reach the plate. A
-landing is located inside its step and resolved there by the law of impact; rebounds too short for
-steps (less than 2 h) are absorbed, and so is every rebound off a leg that swings back within that
-time. Second order in h while h resolves the legs' swing (docs/physics.md section 5, accuracy); a
-foot may sink by part of what it travels in a step.
+of modes. In the air, flight is in closed form, in long steps when no foot can reach the plate and
+the walker does not turn fast. A landing is located inside its step and resolved there by the law of
+impact; rebounds too short for steps (less than 2 h) are absorbed, and so is every rebound off a leg
+that swings back within that time. Second order in h while h resolves the legs' swing
+(docs/physics.md section 5, accuracy); a foot may sink by part of what it travels in a step.
 """
 
 import math
@@ -39,8 +39,15 @@ from walkergen.simulation.compliant.contact import (
     settle,
     solve,
 )
-from walkergen.simulation.compliant.flight import advance_phase, clear_time, fly
-from walkergen.simulation.drive import acceleration, velocity
+from walkergen.simulation.compliant.flight import clear_time, fly
+from walkergen.simulation.compliant.lengths import (
+    SLIVER,
+    longest_contact,
+    longest_flight,
+    stiffening,
+    swings_back,
+)
+from walkergen.simulation.drive import acceleration, derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.world import (
@@ -76,14 +83,6 @@ INSTANT = 1e-12
 
 TOGETHER = 1e-9
 """Part of a step within which two landings count as simultaneous."""
-
-TURN = 0.25
-"""Largest turn (rad) of body or legs in one step of flight: the kick that corrects the linear swing
-is unstable far beyond it."""
-
-SLIVER = 0.1
-"""Part of h below which a step does not end at a foot's stop, nor does a step after one: the error
-of second order that a stopped foot keeps would be stopped again and again."""
 
 STALLED = 200
 """Number of steps in a row that take no time after which a run has failed."""
@@ -128,14 +127,6 @@ def _drift(legs, state, t):
     if legs is not None:
         state[ANGLE_BACK] += t * state[RATE_BACK]
         state[ANGLE_FRONT] += t * state[RATE_FRONT]
-
-
-@kernel
-def _stiffening(legs, t):
-    """Inertia (g mm^2) that the trapezoidal rule adds to the hinges for a step of t seconds."""
-    if legs is None:
-        return 0.0
-    return t * (0.5 * legs.damping + 0.25 * t * legs.stiffness)
 
 
 @kernel
@@ -185,8 +176,8 @@ def _contact_step(world, state, t, sums, rows):
     v_x, v_y = state[V_X], state[V_Y]
     plate_before = velocity(world.drive, state[PHASE])
     _drift(legs, state, 0.5 * t)
-    advance_phase(world.drive, state, t)
-    chain = chain_of(world.walker, state, _stiffening(legs, t))
+    state[PHASE] = moved_on(world.drive, state[PHASE], t)
+    chain = chain_of(world.walker, state, stiffening(legs, t))
     before = feet_velocities(world, state, chain)
     a_x, a_y, a_t, a_b, a_f = free_acceleration(world, state, chain, 0.0)
     free = (t * a_x, t * a_y, t * a_t, t * a_b, t * a_f)
@@ -248,6 +239,16 @@ def _crossing(gap_0, rate_0, gap_1, rate_1, t):
 
 
 @kernel
+def _lands(gap_0, gap_1, rate_1):
+    """True when an open foot lands in a step: it ends below the plate, and fell to get there.
+
+    A foot that began below it may also end the step rising and yet deeper, where the step misses
+    whole swings of its leg.
+    """
+    return gap_1 < 0.0 and (gap_0 > 0.0 or rate_1 < 0.0 or gap_1 < gap_0)
+
+
+@kernel
 def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
     """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
 
@@ -263,8 +264,8 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
             break
         chain = chain_of(world.walker, state, 0.0)
         gap_1, u_1 = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
-        back = start[MODE_BACK] == OPEN and gap_1[0] < 0.0 and (gap_0[0] > 0.0 or u_1[1] < 0.0)
-        front = start[MODE_FRONT] == OPEN and gap_1[1] < 0.0 and (gap_0[1] > 0.0 or u_1[3] < 0.0)
+        back = start[MODE_BACK] == OPEN and _lands(gap_0[0], gap_1[0], u_1[1])
+        front = start[MODE_FRONT] == OPEN and _lands(gap_0[1], gap_1[1], u_1[3])
         part_b = _crossing(gap_0[0], u_0[1], gap_1[0], u_1[1], t) if back else 2.0
         part_f = _crossing(gap_0[1], u_0[3], gap_1[1], u_1[3], t) if front else 2.0
         part = min(part_b, part_f, turn if stops else 1.0)
@@ -278,26 +279,23 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
 
 
 @kernel
-def _swings_back(legs, t):
-    """True when a leg that is hit swings back within t s, half the period of its slower mode."""
-    if legs is None:
-        return False
-    swing = legs.swing
-    slower = legs.stiffness * min(swing.mobility_1, swing.mobility_2)
-    return t * math.sqrt(slower) > math.pi
+def _surface(world, state, gap, u, landed, rows):
+    """Shift feet that land deeper than what they and the plate travel in a step onto the plate.
 
-
-@kernel
-def _longest_flight(legs, state, options):
-    """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it."""
-    longest = options.flight * options.step
-    if legs is None:
-        return longest
-    square = legs.stiffness * max(legs.swing.mobility_1, legs.swing.mobility_2)
-    angles = state[ANGLE_BACK] ** 2 + state[ANGLE_FRONT] ** 2
-    rates = state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2
-    fastest = math.sqrt(state[SPIN] ** 2 + rates + square * angles)
-    return min(longest, max(SLIVER * options.step, TURN / (fastest + 1e-300)))
+    A foot never gets so deep in one step, but could sink a little in every bounce that is lost in
+    a step: where it has landed and rebounds it is open, and `settle` leaves it where it is.
+    """
+    step, legs = world.options.step, world.walker.legs
+    most = step * derivative_bound(world.drive, 1)
+    back = landed[0] and gap[0] < -most - step * abs(u[1])
+    front = landed[1] and gap[1] < -most - step * abs(u[3])
+    if back or front:
+        modes = state[MODE_BACK], state[MODE_FRONT]
+        state[MODE_BACK] = FORWARD if back else modes[0]
+        state[MODE_FRONT] = FORWARD if front else modes[1]
+        settle(world, state, stiffening(legs, step), rows)
+        state[MODE_BACK], state[MODE_FRONT] = modes
+    return back or front
 
 
 @kernel
@@ -318,7 +316,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
         max(step * (lift - d[1] - turning[1]), least),
         max(step * (lift - d[3] - turning[3]), least),
     )
-    e = 0.0 if _swings_back(world.walker.legs, 2.0 * step) else world.contact.restitution
+    e = 0.0 if swings_back(world.walker.legs, 2.0 * step) else world.contact.restitution
     collide(world, e, state, Instant(chain, mobility_of(chain), rows, tally), touching, rest)
     u = feet_velocities(world, state, chain)
     if touching[0]:
@@ -331,7 +329,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
 def advance(world, state, duration, tally):
     """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
     work = Work(np.empty_like(state), np.empty_like(tally.sums), np.empty((4, 5)))
-    sums, h = tally.sums, world.options.step
+    sums, h, legs = tally.sums, world.options.step, world.walker.legs
     begin, t, stalled, back, front = sums[record.ELAPSED], 0.0, 0, False, False
     stopped = False
     while t < duration:
@@ -340,27 +338,31 @@ def advance(world, state, duration, tally):
             take_sample(tally.samples, begin + t, state)
         if corner_height(world, state) <= 0.0:
             return TOPPLED
-        if folded(world.walker.legs, state):
+        if folded(legs, state):
             return FOLDED
         chain = chain_of(world.walker, state, 0.0)
         gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
+            if _surface(world, state, gap, u, (back, front), work.rows):
+                chain = chain_of(world.walker, state, 0.0)
+                gap = gaps(world.drive, state, chain)
             _land(world, state, chain, gap, (back, front), tally, work.rows)
             u = feet_velocities(world, state, chain)
-        length = h
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
-        if not closed:
+        if closed:
+            length = longest_contact(legs, state, h)
+        else:
             clear = clear_time(world, state, chain, gap)
-            length = min(max(clear, h), _longest_flight(world.walker.legs, state, world.options))
+            length = min(max(clear, h), longest_flight(legs, state, world.options, clear))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         stops = length > SLIVER * h and not stopped
         passed, back, front = _step_to_landing(world, state, length, stops, gap, u, sums, work)
         stopped = passed < length and not (back or front)
         if closed:
             sums[record.CONTACT_TIME] += passed
-            settle(world, state, _stiffening(world.walker.legs, h), work.rows)
+            settle(world, state, stiffening(legs, h), work.rows)
         sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
         stalled = stalled + 1 if passed <= INSTANT else 0
         if stalled > STALLED or not math.isfinite(state[Y]):

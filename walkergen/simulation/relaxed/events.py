@@ -72,7 +72,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
     trial, stages = np.zeros(TRIAL_SIZE), np.zeros((7, COLUMNS))
     trial[:RIGID_SIZE] = state
     step = FIRST * TWO_PI / world.drive.omega
-    status, running = OK, True
+    running = True
     while running:
         left = duration - t
         dt, event, step = _stretch(world, state, left, step, trial, stages)
@@ -93,7 +93,7 @@ def advance(world: World, state: State, duration: float, tally: Tally) -> int:
             if not ended or _runs_away(world, state):
                 return RUNAWAY
             running = t < duration
-    return status
+    return OK
 
 
 @kernel

@@ -10,7 +10,13 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, velocity
+from walkergen.simulation.drive import (
+    acceleration,
+    derivative_bound,
+    height,
+    moved_on,
+    velocity,
+)
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, Point, lever
 from walkergen.simulation.world import (
@@ -54,7 +60,7 @@ def drift(world: World, state: State, dt: float, out: State) -> None:
     out[V_X] = state[V_X] + g_x * dt
     out[V_Y] = state[V_Y] - g_y * dt
     out[SPIN] = state[SPIN]
-    out[PHASE] = (state[PHASE] + world.drive.omega * dt) % TWO_PI
+    out[PHASE] = moved_on(world.drive, state[PHASE], dt)
     out[MODE_BACK] = state[MODE_BACK]
     out[MODE_FRONT] = state[MODE_FRONT]
     out[TRIAL_WORK] = 0.0

@@ -12,7 +12,7 @@ import numpy as np
 
 from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, NODES, WEIGHTS
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import TWO_PI, acceleration, height, velocity
+from walkergen.simulation.drive import TWO_PI, acceleration, height, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, TOUCH
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, lever
@@ -89,13 +89,13 @@ def _combine(state, dt, out, stages):
 
 
 @kernel
-def _place(plate, d, mode, state, dt, out):
+def _place(drive, d, mode, state, dt, out):
     """Set height (and x, when the foot sticks) and their rates so that the foot stays closed."""
     before = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
     r = lever(d, math.sin(out[PITCH]), math.cos(out[PITCH]))
-    out[PHASE] = (state[PHASE] + plate.omega * dt) % TWO_PI
-    out[Y] = height(plate, out[PHASE]) - r[1]
-    out[V_Y] = velocity(plate, out[PHASE]) - out[SPIN] * r[0]
+    out[PHASE] = moved_on(drive, state[PHASE], dt)
+    out[Y] = height(drive, out[PHASE]) - r[1]
+    out[V_Y] = velocity(drive, out[PHASE]) - out[SPIN] * r[0]
     if mode == STICK:
         out[X] = state[X] + (before[0] - r[0])
         out[V_X] = out[SPIN] * r[1]

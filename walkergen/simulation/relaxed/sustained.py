@@ -14,7 +14,14 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import TWO_PI, acceleration, derivative_bound, height, velocity
+from walkergen.simulation.drive import (
+    TWO_PI,
+    acceleration,
+    derivative_bound,
+    height,
+    moved_on,
+    velocity,
+)
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.cascade import stopping_impulse
 from walkergen.simulation.relaxed.flight import quadratic_wait
@@ -171,10 +178,10 @@ def choose_modes(world, state, near_back, near_front):
 
 
 @kernel
-def _press(plate, state, r):
+def _press(drive, state, r):
     """Put the foot at r exactly on the plate, moving with it."""
-    state[Y] = height(plate, state[PHASE]) - r[1]
-    state[V_Y] = velocity(plate, state[PHASE]) - state[SPIN] * r[0]
+    state[Y] = height(drive, state[PHASE]) - r[1]
+    state[V_Y] = velocity(drive, state[PHASE]) - state[SPIN] * r[0]
 
 
 @kernel
@@ -204,7 +211,7 @@ def stand(world, state, dt, out):
     """Exact motion to `out`, both feet closed for `dt` s: carried by the plate, it may slide."""
     g_x, g_y, slip = along(world.acting), across(world.acting), direction(int(state[MODE_BACK]))
     h, v_p = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
-    phase = (state[PHASE] + world.drive.omega * dt) % TWO_PI
+    phase = moved_on(world.drive, state[PHASE], dt)
     rise, v_end = height(world.drive, phase) - h, velocity(world.drive, phase)
     out[:9] = state[:9]
     out[PHASE] = phase
