@@ -47,10 +47,7 @@ def main() -> None:
             mass = solids.mass_of(design)
             scene = Scene.model_validate(
                 {
-                    "contact": {
-                        "restitution": chosen.restitution,
-                        "friction": chosen.friction,
-                    },
+                    "contact": {"restitution": chosen.restitution, "friction": chosen.friction},
                     "legs": {"model": model},
                     "run": {"method": method, "seconds": chosen.seconds, "runs": chosen.runs},
                 }

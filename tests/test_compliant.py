@@ -84,7 +84,7 @@ def test_free_acceleration_is_that_of_three_bodies_on_hinges():
     state, rival = tilted_state(walker), Rival(world)
     rival.start = state[PHASE]
     a, _ = rival.acceleration(*rival.coordinates(state), 0.0)
-    found = free_acceleration(world, state, chain_of(walker, state, 0.0), 0.0)
+    found = free_acceleration(world, state, chain_of(walker, state, 0.0))
     expected = a[[0, 1, 2, 5, 8]]
     # 1e-10: rounding of the rival, whose largest entry (a leg's) is 1e7 rad/s^2
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
@@ -164,12 +164,7 @@ LANDINGS = {
         Contact(0.0, 0.05, 0),
         [
             ("open", 0.0, lambda F, gap, u: gap, None),
-            (
-                "forward",
-                0.05,
-                lambda F, gap, u: F[1],
-                lambda *now: _impulse(*now, 0.0, 0.05),
-            ),
+            ("forward", 0.05, lambda F, gap, u: F[1], lambda *now: _impulse(*now, 0.0, 0.05)),
             ("open", 0.0, None, None),
         ],
     ),

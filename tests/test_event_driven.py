@@ -9,17 +9,7 @@ from worlds import go, level_state, relaxed_walker, relaxed_world, shaken
 
 from walkergen.scene import GRAVITY
 from walkergen.simulation import drive, record
-from walkergen.simulation.world import (
-    FAILED,
-    OK,
-    PHASE,
-    PITCH,
-    SPIN,
-    V_Y,
-    Contact,
-    X,
-    Y,
-)
+from walkergen.simulation.world import FAILED, OK, PHASE, PITCH, SPIN, V_Y, Contact, X, Y
 
 
 def gaps(w, plate, state):

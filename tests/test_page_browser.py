@@ -21,10 +21,7 @@ TILTS = (0.0, 10.0, 35.0)
 pytestmark = [
     pytest.mark.slow,
     pytest.mark.programs,
-    pytest.mark.skipif(
-        not (BROWSER and DRIVER) and "CI" not in os.environ,
-        reason=WANTED,
-    ),
+    pytest.mark.skipif(not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED),
 ]
 
 

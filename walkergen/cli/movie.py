@@ -22,8 +22,7 @@ def movie(
         float | None, typer.Option("--seconds", help="Simulated time to show, s.")
     ] = None,
     periods: Annotated[
-        float | None,
-        typer.Option("--periods", help="Time to show, in periods of the drive."),
+        float | None, typer.Option("--periods", help="Time to show, in periods of the drive.")
     ] = None,
     slow: Annotated[
         float | None,

@@ -22,8 +22,7 @@ def plate(
     legs: opt.LegKinds = None,
     copies: opt.Copies = "1",
     printers: Annotated[
-        str,
-        typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files."),
+        str, typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files.")
     ] = opt.PRINTER,
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,

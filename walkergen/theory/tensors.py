@@ -27,9 +27,7 @@ def _mobility_to_mass(mass: Values, inertia: Values, lever: Array) -> InverseMas
     x, y = lever[..., 0], lever[..., 1]
     scale = mass / (inertia + mass * (x * x + y * y))
     return InverseMass(
-        scale * (inertia + mass * x * x),
-        scale * mass * x * y,
-        scale * (inertia + mass * y * y),
+        scale * (inertia + mass * x * x), scale * mass * x * y, scale * (inertia + mass * y * y)
     )
 
 

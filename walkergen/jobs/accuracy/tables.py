@@ -77,13 +77,7 @@ def _filled(table: Table, ladder: Ladder, details: bool = True) -> Table:
 
 
 def _cells(rung: Rung) -> tuple[str, ...]:
-    return (
-        rung.series,
-        rung.setting,
-        _short(rung.error),
-        _short(rung.error_sd),
-        _time(rung.cpu_s),
-    )
+    return (rung.series, rung.setting, _short(rung.error), _short(rung.error_sd), _time(rung.cpu_s))
 
 
 def _short(value: float | str | None) -> str:

@@ -21,12 +21,7 @@ class Analysed(NamedTuple):
 
 
 def analyse(
-    path: Path,
-    units: Units,
-    lag_s: float | None,
-    folder: Path,
-    pictures: bool,
-    progress: Progress,
+    path: Path, units: Units, lag_s: float | None, folder: Path, pictures: bool, progress: Progress
 ) -> Analysed:
     """Read tracks, measure their motion and write tables and figures.
 

@@ -37,12 +37,7 @@ class Encoded(NamedTuple):
 
 
 def encode(
-    draw: Draw,
-    count: int,
-    fps: int,
-    hold_s: float,
-    keep: Sequence[str],
-    progress: Progress,
+    draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress
 ) -> Encoded:
     """Draw `count` frames in order into both files; the last frame stays for `hold_s`.
 

@@ -15,10 +15,7 @@ from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 
-FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {
-    "stl": export.stl_bytes,
-    "3mf": export.part_3mf,
-}
+FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
 
 
 class Order(NamedTuple):
@@ -70,10 +67,7 @@ class Room(NamedTuple):
 
 
 def export_parts(
-    members: Sequence[Design],
-    formats: Sequence[str],
-    folder: Path,
-    progress: Progress,
+    members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress
 ) -> list[Path]:
     """Write every member in every format (keys of FORMATS) as folder/FORMAT/NAME.FORMAT."""
     written = []
@@ -123,10 +117,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
 
 
 def make_plates(
-    order: Order,
-    folder: Path,
-    progress: Progress,
-    tell: Callable[[Sequence[Finding]], None],
+    order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]
 ) -> tuple[list[plates.Place], list[Path]]:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 

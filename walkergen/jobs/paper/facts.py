@@ -158,7 +158,7 @@ FACTS = {
 
 NOT_YET = {
     6: "Mean squared displacements, ballistic at 10 and 15 deg and diffusive beyond about 1 s at "
-    "35 deg, and the densities of displacements at 40 ms: not yet, they need motion in the plane.",
+    "35 deg, and the densities of displacements at 40 ms: not yet, they need motion in the plane."
 }
 """Figures that walkergen cannot reproduce yet, and why."""
 

@@ -347,17 +347,13 @@ def _legs_energy(legs, world, state):
 
 
 @kernel
-def free_acceleration(world, state, chain, ahead):
-    """Accelerations without contact, as in `respond`: by gravity, rotation, springs and effects.
-
-    `ahead` (s) evaluates the springs at alpha + ahead * rate: 0 for the true acceleration, half
-    the step in the trapezoidal rule.
-    """
-    return _free(world.walker.legs, world, state, chain, ahead)
+def free_acceleration(world, state, chain):
+    """Accelerations without contact, as in `respond`: by gravity, rotation, springs and effects."""
+    return _free(world.walker.legs, world, state, chain)
 
 
 @kernel
-def _free(legs, world, state, chain, ahead):
+def _free(legs, world, state, chain):
     g_x, g_y, walker = along(world.acting), -across(world.acting), world.walker
     f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
     if legs is None:
@@ -366,8 +362,8 @@ def _free(legs, world, state, chain, ahead):
     spin = state[SPIN]
     spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
     spin, spin_b, spin_f = spin * spin, spin_b * spin_b, spin_f * spin_f
-    torque_b = _torque(legs, state[ANGLE_BACK], state[RATE_BACK], ahead)
-    torque_f = _torque(legs, state[ANGLE_FRONT], state[RATE_FRONT], ahead)
+    torque_b = _torque(legs, state[ANGLE_BACK], state[RATE_BACK])
+    torque_f = _torque(legs, state[ANGLE_FRONT], state[RATE_FRONT])
     cross_b, cross_f = b.A_x * b.C_y - b.A_y * b.C_x, f.A_x * f.C_y - f.A_y * f.C_x
     total = walker.mass + 2.0 * m
     weight = m * ((b.A_x + f.A_x) * g_y - (b.A_y + f.A_y) * g_x)
@@ -382,8 +378,8 @@ def _free(legs, world, state, chain, ahead):
 
 
 @kernel
-def _torque(legs, alpha, rate, ahead):
-    return -legs.stiffness * (alpha + ahead * rate) - legs.damping * rate
+def _torque(legs, alpha, rate):
+    return -legs.stiffness * alpha - legs.damping * rate
 
 
 @kernel

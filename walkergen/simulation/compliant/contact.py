@@ -40,14 +40,7 @@ from walkergen.simulation.world import (
     PHASE,
     STICK,
 )
-from walkergen.theory.impact import (
-    FROM_REST,
-    III_MIRRORED,
-    TYPE_I,
-    TYPE_III,
-    TYPE_IV,
-    impact,
-)
+from walkergen.theory.impact import FROM_REST, III_MIRRORED, TYPE_I, TYPE_III, TYPE_IV, impact
 
 SHARING = 1e-12
 """Relative softness added to the friction of two feet that stick: how a braced walker's feet share

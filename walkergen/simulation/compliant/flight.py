@@ -136,7 +136,7 @@ def _swing(legs, state, t, sums):
 @kernel
 def _rest(legs, world, state, chain):
     """Rest of the true accelerations (spin, leg rates), rad/s^2, beyond the linear ones."""
-    _, _, spin, back, front = free_acceleration(world, state, chain, 0.0)
+    _, _, spin, back, front = free_acceleration(world, state, chain)
     s, k, c = legs.swing, legs.stiffness, legs.damping
     t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
     t_f = -k * state[ANGLE_FRONT] - c * state[RATE_FRONT]

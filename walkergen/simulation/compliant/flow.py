@@ -90,7 +90,7 @@ def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
 @kernel
 def accelerations(world, z, chain):
     """Accelerations without contact: of the chain (`respond`), and of its feet over the plate."""
-    free = free_acceleration(world, z, chain, 0.0)
+    free = free_acceleration(world, z, chain)
     d, turning = feet_changes(chain, free), feet_turning(world.walker, z, chain)
     lift = acceleration(world.drive, z[PHASE])
     return free, (

@@ -4,13 +4,7 @@ import math
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.compliant.chain import angle
-from walkergen.simulation.world import (
-    ANGLE_BACK,
-    ANGLE_FRONT,
-    RATE_BACK,
-    RATE_FRONT,
-    SPIN,
-)
+from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT, SPIN
 
 TURN = 0.25
 """Largest turn (rad) of body or legs in one step: in flight the kick that corrects the linear swing

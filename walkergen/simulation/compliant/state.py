@@ -11,15 +11,7 @@ import numpy as np
 
 from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
-from walkergen.simulation.world import (
-    COMPLIANT_SIZE,
-    PHASE,
-    PITCH,
-    RIGID_SIZE,
-    State,
-    World,
-    Y,
-)
+from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, RIGID_SIZE, State, World, Y
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 

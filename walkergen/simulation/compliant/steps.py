@@ -179,7 +179,7 @@ def _contact_step(world, state, t, sums, rows):
     state[PHASE] = moved_on(world.drive, state[PHASE], t)
     chain = chain_of(world.walker, state, stiffening(legs, t))
     before = feet_velocities(world, state, chain)
-    a_x, a_y, a_t, a_b, a_f = free_acceleration(world, state, chain, 0.0)
+    a_x, a_y, a_t, a_b, a_f = free_acceleration(world, state, chain)
     free = (t * a_x, t * a_y, t * a_t, t * a_b, t * a_f)
     d, turning = feet_changes(chain, free), feet_turning(world.walker, state, chain)
     u = (
@@ -308,7 +308,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
         landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
         landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
     )
-    d = feet_changes(chain, free_acceleration(world, state, chain, 0.0))
+    d = feet_changes(chain, free_acceleration(world, state, chain))
     turning = feet_turning(world.walker, state, chain)
     lift = acceleration(world.drive, state[PHASE])
     least = step * across(world.acting)

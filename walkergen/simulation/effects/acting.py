@@ -42,8 +42,7 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
     """Parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else None
     return Acting(
-        slope.gravity_of(descent),
-        air_drag.parameters(case) if on(air_drag.NAME) else None,
+        slope.gravity_of(descent), air_drag.parameters(case) if on(air_drag.NAME) else None
     )
 
 

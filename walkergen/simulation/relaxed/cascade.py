@@ -26,15 +26,7 @@ from typing import NamedTuple
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.record import tally_impact
 from walkergen.simulation.relaxed.state import Tensor
-from walkergen.theory.impact import (
-    FROM_REST,
-    NONE,
-    STRONGE,
-    TYPE_I,
-    TYPE_IV,
-    determinant,
-    impact,
-)
+from walkergen.theory.impact import FROM_REST, NONE, STRONGE, TYPE_I, TYPE_IV, determinant, impact
 
 MOST_IMPACTS = 1_000_000
 # Impacts after which runs of one type are raised to powers; after which `_trapped` is asked.

@@ -10,13 +10,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.drive import (
-    acceleration,
-    derivative_bound,
-    height,
-    moved_on,
-    velocity,
-)
+from walkergen.simulation.drive import acceleration, derivative_bound, height, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_WORK, Point, lever
 from walkergen.simulation.world import (
