@@ -63,7 +63,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("", "case", "on", "checks", "tightest", "value", "limit", "margin"):
+    for heading in ("section", "case", "on", "checks", "tightest", "value", "limit", "margin"):
         right = heading in ("checks", "value", "limit", "margin")
         table.add_column(heading, justify="right" if right else "left")
     for result in results:
@@ -84,6 +84,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
     checks = sum(len(result.checks) for result in results)
     failed = sum(not result.holds for result in results)
     cases = len({result.case for result in results})
+    print("sections: docs/physics.md")
     print(
         f"{cases} hard cases in {len(results)} runs of a model and method, {checks} checks: "
         f"{len(results) - failed} runs hold, {failed} fail"

@@ -17,6 +17,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import columns, output, reading
+from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
 from walkergen.walker.design import Design, Weighed
 from walkergen.walker.mass import MassProperties
@@ -53,7 +54,7 @@ class Weighings(NamedTuple):
 
 def template(parts: Iterable[str]) -> str:
     """Text of a weights.csv to fill in: a line for every part, without numbers."""
-    return "\n".join([HEADER, *(part + "," * len(QUANTITIES) for part in parts)]) + "\n"
+    return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
 
 
 def filled(path: Path) -> bool:

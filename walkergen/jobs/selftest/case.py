@@ -36,7 +36,7 @@ class Check(NamedTuple):
     @property
     def holds(self) -> bool:
         """True when the value is within its limit."""
-        return self.value <= self.limit
+        return bool(self.value <= self.limit)  # numpy's would be no JSON
 
 
 class Case(NamedTuple):
