@@ -62,6 +62,7 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
     assert "within the" in told
 
 
+@pytest.mark.slow
 def test_shape_alone_needs_no_simulation(run, tmp_path):
     result = run("accuracy", "--legs", "braced", "--only", "shape", "--out", "here")
     assert result.exit_code == 0, result.exception
@@ -71,6 +72,7 @@ def test_shape_alone_needs_no_simulation(run, tmp_path):
     }  # fmt: skip
 
 
+@pytest.mark.slow
 def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
     def interrupted(survey, progress):
         raise KeyboardInterrupt

@@ -121,6 +121,7 @@ def test_a_file_name_never_becomes_a_path(run, tmp_path):
     assert [path.name for path in (tmp_path / "out").iterdir()] == ["results"]
 
 
+@pytest.mark.slow
 @pytest.mark.parametrize("fewer", [False, True])
 def test_results_of_an_earlier_run_are_replaced_and_others_stay(run, tmp_path, fewer):
     as_trackpy_writes(tmp_path / "film.csv", film(13, 2, 3.0, WALKER), 0.05)

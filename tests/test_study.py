@@ -62,6 +62,7 @@ def test_both_methods_of_the_rigid_walker_agree_to_rounding():
     assert all("exact to rounding" in note for note in ladder.notes)
 
 
+@pytest.mark.slow
 def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     """The round foot taken for exact, against the closed-form mass of quad and half disc."""
     design = Design.model_validate({"legs": {"foot": "round"}})
@@ -81,6 +82,7 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     assert files["1e+06 mm away"].error > 1e-3
 
 
+@pytest.mark.slow
 def test_braced_shape_has_no_error_at_the_origin():
     ladder = shape.ladder(survey_of("braced"), silent)
     far = [rung for rung in ladder.rungs if rung.series == "double precision"]
