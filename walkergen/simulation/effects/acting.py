@@ -1,6 +1,6 @@
 """Effects on a planar walker: their verdicts, the parameters of those that act, their total force.
 
-A new effect is a file of its own and three lines here: verdict, field, `+`.
+A new effect is a file of its own and four lines here: verdict, field, parameters, `+`.
 """
 
 import math
