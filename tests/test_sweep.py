@@ -505,6 +505,49 @@ FOUND = {
             run={"method": "step", "step_us": 2.8096, "seconds": 0.010115},
         ),
     ),
+    "alternating feet on legs of 10 kHz, whose speed the depth of a landing fed for ever": (
+        None,
+        pinned(
+            body={"length_mm": 10.0, "depth_mm": 1.0, "thickness_mm": 1.0},
+            legs={"tilt_deg": 32.0, "length_mm": 5.0, "contact_spacing_mm": 1.7254036788339757,
+                  "flexible_thickness_mm": 1.25, "foot": "flat"},
+            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
+            drive={"frequency_hz": 5.0, "gamma": 5.0},
+            contact={"restitution": 0.0, "friction": 0.0, "law": "poisson"},
+            scene_legs={"model": "compliant", "damping_ratio": 0.0},
+            effects={"second_harmonic": True, "plate_slope": True},
+        ),
+    ),
+    "a foot that slid on, held as if stuck, when the other one jammed": (
+        None,
+        pinned(
+            body={"length_mm": 100.0, "depth_mm": 186.77874291698953,
+                  "thickness_mm": 35.47407106447573},
+            legs={"tilt_deg": -33.335649623951056, "length_mm": 45.447939129333,
+                  "contact_spacing_mm": 27.972266571578192,
+                  "flexible_thickness_mm": 15.524738001068448, "foot": "flat"},
+            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
+            drive={"frequency_hz": 10.0, "gamma": 1.0,
+                   "second_harmonic_ratio": 0.1727932233625127},
+            contact={"restitution": 0.0005737181064156383, "friction": 340.3013028933273,
+                     "law": "newton"},
+            scene_legs={"model": "compliant", "damping_ratio": 0.05},
+            effects={"second_harmonic": True, "plate_slope": True},
+        ),
+    ),
+    "a nearly upright leg that jams while it slides, as the walker turns": (
+        None,
+        pinned(
+            body={"depth_mm": 4.0, "thickness_mm": 5.0},
+            legs={"tilt_deg": -0.24, "length_mm": 4.31, "contact_spacing_mm": 14.4,
+                  "flexible_thickness_mm": 0.73, "foot": "flat"},
+            drive={"frequency_hz": 60.0, "gamma": 2.0},
+            contact={"restitution": 0.0, "friction": 1.9, "law": "poisson"},
+            plate={"slope_deg": 14.0},
+            scene_legs={"model": "compliant", "damping_ratio": 0.5},
+            effects={"second_harmonic": True, "plate_slope": True},
+        ),
+    ),
 }  # fmt: skip
 """What nightly sweeps found: the outcome (None: any physical one), and the walker."""
 

@@ -49,6 +49,12 @@ it is undetermined, and the softness picks least squares (equal halves)."""
 FRICTIONLESS = 1e-12
 """Coefficient of friction below which no foot sticks: rounding hides the force and its side."""
 
+JAMMED = 1e-9
+"""Give of a sliding foot (`gives`), relative to that without friction, from which on it jams. The
+pose changes while a foot slides, and its give may fall to zero, its normal acceleration with it:
+the force stays finite but answers ever faster, so that steps shrink with the give
+(docs/physics.md section 5, trap 4)."""
+
 ALTERNATIONS = 60
 """Number of impacts at one instant after which the rest of the sequence is taken as plastic."""
 
@@ -134,6 +140,29 @@ def impulses(W, u, back, front, friction, rows):
     _row(rows, 0, back, friction, b_x, b_y, u_1, u_2)
     _row(rows, 1, front, friction, f_x, f_y, u_3, u_4)
     return _eliminate(rows)
+
+
+@kernel
+def gives(W, back, front, friction):
+    """Give of either foot in its mode: the normal velocity by a unit of its own normal impulse, to
+    which its friction and the other foot's impulse answer; without either unless it slides.
+
+    A sliding foot that gives nothing jams: its friction presses it into the plate.
+    """
+    b, f = W.bb_yy, W.ff_yy
+    if back in (FORWARD, BACKWARD):
+        ratio = -friction if back == FORWARD else friction
+        _, b, x, y = applied(W, (ratio, 1.0, 0.0, 0.0))
+        if front != OPEN:
+            f_x, f_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x, y, front, friction)
+            b += W.bf_yx * f_x + W.bf_yy * f_y
+    if front in (FORWARD, BACKWARD):
+        ratio = -friction if front == FORWARD else friction
+        x, y, _, f = applied(W, (0.0, 0.0, ratio, 1.0))
+        if back != OPEN:
+            b_x, b_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x, y, back, friction)
+            f += W.bf_xy * b_x + W.bf_yy * b_y
+    return b, f
 
 
 @kernel

@@ -6,6 +6,7 @@ interpolant, so that they are as accurate as the flow. Impacts follow any law of
 that would rebound slower than `snap` stays on the plate, which ends endless sequences of impacts.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -23,10 +24,12 @@ from walkergen.simulation.compliant.chain import (
 )
 from walkergen.simulation.compliant.contact import (
     FRICTIONLESS,
+    JAMMED,
     Instant,
     applied,
     collide,
     folded,
+    gives,
     impulses,
     settle,
     solve,
@@ -75,14 +78,21 @@ STALLED = 10_000
 """Number of steps in a row no longer than SHORTEST after which a run has failed."""
 
 
+ABOVE_FED = 2.0
+"""Least speed at which feet rebound, over that which a foot gains by falling as deep as `level_of`:
+enough where an impact passes less than 0.87 of a foot's speed to the other."""
+
+JAMS = 4
+"""Largest number of jams that are stopped at one instant: twice that of each foot."""
+
+
 class Options(NamedTuple):
     """Accuracy of the integration."""
 
     tolerance: float = 1e-10
     """Error of a step, relative to the speeds of a fall by a leg's length (1e-3 of the length)."""
     snap: float = 1e-3
-    """Speed (mm/s) below which a foot does not rebound; larger than sqrt(2 a level_of), where the
-    spring's acceleration a of a foot reaches 1e6 mm/s^2."""
+    """Speed (mm/s) below which a foot does not rebound, if `_resting` is not more."""
     longest: float = 2e-4
     """Longest step, s."""
 
@@ -176,8 +186,8 @@ def _stop_jam(world, state, now, closed, sliding):
     """
     W, tally, rows = now.mobility, now.tally, now.rows
     u, mu = feet_velocities(world, state, now.chain), world.contact.friction
-    back = closed[0] and W.bb_yy <= sliding[0] * mu * W.bb_xy
-    front = closed[1] and W.ff_yy <= sliding[1] * mu * W.ff_xy
+    back = closed[0] and (1.0 - JAMMED) * W.bb_yy <= sliding[0] * mu * W.bb_xy
+    front = closed[1] and (1.0 - JAMMED) * W.ff_yy <= sliding[1] * mu * W.ff_xy
     if not (back or front):
         back, front = closed
     F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
@@ -198,42 +208,68 @@ def _stop_jam(world, state, now, closed, sliding):
 
 
 @kernel
+def _resting(world, state, chain):
+    """Speed (mm/s) below which a foot does not rebound at this instant.
+
+    A foot lands at a depth of `level_of`, having left from none: its acceleration a over that depth
+    would feed an endless sequence of alternating feet (docs/physics.md section 5, trap 2).
+    """
+    _, a = accelerations(world, state, chain)
+    fed = math.sqrt(2.0 * max(abs(a[1]), abs(a[3])) * level_of(world.drive, state))
+    return max(world.options.snap, ABOVE_FED * fed)
+
+
+@kernel
+def _jams(W, back, front, friction):
+    """True when a foot that slides in these modes gives nothing (`gives`)."""
+    give = gives(W, back, front, friction)
+    return give[0] <= JAMMED * W.bb_yy or give[1] <= JAMMED * W.ff_yy
+
+
+@kernel
+def _jammed(world, state):
+    """True when a foot of this state jams in the present modes."""
+    W = mobility_of(chain_of(world.walker, state, 0.0))
+    return _jams(W, int(state[MODE_BACK]), int(state[MODE_FRONT]), world.contact.friction)
+
+
+@kernel
 def decide(world, state, tally, rows):
     """Resolve the impacts of this instant, then choose the modes of feet that stay; in place."""
-    snap, friction = world.options.snap, world.contact.friction
+    friction = world.contact.friction
     chain = chain_of(world.walker, state, 0.0)
     gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
-    touch = TOUCH * level_of(world.drive, state)
+    touch, rest = TOUCH * level_of(world.drive, state), _resting(world, state, chain)
+    was = (int(state[MODE_BACK]), int(state[MODE_FRONT]))
     touching = (
-        state[MODE_BACK] != OPEN or (gap[0] <= touch and u[1] <= snap),
-        state[MODE_FRONT] != OPEN or (gap[1] <= touch and u[3] <= snap),
+        was[0] != OPEN or (gap[0] <= touch and u[1] <= rest),
+        was[1] != OPEN or (gap[1] <= touch and u[3] <= rest),
     )
-    now = Instant(chain, mobility_of(chain), rows, tally)
-    collide(world, world.contact.restitution, state, now, touching, (snap, snap))
-    u = feet_velocities(world, state, chain)
-    closed = (touching[0] and u[1] <= snap, touching[1] and u[3] <= snap)
-    guess = (
-        int(state[MODE_BACK]) if closed[0] else OPEN,
-        int(state[MODE_FRONT]) if closed[1] else OPEN,
-    )
-    state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
-    if not (closed[0] or closed[1]):
-        return
-    # A foot that leaves from inside the plate, if only by rounding, would land again at once.
-    state[MODE_BACK] = FORWARD if closed[0] else OPEN
-    state[MODE_FRONT] = FORWARD if closed[1] else OPEN
-    settle(world, state, 0.0, rows)
-    chain = chain_of(world.walker, state, 0.0)
-    _hold(world, state, chain, closed, tally.sums, rows)
-    W = mobility_of(chain)
-    _, a = accelerations(world, state, chain)
-    u = feet_velocities(world, state, chain)
-    sliding = (_direction(u[0]), _direction(u[2]))
-    back, front, _, violation = solve(W, a, closed, sliding, guess, friction, rows)
-    if violation > 1e-9:
+    # Stopping a jam pushes the other foot into the plate or off it, and that one may slide on.
+    for _ in range(1 + JAMS):
+        now = Instant(chain, mobility_of(chain), rows, tally)
+        collide(world, world.contact.restitution, state, now, touching, (rest, rest))
+        u = feet_velocities(world, state, chain)
+        closed = (touching[0] and u[1] <= rest, touching[1] and u[3] <= rest)
+        guess = (was[0] if closed[0] else OPEN, was[1] if closed[1] else OPEN)
+        state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
+        if not (closed[0] or closed[1]):
+            return
+        # A foot that leaves from inside the plate, if only by rounding, would land again at once.
+        state[MODE_BACK] = FORWARD if closed[0] else OPEN
+        state[MODE_FRONT] = FORWARD if closed[1] else OPEN
+        settle(world, state, 0.0, rows)
+        chain = chain_of(world.walker, state, 0.0)
+        _hold(world, state, chain, closed, tally.sums, rows)
+        W = mobility_of(chain)
+        _, a = accelerations(world, state, chain)
+        u = feet_velocities(world, state, chain)
+        sliding = (_direction(u[0]), _direction(u[2]))
+        back, front, _, violation = solve(W, a, closed, sliding, guess, friction, rows)
+        state[MODE_BACK], state[MODE_FRONT] = back, front
+        if violation <= 1e-9 and not _jams(W, back, front, friction):
+            return
         _stop_jam(world, state, Instant(chain, W, rows, tally), closed, sliding)
-        back, front, _, _ = solve(W, a, closed, (0, 0), guess, friction, rows)
-    state[MODE_BACK], state[MODE_FRONT] = back, front
 
 
 @kernel
@@ -309,7 +345,8 @@ def advance(world, state, duration, tally):
         if passed < 0.0 or stalled > STALLED:
             return FAILED
         length = max(grown, 1e-9)
-        if event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED)):
+        at_once = event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED))
+        if at_once and not _jammed(world, state):  # a step over a jam has no bound
             passed = min(SHORTEST, until)
             shoot(world, work, passed)
         stalled = stalled + 1 if passed <= SHORTEST else 0
