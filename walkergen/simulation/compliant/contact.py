@@ -50,10 +50,9 @@ FRICTIONLESS = 1e-12
 """Coefficient of friction below which no foot sticks: rounding hides the force and its side."""
 
 JAMMED = 1e-9
-"""Give of a sliding foot (`gives`), relative to that without friction, from which on it jams. The
-pose changes while a foot slides, and its give may fall to zero, its normal acceleration with it:
-the force stays finite but answers ever faster, so that steps shrink with the give
-(docs/physics.md section 5, trap 4)."""
+"""Size of the give of sliding feet (`give`) from which on they jam. The pose changes while a foot
+slides, and its give may fall to zero, its normal acceleration with it: the force stays finite but
+answers ever faster, so that steps shrink with the give (docs/physics.md section 5, trap 4)."""
 
 ALTERNATIONS = 60
 """Number of impacts at one instant after which the rest of the sequence is taken as plastic."""
@@ -143,26 +142,28 @@ def impulses(W, u, back, front, friction, rows):
 
 
 @kernel
-def gives(W, back, front, friction):
-    """Give of either foot in its mode: the normal velocity by a unit of its own normal impulse, to
-    which its friction and the other foot's impulse answer; without either unless it slides.
-
-    A sliding foot that gives nothing jams: its friction presses it into the plate.
+def give(W, back, front, friction):
+    """Determinant of the normal velocities by normal impulses, over that without friction, while
+    friction answers in the feet's modes; 1 where none slides. At zero the feet jam.
     """
-    b, f = W.bb_yy, W.ff_yy
-    if back in (FORWARD, BACKWARD):
-        ratio = -friction if back == FORWARD else friction
-        _, b, x, y = applied(W, (ratio, 1.0, 0.0, 0.0))
-        if front != OPEN:
-            f_x, f_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x, y, front, friction)
-            b += W.bf_yx * f_x + W.bf_yy * f_y
-    if front in (FORWARD, BACKWARD):
-        ratio = -friction if front == FORWARD else friction
-        x, y, _, f = applied(W, (0.0, 0.0, ratio, 1.0))
-        if back != OPEN:
-            b_x, b_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x, y, back, friction)
-            f += W.bf_xy * b_x + W.bf_yy * b_y
-    return b, f
+    b, f = back in (FORWARD, BACKWARD), front in (FORWARD, BACKWARD)
+    b_x = -friction if back == FORWARD else friction
+    f_x = -friction if front == FORWARD else friction
+    _, own_b, x_f, y_f = applied(W, (b_x, 1.0, 0.0, 0.0))
+    x_b, y_b, _, own_f = applied(W, (0.0, 0.0, f_x, 1.0))
+    if b and f:
+        return (own_b * own_f - y_f * y_b) / (W.bb_yy * W.ff_yy)
+    if b:
+        if front == STICK:
+            F_x, F_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x_f, y_f, STICK, friction)
+            own_b += W.bf_yx * F_x + W.bf_yy * F_y
+        return own_b / W.bb_yy
+    if f:
+        if back == STICK:
+            F_x, F_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x_b, y_b, STICK, friction)
+            own_f += W.bf_xy * F_x + W.bf_yy * F_y
+        return own_f / W.ff_yy
+    return 1.0
 
 
 @kernel

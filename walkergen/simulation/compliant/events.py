@@ -29,7 +29,7 @@ from walkergen.simulation.compliant.contact import (
     applied,
     collide,
     folded,
-    gives,
+    give,
     impulses,
     settle,
     solve,
@@ -220,17 +220,11 @@ def _resting(world, state, chain):
 
 
 @kernel
-def _jams(W, back, front, friction):
-    """True when a foot that slides in these modes gives nothing (`gives`)."""
-    give = gives(W, back, front, friction)
-    return give[0] <= JAMMED * W.bb_yy or give[1] <= JAMMED * W.ff_yy
-
-
-@kernel
 def _jammed(world, state):
-    """True when a foot of this state jams in the present modes."""
+    """True when feet that slide in the state's modes jam."""
     W = mobility_of(chain_of(world.walker, state, 0.0))
-    return _jams(W, int(state[MODE_BACK]), int(state[MODE_FRONT]), world.contact.friction)
+    back, front = int(state[MODE_BACK]), int(state[MODE_FRONT])
+    return abs(give(W, back, front, world.contact.friction)) <= JAMMED
 
 
 @kernel
@@ -267,7 +261,7 @@ def decide(world, state, tally, rows):
         sliding = (_direction(u[0]), _direction(u[2]))
         back, front, _, violation = solve(W, a, closed, sliding, guess, friction, rows)
         state[MODE_BACK], state[MODE_FRONT] = back, front
-        if violation <= 1e-9 and not _jams(W, back, front, friction):
+        if violation <= 1e-9 and not _jammed(world, state):
             return
         _stop_jam(world, state, Instant(chain, W, rows, tally), closed, sliding)
 

@@ -23,7 +23,7 @@ from walkergen.simulation.compliant.chain import (
     power_lost,
     push,
 )
-from walkergen.simulation.compliant.contact import FRICTIONLESS, JAMMED, gives, impulses
+from walkergen.simulation.compliant.contact import FRICTIONLESS, JAMMED, give, impulses
 from walkergen.simulation.drive import acceleration, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.world import (
@@ -76,7 +76,7 @@ def level_of(drive, z):
 
 
 @kernel
-def _margin(mode, gap, level, v_x, F_x, F_y, yy, give, friction):
+def _margin(mode, gap, level, v_x, F_x, F_y, yy, friction):
     """Quantity that is positive while a foot's mode holds and passes zero at its event."""
     if mode == OPEN:
         return gap + level
@@ -84,9 +84,6 @@ def _margin(mode, gap, level, v_x, F_x, F_y, yy, give, friction):
         return yy * min(F_y, friction * F_y - abs(F_x))
     if friction < FRICTIONLESS:
         return yy * F_y
-    # Half of what counts as jammed: no rounding hides a located jam from `decide`.
-    if give <= 0.5 * JAMMED * yy:
-        return give - 0.5 * JAMMED * yy
     return min(yy * F_y, v_x if mode == FORWARD else -v_x)
 
 
@@ -133,10 +130,13 @@ def slopes_of(world, z, dz, rows):
         world, z[PITCH], z[V_X], z[V_Y], angle(legs, z, RATE_BACK), angle(legs, z, RATE_FRONT)
     )
     gap, level = gaps(world.drive, z, chain), level_of(world.drive, z)
-    give = gives(W, back, front, friction)
+    # Half of what counts as jammed: no rounding hides a located jam from what resolves it.
+    beyond = abs(give(W, back, front, friction)) - 0.5 * JAMMED
+    if beyond <= 0.0:
+        return beyond, beyond
     return (
-        _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, give[0], friction),
-        _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, give[1], friction),
+        _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, friction),
+        _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, friction),
     )
 
 
