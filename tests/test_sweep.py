@@ -548,6 +548,37 @@ FOUND = {
             effects={"second_harmonic": True, "plate_slope": True},
         ),
     ),
+    "bounces at restitution 1 that a damped spring shortens, but never ends": (
+        "toppled",
+        pinned(
+            body={"length_mm": 0.019, "depth_mm": 0.001, "thickness_mm": 0.001},
+            legs={"tilt_deg": 0.0, "length_mm": 0.0095, "contact_spacing_mm": 0.018703125,
+                  "flexible_thickness_mm": 0.000296875, "foot": "flat"},
+            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
+            weighed={"body_mass_g": 1e-9, "leg_mass_g": 1.0000000000000001e-11},
+            drive={"frequency_hz": 51.0, "gamma": 0.203125},
+            contact={"restitution": 1.0, "friction": 0.0, "law": "poisson"},
+            scene_legs={"model": "compliant", "damping_ratio": 1.0},
+            effects={"second_harmonic": True, "plate_slope": True},
+            run={"seconds": 0.09803921568627451},
+        ),
+    ),
+    "a foot at its limit, which would jam alone but not with the other": (
+        None,
+        pinned(
+            body={"length_mm": 14.0, "depth_mm": 1.0, "thickness_mm": 7.0},
+            legs={"tilt_deg": 0.0, "length_mm": 7.0, "contact_spacing_mm": 6.125,
+                  "flexible_thickness_mm": 1.75, "foot": "flat"},
+            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 0.001},
+            weighed={"body_mass_g": 1.0, "leg_mass_g": 1.0},
+            drive={"frequency_hz": 145.0, "gamma": 1.0},
+            contact={"restitution": 0.0, "friction": 10.0, "law": "poisson"},
+            plate={"slope_deg": 2.0},
+            scene_legs={"model": "compliant", "damping_ratio": 0.0},
+            effects={"second_harmonic": True, "plate_slope": True},
+            run={"seconds": 0.034482758620689655},
+        ),
+    ),
 }  # fmt: skip
 """What nightly sweeps found: the outcome (None: any physical one), and the walker."""
 

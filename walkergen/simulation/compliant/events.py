@@ -212,11 +212,13 @@ def _resting(world, state, chain):
     """Speed (mm/s) below which a foot does not rebound at this instant.
 
     A foot lands at a depth of `level_of`, having left from none: its acceleration a over that depth
-    would feed an endless sequence of alternating feet (docs/physics.md section 5, trap 2).
+    would feed an endless sequence of alternating feet (docs/physics.md section 5, trap 2). And a
+    rebound that ends within `SHORTEST` is none: at restitution 1 a damped leg makes any number.
     """
-    _, a = accelerations(world, state, chain)
-    fed = math.sqrt(2.0 * max(abs(a[1]), abs(a[3])) * level_of(world.drive, state))
-    return max(world.options.snap, ABOVE_FED * fed)
+    _, free = accelerations(world, state, chain)
+    a = max(abs(free[1]), abs(free[3]))
+    fed = math.sqrt(2.0 * a * level_of(world.drive, state))
+    return max(world.options.snap, ABOVE_FED * fed, 0.5 * a * SHORTEST)
 
 
 @kernel
