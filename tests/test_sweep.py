@@ -579,6 +579,20 @@ FOUND = {
             run={"seconds": 0.034482758620689655},
         ),
     ),
+    "two feet that jam in turn at friction 100, each slower than the last": (
+        "ok",
+        pinned(
+            body={"length_mm": 20.0, "depth_mm": 1.0, "thickness_mm": 6.0},
+            legs={"tilt_deg": 0.0, "length_mm": 10.0, "contact_spacing_mm": 8.75,
+                  "flexible_thickness_mm": 2.5, "foot": "flat"},
+            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
+            weighed={"body_mass_g": 1.0, "leg_mass_g": 10.0},
+            drive={"frequency_hz": 5.0, "gamma": 1.0},
+            contact={"restitution": 0.0, "friction": 100.0, "law": "poisson"},
+            scene_legs={"model": "compliant", "damping_ratio": 0.0},
+            effects={"second_harmonic": True, "plate_slope": True},
+        ),
+    ),
 }  # fmt: skip
 """What nightly sweeps found: the outcome (None: any physical one), and the walker."""
 

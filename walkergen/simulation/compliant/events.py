@@ -82,8 +82,9 @@ ABOVE_FED = 2.0
 """Least speed at which feet rebound, over that which a foot gains by falling as deep as `level_of`:
 enough where an impact passes less than 0.87 of a foot's speed to the other."""
 
-JAMS = 4
-"""Largest number of jams that are stopped at one instant: twice that of each foot."""
+JAMS = 60
+"""Number of jams at one instant after which the feet go on as they are. Each may push the other
+foot into a slower slide that jams too: some ten turns end below `REST` if the ninth part passes."""
 
 
 class Options(NamedTuple):
@@ -242,7 +243,7 @@ def decide(world, state, tally, rows):
         was[1] != OPEN or (gap[1] <= touch and u[3] <= rest),
     )
     # Stopping a jam pushes the other foot into the plate or off it, and that one may slide on.
-    for _ in range(1 + JAMS):
+    for jams in range(1 + JAMS):
         now = Instant(chain, mobility_of(chain), rows, tally)
         collide(world, world.contact.restitution, state, now, touching, (rest, rest))
         u = feet_velocities(world, state, chain)
@@ -263,7 +264,7 @@ def decide(world, state, tally, rows):
         sliding = (_direction(u[0]), _direction(u[2]))
         back, front, _, violation = solve(W, a, closed, sliding, guess, friction, rows)
         state[MODE_BACK], state[MODE_FRONT] = back, front
-        if violation <= 1e-9 and not _jammed(world, state):
+        if jams == JAMS or (violation <= 1e-9 and not _jammed(world, state)):
             return
         _stop_jam(world, state, Instant(chain, W, rows, tally), closed, sliding)
 
