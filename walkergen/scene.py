@@ -112,23 +112,72 @@ class Plate(Section):
 
     slope_deg: Annotated[float, Field(gt=-60, lt=60)] = 0.0
     """Descent of the plate toward +x, deg: a positive slope helps the walker along."""
+    noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
+    """Root mean square of the plate's random velocity over the drive's peak speed."""
+    noise_low_hz: Positive = 20.0
+    noise_high_hz: Annotated[float, Field(gt=0, le=20_000)] = 400.0
+    """Band of the noise, in which its velocity has an even spectrum."""
+    roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Root mean square height of the plate's bumps."""
+    roughness_length_mm: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    """Wavelength of the bumps."""
+
+    @model_validator(mode="after")
+    def _band(self) -> "Plate":
+        if not self.noise_low_hz < self.noise_high_hz:
+            raise ValueError(
+                f"noise_low_hz = {self.noise_low_hz:g} must lie below noise_high_hz = "
+                f"{self.noise_high_hz:g}: exchange them"
+            )
+        return self
 
 
 class Arena(Section):
-    """Ground on which the walker may run; planes and neighbours are to come."""
+    """Ground on which the walker may run: a lane between walls, or a plane."""
 
-    kind: Literal["lane"] = "lane"
+    kind: Literal["lane", "plane"] = "lane"
     length_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
-    """Length of the lane, mm, about the start; a walker beyond its ends has left. None: endless."""
+    """Length of the ground, mm, about the start; a walker beyond its ends has left. None: endless.
+    """
+    width_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    """Width of a plane, mm, about the start. None: endless."""
+    gap_mm: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
+    wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    wall_restitution: Annotated[float, Field(ge=0.02, le=1)] = 0.5
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Arena":
+        wrong = "width_mm" if self.kind == "lane" else "gap_mm"
+        if getattr(self, wrong) is not None:
+            raise ValueError(
+                f"{wrong} = {getattr(self, wrong):g} has no meaning on a {self.kind}; "
+                + ("a lane has gap_mm" if self.kind == "lane" else "a plane has width_mm")
+            )
+        return self
 
 
 class LegModel(Section):
-    """Treatment of the legs by the simulator (docs/physics.md section 5)."""
+    """Treatment of the legs by the simulator (docs/physics.md sections 5 and 7)."""
 
-    model: Literal["auto", "relaxed", "compliant", "rigid"] = "auto"
+    model: Literal["auto", "space", "compliant", "relaxed", "rigid"] = "auto"
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
     spring: Literal["cantilever", "pseudo-rigid", "frequency"] = "cantilever"
+
+
+class Feet(Section):
+    """Elastic feet of the model in space; contact.restitution is the label of their damping."""
+
+    damping: Literal["viscous", "hysteretic"] = "viscous"
+    stiffness_ratio: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    """Normal stiffness of a corner over half of its leg's axial stiffness."""
+    tangential_ratio: Annotated[float, Field(gt=0, le=1e3)] = 0.8
+    """Tangential stiffness of a corner over its normal stiffness."""
+    local_stiffness_ratio: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    """Stiffness of a foot's tip over that of its leg, in series with it. None: rigid tips."""
+    unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
+    """Standard deviation of the corners' heights; every run is another print."""
 
 
 class Run(Section):
@@ -140,9 +189,9 @@ class Run(Section):
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
     method: Literal["auto", "event", "step"] = "auto"
-    step_us: Annotated[float, Field(ge=0.01, le=1000)] = 30.0
-    """Step of the time-stepping method, us, while a foot is in contact; ten steps in an oscillation
-    of a leg keep its energy in balance."""
+    step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
+    """Step of the time-stepping method, us, while a foot is in contact. None: the model's own, 30
+    us in a plane, in space what resolves the feet."""
     energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
     """Largest share of the exchanged energy that may remain unaccounted for."""
     accepted_error: Annotated[float, Field(gt=0, le=10)] = 0.1
@@ -155,6 +204,13 @@ class Effects(Section):
     second_harmonic: bool | None = None
     plate_slope: bool | None = None
     air_drag: bool | None = None
+    roll_and_yaw: bool | None = None
+    leg_twist: bool | None = None
+    lane_walls: bool | None = None
+    local_stiffness: bool | None = None
+    unevenness: bool | None = None
+    plate_noise: bool | None = None
+    plate_roughness: bool | None = None
 
 
 class Prediction(Section):
@@ -175,6 +231,7 @@ class Scene(Section):
     plate: Plate = Plate()
     arena: Arena = Arena()
     legs: LegModel = LegModel()
+    feet: Feet = Feet()
     run: Run = Run()
     effects: Effects = Effects()
 

@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.scene import Scene
+from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.record import Tally
 from walkergen.simulation.world import State, World
@@ -17,9 +18,9 @@ Array = npt.NDArray[np.float64]
 class Model(NamedTuple):
     """One way to move a walker; every function but `mirrored` and `pose` reads a `World`."""
 
-    start: Callable[[World, float, float, float], State]
-    """start(world, clearance in mm, pitch in rad, phase in rad) -> a state at rest in the
-    laboratory, its legs relaxed, its lower foot `clearance` over the plate."""
+    start: Callable[..., State]
+    """start(world, clearance in mm, pitch, phase, roll in rad) -> a state at rest in the
+    laboratory, its legs relaxed, its lower foot `clearance` over the plate; planes have no roll."""
     advance: Callable[[World, State, float, Tally], int]
     """advance(world, state, seconds, tally) -> a status of `world`; the state changes in place."""
     energy: Callable[[World, State], float]
@@ -39,24 +40,41 @@ class Model(NamedTuple):
     """Speed (mm/s) below which a foot does not rebound."""
     columns: tuple[str, ...]
     """Names, with units, of the leading entries of a state, which a trajectory shows."""
+    drawn: Callable[[Case, Resolved, World, np.random.Generator], World]
+    """drawn(case, resolved, world, generator) -> the world of one run: its own print and plate."""
+
+
+def same(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
+    """The world itself: nothing differs from run to run."""
+    return world
 
 
 class Plan(NamedTuple):
     """Simulation to be run: a scene, what it calls for, and the model with its world."""
 
-    scene: Scene
+    case: Case
     resolved: Resolved
     model: Model
     world: World
 
+    @property
+    def scene(self) -> Scene:
+        """The scene."""
+        return self.case.scene
+
     def lasting(self, **run: float) -> "Plan":
         """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""
         changed = self.scene.run.model_copy(update=run)
-        return self._replace(scene=self.scene.model_copy(update={"run": changed}))
+        scene = self.scene.model_copy(update={"run": changed})
+        return self._replace(case=self.case._replace(scene=scene))
 
-    def start(self, clearance: float, pitch: float, phase: float) -> State:
+    def drawn(self, rng: np.random.Generator) -> "Plan":
+        """Plan of one run, whose print and plate are drawn where the scene calls for it."""
+        return self._replace(world=self.model.drawn(self.case, self.resolved, self.world, rng))
+
+    def start(self, clearance: float, pitch: float, phase: float, roll: float = 0.0) -> State:
         """A state at rest, its lower foot `clearance` (mm) over the plate; angles in rad."""
-        return self.model.start(self.world, clearance, pitch, phase)
+        return self.model.start(self.world, clearance, pitch, phase, roll)
 
     def advance(self, state: State, seconds: float, tally: Tally) -> int:
         """Advance a state in place by `seconds`; returns a status of `world`."""

@@ -1,13 +1,16 @@
 """Plans, made of a scene, a design and its masses: the kernels that a run needs, and no others."""
 
+from typing import Any
+
 from walkergen.scene import Scene
 from walkergen.simulation.compliant import model as compliant
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects import compliance, harmonic, tensor
 from walkergen.simulation.effects.effect import Case, Effect
-from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.effects.resolve import Resolved, resolve
 from walkergen.simulation.model import Plan
 from walkergen.simulation.relaxed import model as relaxed
+from walkergen.simulation.space import model as space
 from walkergen.simulation.world import Contact, World
 from walkergen.theory.impact import Law
 from walkergen.walker.design import Design
@@ -27,9 +30,15 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
     drive = Drive(scene.drive.amplitude, scene.drive.omega, harmonics)
     given = scene.contact
     contact = Contact(given.restitution, given.friction, Law[given.law.upper()])
-    hinged = resolved.model == "compliant" or resolved.method == "step"
-    model, walker, options = (compliant if hinged else relaxed).of(case, resolved, drive)
-    return Plan(scene, resolved, model, World(walker, drive, contact, resolved.acting, options))
+    model, walker, options = _room(resolved).of(case, resolved, drive)
+    return Plan(case, resolved, model, World(walker, drive, contact, resolved.acting, options))
+
+
+def _room(resolved: Resolved) -> Any:
+    """Package that moves the walker of a resolved scene."""
+    if resolved.model == "space":
+        return space
+    return compliant if resolved.model == "compliant" or resolved.method == "step" else relaxed
 
 
 def without(scene: Scene, effect: Effect) -> Scene:

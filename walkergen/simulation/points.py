@@ -60,9 +60,16 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 
 def key(asked: Asked) -> str:
     """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
-    masses = {name: np.asarray(value).tolist() for name, value in asked.mass._asdict().items()}
+    masses = _plain(asked.mass)
     text = json.dumps([*facts(asked.scene, asked.design), masses, asked.impacts], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
+
+
+def _plain(value: Any) -> Any:
+    """Named tuples and arrays as what JSON has."""
+    if hasattr(value, "_asdict"):
+        return {name: _plain(one) for name, one in value._asdict().items()}
+    return value if value is None else np.asarray(value).tolist()
 
 
 def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Point:

@@ -1,5 +1,6 @@
 """One run of a plan, advanced block by block."""
 
+import math
 import time
 from collections.abc import Callable
 from enum import Enum
@@ -18,8 +19,8 @@ Array = npt.NDArray[np.float64]
 MOST_BLOCKS = 100_000
 """Largest number of blocks: longer runs have longer blocks, which bounds the memory."""
 
-FIRST_PITCH = 1e-3
-"""Largest pitch of the first drop, rad: enough to leave the unstable level motion."""
+FIRST_TURN = 1e-3
+"""Largest pitch and roll of the first drop, rad: enough to leave the unstable level motion."""
 
 PERIODS_PER_BLOCK = 4
 """Length of a block in periods of the drive: the time resolution of the speed's statistics."""
@@ -36,7 +37,7 @@ class Outcome(Enum):
     """At rest on the plate to the end: no impact in the whole measured time."""
     TOPPLED = "toppled"
     FOLDED = "leg folded"
-    LEFT = "left the lane"
+    LEFT = "left the ground"
     RUNAWAY = "energy without bound"
     """Impacts of relaxed legs gain energy: H_rigid > H_flexible (docs/physics.md section 5)."""
     ENERGY = "energy error"
@@ -66,13 +67,16 @@ class RunResult(NamedTuple):
     outcome: Outcome
     measured_s: float
     speed: float
-    """Mean speed over the measured time, mm/s."""
+    """Mean speed over the measured time, mm/s: along the lane, or along the heading on a plane."""
     block_s: float
     block_speeds: Array
     """Mean speed of each block, mm/s."""
     energy_error: float
     tally: record.Tally
     cpu_s: float
+    places: Array
+    """Place in the plate's plane (along x, to the left of it, mm) and heading (rad) at the ends of
+    the blocks, shape (blocks + 1, 3)."""
 
 
 def compile_kernels(plan: Plan) -> float:
@@ -92,13 +96,16 @@ def simulate(
 ) -> RunResult:
     """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase and pitch; `stopped()` ends it.
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll;
+    `stopped()` ends it.
     """
     started = time.thread_time()
     run, drive = plan.scene.run, plan.world.drive
     rng = np.random.default_rng([run.seed, number])
-    clearance, pitch, phase = rng.uniform((0.5, -1.0, 0.0), (1.5, 1.0, 2.0 * np.pi))
-    state = plan.start(drive.amplitude * clearance, FIRST_PITCH * pitch, phase)
+    low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
+    clearance, pitch, phase, roll = rng.uniform(low, high)
+    plan = plan.drawn(rng)
+    state = plan.start(drive.amplitude * clearance, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
     outcome = Outcome.OK
     if run.discard_seconds > 0:
         outcome = _advancer(plan, state, record.new(len(state)))(run.discard_seconds)
@@ -108,8 +115,8 @@ def simulate(
     blocks = round(run.seconds / (PERIODS_PER_BLOCK * drive.period))
     blocks = min(max(blocks, 1), MOST_BLOCKS)
     block = run.seconds / blocks
-    places = np.empty(blocks + 1)
-    places[0], energy = plan.model.pose(state)[0], plan.energy(state)
+    places = np.empty((blocks + 1, 3))
+    places[0], energy = plan.model.pose(state), plan.energy(state)
     done = 0
     while done < blocks and outcome is Outcome.OK:
         if stopped():
@@ -117,17 +124,32 @@ def simulate(
             break
         outcome = advance(block)
         done += 1
-        places[done] = plan.model.pose(state)[0]
+        places[done] = plan.model.pose(state)
 
     error = record.energy_error(tally.sums, plan.energy(state) - energy, energy)
     if outcome not in UNFINISHED and error > run.energy_tolerance:
         outcome = Outcome.ENERGY
-    if outcome is Outcome.OK and tally.counts[record.IMPACTS] == 0 and places[done] == places[0]:
+    if (
+        outcome is Outcome.OK
+        and tally.counts[record.IMPACTS] == 0
+        and places[done, 0] == places[0, 0]
+    ):
         outcome = Outcome.STUCK
-    speeds = np.diff(places[: done + 1]) / block
+    speeds = _advances(places[: done + 1], plan.scene.arena.kind == "plane") / block
     speed = float(speeds.mean()) if done else 0.0
     cpu = time.thread_time() - started
-    return RunResult(number, outcome, done * block, speed, block, speeds, error, tally, cpu)
+    return RunResult(
+        number, outcome, done * block, speed, block, speeds, error, tally, cpu, places[: done + 1]
+    )
+
+
+def _advances(places: Array, on_plane: bool) -> Array:
+    """Distances run in blocks, mm: along x, or along the mean heading of each block on a plane."""
+    moved = np.diff(places, axis=0)
+    if not on_plane:
+        return moved[:, 0]
+    heading = 0.5 * (places[1:, 2] + places[:-1, 2])
+    return np.asarray(moved[:, 0] * np.cos(heading) + moved[:, 1] * np.sin(heading))
 
 
 def with_impacts(
@@ -155,13 +177,15 @@ def impacts_of(result: RunResult) -> Array:
 def _advancer(plan: Plan, state: Array, tally: record.Tally) -> Callable[[float], Outcome]:
     """What advances a state by so many seconds and says how that ended."""
     code = kernels.entry(plan.model.advance, plan.world, state, 1.0, tally)
-    length = plan.scene.arena.length_mm
+    arena = plan.scene.arena
+    half = [math.inf if size is None else 0.5 * size for size in (arena.length_mm, arena.width_mm)]
 
     def advance(seconds: float) -> Outcome:
         status = code(plan.world, state, seconds, tally)
         if status != OK:
             return ENDS[status]
-        left = length is not None and abs(plan.model.pose(state)[0]) > 0.5 * length
+        x, y, _ = plan.model.pose(state)
+        left = abs(x) > half[0] or abs(y) > half[1]
         return Outcome.LEFT if left else Outcome.OK
 
     return advance

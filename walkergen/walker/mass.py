@@ -32,10 +32,26 @@ class SolidMass(NamedTuple):
     """Mass, g."""
     centre: Array
     """Centre of mass, shape (3,), mm."""
-    inertia: float
-    """Moment of inertia about the z axis through the centre of mass, g mm^2."""
+    tensor: Array
+    """Inertia tensor about the centre of mass, shape (3, 3), g mm^2."""
     volume: float
     """Volume, mm^3."""
+
+    @property
+    def inertia(self) -> float:
+        """Moment of inertia about the z axis through the centre of mass, g mm^2."""
+        return float(self.tensor[2, 2])
+
+
+class Spatial(NamedTuple):
+    """What the mass properties of a plane leave out: the third dimension, for motion in space."""
+
+    z: float
+    """Place of O across the run, from the middle of the walker's depth, mm."""
+    body: Array
+    """Inertia tensor about O of what M counts, shape (3, 3), g mm^2."""
+    leg: Array
+    """Inertia tensor of one leg about its own centre of mass, shape (3, 3); zero when braced."""
 
 
 class MassProperties(NamedTuple):
@@ -64,17 +80,18 @@ class MassProperties(NamedTuple):
     """Vector from a leg's centre of mass to its foot (the point that touches the plate)."""
     rigid: bool
     """True when the legs are braced."""
+    spatial: Spatial | None = None
+    """Mass properties across the run; None when unknown, which only motion in space minds."""
 
 
 def weigh(mesh: Mesh, density: float) -> SolidMass:
-    """Weigh a closed mesh: mass (g), centre (mm), inertia about z (g mm^2); density in g/mm^3.
+    """Weigh a closed mesh: mass (g), centre (mm), inertia tensor (g mm^2); density in g/mm^3.
 
     Exact for polyhedra up to rounding. Source: the divergence theorem summed over the tetrahedra
     between the local origin and each triangle.
     """
     origin = 0.5 * (mesh.vertices.min(axis=0) + mesh.vertices.max(axis=0))
     corners = (mesh.vertices - origin)[mesh.triangles]
-    p, q, r = corners[:, 0], corners[:, 1], corners[:, 2]
     x, y, z = corners.transpose(2, 1, 0)
     six_volumes = (
         x[0] * (y[1] * z[2] - z[1] * y[2])
@@ -82,12 +99,14 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
         + z[0] * (x[1] * y[2] - y[1] * x[2])
     )
     volume = six_volumes.sum() / 6.0
-    total = p + q + r
+    total = corners.sum(axis=1)
     centre = (six_volumes[:, None] * total).sum(axis=0) / (24.0 * volume)
-    squares = (p * p + q * q + r * r + total * total)[:, :2].sum(axis=1)
-    second_moment = (six_volumes * squares).sum() / 120.0
-    inertia = second_moment - volume * (centre[0] ** 2 + centre[1] ** 2)
-    return SolidMass(density * volume, origin + centre, density * inertia, volume)
+    # Integral of r r^T over a tetrahedron with one corner at the origin
+    second = np.einsum("k,kai,kaj->ij", six_volumes, corners, corners)
+    second += np.einsum("k,ki,kj->ij", six_volumes, total, total)
+    second = second / 120.0 - volume * np.outer(centre, centre)
+    tensor = density * (np.trace(second) * np.eye(3) - second)
+    return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
 def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
@@ -103,9 +122,11 @@ def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
     O, c_A = top.centre[:2], limb.centre[:2]  # noqa: E741  (the paper's name)
     anchors, foot = np.array(design.anchors), np.array(design.anchor_to_foot)
     a, b = anchors - O
+    across = float(top.centre[2]) - 0.5 * design.body.depth_mm
     loose = MassProperties(
-        top.mass, top.inertia, limb.mass, limb.inertia, a, b, c_A, foot - c_A, rigid=False
-    )
+        top.mass, top.inertia, limb.mass, limb.inertia, a, b, c_A, foot - c_A, rigid=False,
+        spatial=Spatial(across, top.tensor, limb.tensor),
+    )  # fmt: skip
     return as_rigid(loose) if design.braced else loose
 
 
@@ -118,10 +139,23 @@ def as_rigid(mass: MassProperties) -> MassProperties:
     M = float(masses.sum())
     O = masses @ centres / M  # noqa: E741  (the paper's name)
     J = mass.J + 2 * mass.j + float(masses @ np.sum((centres - O) ** 2, axis=1))
-    return mass._replace(M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True)
+    joined = mass.spatial and _joined(mass.spatial, masses, centres)
+    return mass._replace(
+        M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True, spatial=joined
+    )
+
+
+def _joined(parts: Spatial, masses: Array, centres: Array) -> Spatial:
+    """Body and legs of a walker as one solid; masses (3,), centres (3, 2) from the body's O."""
+    places = np.column_stack([centres, (parts.z, 0.0, 0.0)])
+    middle = masses @ places / masses.sum()
+    tensor = parts.body + 2.0 * parts.leg
+    for mass, place in zip(masses, places - middle, strict=True):
+        tensor = tensor + mass * (place @ place * np.eye(3) - np.outer(place, place))
+    return Spatial(float(middle[2]), tensor, np.zeros((3, 3)))
 
 
 def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:
     if weighed_mass is None:
         return part
-    return part._replace(mass=weighed_mass, inertia=part.inertia * weighed_mass / part.mass)
+    return part._replace(mass=weighed_mass, tensor=part.tensor * weighed_mass / part.mass)

@@ -14,7 +14,7 @@ from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import record
 from walkergen.simulation.compliant import events, steps
 from walkergen.simulation.model import Plan
-from walkergen.simulation.run import ENDS, FIRST_PITCH
+from walkergen.simulation.run import ENDS, FIRST_TURN
 from walkergen.simulation.world import OK, PITCH
 
 Array = npt.NDArray[np.float64]
@@ -139,7 +139,7 @@ def _rung(
 def _final(plan: Plan, scene: Short) -> Array:
     """Place and pitch, shape (3,), at the end of a scene."""
     drive = plan.world.drive
-    state = plan.start(drive.amplitude, FIRST_PITCH, scene.phase)
+    state = plan.start(drive.amplitude, FIRST_TURN, scene.phase)
     status = plan.advance(state, scene.periods * drive.period, record.new(len(state)))
     if status != OK:
         ended = ENDS[status].value

@@ -7,7 +7,7 @@ from walkergen.simulation.compliant.state import Walker, start, walker_of
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
-from walkergen.simulation.model import Array, Model
+from walkergen.simulation.model import Array, Model, same
 from walkergen.simulation.world import (
     LEG_COLUMNS,
     RATE_BACK,
@@ -21,6 +21,9 @@ from walkergen.simulation.world import (
     mirrored,
     pose,
 )
+
+STEP_US = 30.0
+"""Step, us, unless the scene gives one: ten in an oscillation of a leg balance its energy."""
 
 
 def feet(world: World, state: State) -> Array:
@@ -54,6 +57,7 @@ STEPS = Model(
     coarser=steps.coarser,
     resting=steps.resting,
     columns=RIGID_COLUMNS + LEG_COLUMNS,
+    drawn=same,
 )
 """Method by time steps of second order."""
 
@@ -70,5 +74,5 @@ def of(
     model = STEPS if stepped else EVENTS
     if walker.legs is None:
         model = model._replace(columns=RIGID_COLUMNS)
-    step = 1e-6 * case.scene.run.step_us
+    step = 1e-6 * (case.scene.run.step_us or STEP_US)
     return model, walker, steps.Options(step) if stepped else events.Options()

@@ -1,4 +1,4 @@
-"""Effects on a planar walker: their verdicts, the parameters of those that act, their total force.
+"""Effects on a walker: their verdicts, the parameters of those that act, their total force.
 
 A new effect is a file of its own and four lines here: verdict, field, parameters, `+`.
 """
@@ -8,9 +8,25 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects import air_drag, compliance, harmonic, parts, slope, tensor
+from walkergen.simulation.effects import (
+    air_drag,
+    compliance,
+    harmonic,
+    local_contact,
+    noise,
+    parts,
+    roughness,
+    slope,
+    tensor,
+    turning,
+    twist,
+    unevenness,
+    walls,
+)
 from walkergen.simulation.effects.air_drag import Air
 from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects.noise import Noise
+from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
 
 VERDICTS: tuple[Callable[[Case], Effect], ...] = (
@@ -21,14 +37,19 @@ VERDICTS: tuple[Callable[[Case], Effect], ...] = (
     parts.pitch,
     harmonic.verdict,
     slope.verdict,
-    parts.yaw_and_roll,
-    parts.lane_walls,
+    turning.verdict,
+    twist.verdict,
+    walls.verdict,
+    local_contact.verdict,
+    unevenness.verdict,
+    noise.verdict,
+    roughness.verdict,
     parts.neighbours,
     air_drag.verdict,
 )
 """Functions that judge each effect, in the order in which `explain` shows them."""
 
-_along, _drag = slope.along, air_drag.force
+_along, _drag, _drag_in_space = slope.along, air_drag.force, air_drag.force_in_space
 
 
 class Acting(NamedTuple):
@@ -36,6 +57,10 @@ class Acting(NamedTuple):
 
     gravity: Gravity
     air: Air | None = None
+    noise: Noise | None = None
+    """Noise of one run, which draws it."""
+    roughness: Roughness | None = None
+    """Surface of one run, which draws it."""
 
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
@@ -62,3 +87,9 @@ def across(acting: Acting) -> float:
 def body_force(acting, pitch, v_x, v_y):
     """Force (x, y) of effects on a body at (v_x, v_y) mm/s, without its weight, g mm/s^2."""
     return _drag(acting.air, pitch, v_x, v_y)
+
+
+@kernel
+def force_in_space(acting, velocity):
+    """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
+    return _drag_in_space(acting.air, velocity)

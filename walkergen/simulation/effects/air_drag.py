@@ -32,12 +32,15 @@ class Air(NamedTuple):
     """Drag along the body: on its back or front face."""
     sides: float
     """Drag across the body: on its upper or lower face."""
+    flanks: float
+    """Drag across the run, in space: on its left or right face."""
 
 
 def parameters(case: Case) -> Air:
     """Drag parameters of the design's body."""
     body, scale = case.design.body, 0.5 * COEFFICIENT * DENSITY
-    return Air(scale * body.depth_mm * body.thickness_mm, scale * body.depth_mm * body.length_mm)
+    faces = body.depth_mm * body.thickness_mm, body.depth_mm * body.length_mm
+    return Air(*(scale * face for face in (*faces, body.length_mm * body.thickness_mm)))
 
 
 def verdict(case: Case) -> Effect:
@@ -69,3 +72,12 @@ def force(air, pitch, v_x, v_y):
     u, w = cos * v_x + sin * v_y, cos * v_y - sin * v_x
     f, n = -air.ends * u * abs(u), -air.sides * w * abs(w)
     return cos * f - sin * n, sin * f + cos * n
+
+
+@kernel
+def force_in_space(air, velocity):
+    """Drag on a body moving at `velocity` (body axes, three entries or more, mm/s)."""
+    if air is None:
+        return 0.0, 0.0, 0.0
+    u, v, w = velocity[0], velocity[1], velocity[2]
+    return -air.ends * u * abs(u), -air.sides * v * abs(v), -air.flanks * w * abs(w)

@@ -6,7 +6,7 @@ from walkergen.scene import Scene
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-ModelName = Literal["rigid", "relaxed", "compliant"]
+ModelName = Literal["rigid", "relaxed", "compliant", "space"]
 
 
 class Case(NamedTuple):

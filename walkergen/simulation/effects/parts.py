@@ -5,8 +5,6 @@ import math
 from walkergen.simulation.effects.effect import Case, Effect
 from walkergen.theory.tensors import feet
 
-LANE = "the scene is a lane: the walker stays in its plane"
-
 RARE = 50.0
 """Peak acceleration over g from which feet hardly rest on the plate."""
 
@@ -36,17 +34,6 @@ def pitch(case: Case) -> Effect:
     """Verdict on turning in the plane: always on."""
     number = case.design.legs.contact_spacing_mm / case.design.body.length_mm
     return Effect("pitch", True, number, "contact spacing over body length", "two feet", "")
-
-
-def yaw_and_roll(case: Case) -> Effect:
-    """Verdict on turning out of the plane: off, for it needs docs/physics.md section 7."""
-    depth = case.design.body.depth_mm / case.design.legs.contact_spacing_mm
-    return Effect("yaw and roll", False, depth, "depth over contact spacing", LANE, "")
-
-
-def lane_walls(case: Case) -> Effect:
-    """Verdict on the walls of a lane: not built yet."""
-    return Effect("lane walls", False, 0.0, "needs yaw", LANE, "")
 
 
 def neighbours(case: Case) -> Effect:

@@ -43,18 +43,32 @@ def _model(scene: Scene, design: Design) -> ModelName:
     if design.braced and wanted in ("relaxed", "compliant"):
         raise InputError(
             f"{design.name}: braced legs are rigid; model {wanted} is for flexible legs: "
-            "use model 'auto' or 'rigid', or --legs flexible"
+            "use model 'auto', 'rigid' or 'space', or --legs flexible"
         )
+    plane, accepted = scene.arena.kind == "plane", scene.run.accepted_error
+    if plane and wanted not in ("auto", "space"):
+        raise InputError(
+            f"arena.kind = 'plane': the model {wanted} cannot turn on a plane; use legs.model "
+            "'auto' or 'space', or arena.kind = 'lane'"
+        )
+    if wanted != "auto":
+        return wanted
+    if plane:
+        return "space"
     if design.braced:
         return "rigid"
-    if wanted == "auto":
-        exact = scene.run.accepted_error < compliance.RELAXED_ERROR
-        return "compliant" if exact else "relaxed"
-    return wanted
+    return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
 
 
 def _method(scene: Scene, model: ModelName, drags: bool) -> MethodName:
     wanted = scene.run.method
+    if model == "space" and wanted == "event":
+        raise InputError(
+            "run.method = 'event': elastic feet have no instants of impact to go between; use "
+            "method 'step', or model 'compliant'"
+        )
+    if model == "space":
+        return "step"
     if wanted == "auto":
         return "step" if model == "compliant" or drags else "event"
     if wanted == "step" and model == "relaxed":

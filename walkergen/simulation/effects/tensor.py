@@ -13,7 +13,7 @@ def verdict(case: Case) -> Effect:
     if case.design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
     ratio, meaning = float(case.mass.m / case.mass.M), "mass of a leg over the body's"
-    if case.model == "compliant":
+    if case.model in ("compliant", "space"):
         return Effect(NAME, True, ratio, meaning, "part of the chain of body and legs", "")
     on = case.model != "rigid"
     reason = "legs are flexible" if on else "legs.model = 'rigid'"

@@ -4,7 +4,7 @@ from walkergen.simulation import world
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
-from walkergen.simulation.model import Model
+from walkergen.simulation.model import Model, same
 from walkergen.simulation.relaxed import events, state
 
 EVENTS = Model(
@@ -18,6 +18,7 @@ EVENTS = Model(
     coarser=state.coarser,
     resting=state.resting,
     columns=world.RIGID_COLUMNS,
+    drawn=same,
 )
 """Method from event to event, with flights and contacts as exact as rounding allows."""
 

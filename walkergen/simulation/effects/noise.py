@@ -1,0 +1,155 @@
+"""Plate noise: a random motion of the plate over its sine, with its power in a band.
+
+Every run draws its own: independent normal amplitudes at the frequencies of a long period, of equal
+mean power in velocity over the band, scaled to its root mean square (S. O. Rice, Bell System
+Technical Journal 23, 1944, 282). Heights between samples are cubic in time, with the samples'
+velocities. Limit: no noise is the plain drive; the period repeats after `PERIOD_S` at most.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.effects.effect import Case, Effect, forced
+
+NAME, SWITCH = "plate noise", "effects.plate_noise"
+
+PER_PERIOD = 16.0
+"""Samples in a period of the highest frequency: cubics between them err by 1e-3 of the velocity."""
+
+PERIOD_S = 30.0
+"""Longest period of the noise, s."""
+
+MOST_SAMPLES = 2**20
+"""Largest number of samples: higher bands repeat sooner."""
+
+FEWEST_LINES = 32
+"""Fewest frequencies in the band: with fewer the noise is a beat."""
+
+
+class Noise(NamedTuple):
+    """A drawn noise."""
+
+    heights: npt.NDArray[np.float64]
+    """Heights at regular times, shape (n,), mm."""
+    velocities: npt.NDArray[np.float64]
+    """Velocities at these times, shape (n,), mm/s."""
+    interval: float
+    """Time between samples, s."""
+    fastest: float
+    """Largest velocity, mm/s."""
+    strongest: float
+    """Largest acceleration, mm/s^2."""
+
+
+def verdict(case: Case) -> Effect:
+    """Verdict: on when the scene's plate is noisy. Raises InputError for planar models."""
+    ratio = case.scene.plate.noise_ratio
+    on, reason = forced(
+        case.scene.effects.plate_noise,
+        ratio > 0,
+        "plate.noise_ratio" + (" > 0" if ratio > 0 else " = 0"),
+    )
+    if on and case.model != "space":
+        raise InputError(
+            f"plate.noise_ratio = {ratio:g}: only the model 'space' knows noise, not "
+            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
+        )
+    if on:
+        _grid(case)
+    return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
+
+
+def _grid(case: Case) -> tuple[int, float, int, int]:
+    """Number of samples, their interval (s), and first and last line of the band."""
+    low, high = case.scene.plate.noise_low_hz, case.scene.plate.noise_high_hz
+    interval = 1.0 / (PER_PERIOD * high)
+    count = int(min(PERIOD_S / interval, MOST_SAMPLES))
+    first, last = math.ceil(low * count * interval), math.floor(high * count * interval)
+    if last - first < FEWEST_LINES:
+        raise InputError(
+            f"plate.noise_low_hz = {low:g}, noise_high_hz = {high:g}: the band has {last - first} "
+            f"frequencies of its period of {count * interval:.3g} s; widen it"
+        )
+    return count, interval, max(first, 1), last
+
+
+def draw(case: Case, rng: np.random.Generator) -> Noise:
+    """Noise of a run of the scene. Raises InputError for a band too narrow."""
+    count, interval, first, last = _grid(case)
+    lines = np.zeros(count // 2 + 1, complex)
+    lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
+    wanted = case.scene.plate.noise_ratio * case.scene.drive.peak_speed
+    velocity = np.fft.irfft(lines, count)
+    scale = wanted / math.sqrt(float(np.mean(velocity**2)))
+    omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)
+    heights = np.fft.irfft(
+        np.divide(scale * lines, 1j * omega, where=omega > 0.0, out=lines * 0), count
+    )
+    acceleration = np.fft.irfft(scale * lines * 1j * omega, count)
+    velocities = scale * velocity
+    return Noise(
+        heights, velocities, interval,
+        float(np.abs(velocities).max()), float(np.abs(acceleration).max()),
+    )  # fmt: skip
+
+
+@kernel
+def moved_on(noise, time, t):
+    """Time (s, within the noise's period) after t seconds."""
+    if noise is None:
+        return time
+    return (time + t) % (len(noise.heights) * noise.interval)
+
+
+@kernel
+def _cubic(noise, time):
+    """Coefficients of the cubic about the sample before `time`, and the part of the interval."""
+    place = time / noise.interval
+    i = int(place)
+    s = place - i
+    count = len(noise.heights)
+    i %= count
+    j = (i + 1) % count
+    a, b = noise.heights[i], noise.heights[j]
+    u, v = noise.interval * noise.velocities[i], noise.interval * noise.velocities[j]
+    return a, u, 3.0 * (b - a) - 2.0 * u - v, 2.0 * (a - b) + u + v, s
+
+
+@kernel
+def height(noise, time):
+    """Height of the noise, mm, at a time in its period, s."""
+    if noise is None:
+        return 0.0
+    a, u, c, d, s = _cubic(noise, time)
+    return a + s * (u + s * (c + s * d))
+
+
+@kernel
+def velocity(noise, time):
+    """Velocity of the noise, mm/s."""
+    if noise is None:
+        return 0.0
+    _, u, c, d, s = _cubic(noise, time)
+    return (u + s * (2.0 * c + 3.0 * s * d)) / noise.interval
+
+
+@kernel
+def acceleration(noise, time):
+    """Acceleration of the noise, mm/s^2."""
+    if noise is None:
+        return 0.0
+    _, _, c, d, s = _cubic(noise, time)
+    return (2.0 * c + 6.0 * s * d) / (noise.interval * noise.interval)
+
+
+@kernel
+def bounds(noise):
+    """Largest velocity (mm/s) and acceleration (mm/s^2) of the noise."""
+    if noise is None:
+        return 0.0, 0.0
+    return noise.fastest, noise.strongest

@@ -1,0 +1,86 @@
+"""Plate roughness: bumps of the plate's surface, as a sum of plane waves of random directions.
+
+Every run draws its own plate: `WAVES` waves of one wavelength, with random directions and phases,
+isotropic on average. Feet feel the height and, by the tilted normal, the slope, so that energy is
+kept. Limit: no waves is the flat plate.
+"""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.effects.effect import Case, Effect, forced
+
+NAME, SWITCH = "plate roughness", "effects.plate_roughness"
+
+WAVES = 12
+"""Number of waves: heights are normal within a few percent."""
+
+STEEPEST = 0.2
+"""Largest rms slope for which the tilted normal is a small correction."""
+
+
+class Roughness(NamedTuple):
+    """A drawn surface."""
+
+    waves: npt.NDArray[np.float64]
+    """A wave a row, shape (WAVES, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""
+
+
+def verdict(case: Case) -> Effect:
+    """Verdict: on when the scene's plate is rough. Raises InputError for planar models."""
+    plate = case.scene.plate
+    slope = math.sqrt(2.0) * math.pi * 1e-3 * plate.roughness_um / plate.roughness_length_mm
+    rough = plate.roughness_um > 0
+    reason = "plate.roughness_um" + (" > 0" if rough else " = 0")
+    on, reason = forced(case.scene.effects.plate_roughness, rough, reason)
+    if on and case.model != "space":
+        raise InputError(
+            f"plate.roughness_um = {plate.roughness_um:g}: only the model 'space' knows bumps, not "
+            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
+        )
+    if on and slope > STEEPEST:
+        raise InputError(
+            f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "
+            f"slopes of {slope:.2g}; at most {STEEPEST:g}: smaller bumps, or longer ones"
+        )
+    return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
+
+
+def draw(case: Case, rng: np.random.Generator) -> Roughness:
+    """Surface of a run of the scene."""
+    plate = case.scene.plate
+    direction, phase = rng.uniform(0.0, 2.0 * math.pi, (2, WAVES))
+    k = 2.0 * math.pi / plate.roughness_length_mm
+    size = np.full(WAVES, 1e-3 * plate.roughness_um * math.sqrt(2.0 / WAVES))
+    return Roughness(np.column_stack([k * np.cos(direction), k * np.sin(direction), size, phase]))
+
+
+@kernel
+def surface(roughness, x, z):
+    """Height (mm) of the surface at (x, z) in mm, and its slopes along both."""
+    if roughness is None:
+        return 0.0, 0.0, 0.0
+    h, h_x, h_z = 0.0, 0.0, 0.0
+    for k_x, k_z, size, phase in roughness.waves:
+        angle = k_x * x + k_z * z + phase
+        h += size * math.sin(angle)
+        slope = size * math.cos(angle)
+        h_x += k_x * slope
+        h_z += k_z * slope
+    return h, h_x, h_z
+
+
+@kernel
+def steepest(roughness):
+    """Upper bound of the surface's slope."""
+    if roughness is None:
+        return 0.0
+    total = 0.0
+    for k_x, k_z, size, _ in roughness.waves:
+        total += size * math.sqrt(k_x * k_x + k_z * k_z)
+    return total

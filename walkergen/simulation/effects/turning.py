@@ -1,0 +1,20 @@
+"""Roll and yaw: motion out of the plane, and across it, with its corners landing one by one.
+
+Limit: a walker held in its plane lands on both corners of a foot at once, as planar models do
+(docs/physics.md section 7, which shows that the plane is not the limit of small roll).
+"""
+
+from walkergen.simulation.effects.effect import Case, Effect, forced
+
+NAME, SWITCH = "yaw and roll", "effects.roll_and_yaw"
+
+
+def verdict(case: Case) -> Effect:
+    """Verdict: on in space unless forced off. The number is depth over contact spacing."""
+    depth = case.design.body.depth_mm / case.design.legs.contact_spacing_mm
+    meaning = "depth over contact spacing"
+    if case.model != "space":
+        return Effect(NAME, False, depth, meaning, f"the {case.model} model is planar", "")
+    reason = "a foot is an edge: one of its corners lands first"
+    on, reason = forced(case.scene.effects.roll_and_yaw, True, reason)
+    return Effect(NAME, on, depth, meaning, reason, SWITCH)

@@ -1,0 +1,46 @@
+"""Unevenness: corners of the feet that differ in height from print to print.
+
+Every run draws one print: independent normal heights of the corners, of the scene's standard
+deviation, about their mean. Limit: zero is the even walker.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.simulation.effects.effect import Case, Effect, forced
+
+NAME, SWITCH = "unevenness", "effects.unevenness"
+
+TALLEST = 0.1
+"""Largest standard deviation over the length of a leg."""
+
+
+def verdict(case: Case) -> Effect:
+    """Verdict: on when corners differ. The number is their standard deviation over the amplitude.
+
+    Raises InputError for planar models, and for corners that differ as much as legs are long.
+    """
+    height = case.scene.feet.unevenness_um
+    reason = "feet.unevenness_um" + (" > 0" if height > 0 else " = 0")
+    on, reason = forced(case.scene.effects.unevenness, height > 0, reason)
+    if on and case.model != "space":
+        raise InputError(
+            f"feet.unevenness_um = {height:g}: only the model 'space' knows corners, not "
+            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
+        )
+    most = 1e3 * TALLEST * case.design.legs.length_mm
+    if on and height > most:
+        raise InputError(
+            f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
+            f"{case.design.legs.length_mm:g} mm; prints differ by some 10 um"
+        )
+    amplitude = 1e3 * case.scene.drive.amplitude
+    meaning = "standard deviation of corners' heights over the plate's amplitude"
+    return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
+
+
+def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:
+    """Heights of the corners of one print, mm, with mean zero."""
+    heights = 1e-3 * case.scene.feet.unevenness_um * rng.normal(size=corners)
+    return np.asarray(heights - heights.mean())

@@ -1,0 +1,45 @@
+"""Lane walls: the four upright edges of the body touch walls that ride on the plate.
+
+A wall is as stiff as a foot's corner, with its own friction and restitution (a label, as that of
+viscous feet). Limits: a wide lane is the plane; edges touch at the height of the body's middle.
+"""
+
+import math
+
+from walkergen.errors import InputError
+from walkergen.simulation.effects import turning
+from walkergen.simulation.effects.effect import Case, Effect, forced
+
+NAME, SWITCH = "lane walls", "effects.lane_walls"
+
+DEFAULT_PLAY = 0.5
+"""Gap of a lane over the depth of the body, mm, unless the scene says."""
+
+
+def gap(case: Case) -> float:
+    """Distance of the walls, mm. Raises InputError where the walker does not fit."""
+    depth = case.design.body.depth_mm
+    wanted = case.scene.arena.gap_mm
+    if wanted is None:
+        return depth + DEFAULT_PLAY
+    if wanted <= depth:
+        raise InputError(
+            f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep; widen the lane, or leave "
+            f"the key out ({depth + DEFAULT_PLAY:g} mm)"
+        )
+    return wanted
+
+
+def verdict(case: Case) -> Effect:
+    """Verdict: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
+    arena, body = case.scene.arena, case.design.body
+    meaning = "turn (rad) at which both walls are touched"
+    if arena.kind != "lane" or case.model != "space":
+        reason = "the arena is a plane" if arena.kind != "lane" else turning.verdict(case).reason
+        return Effect(NAME, False, 0.0, meaning, reason, "")
+    play = gap(case) - body.depth_mm
+    turn = min(play / body.length_mm, 0.5 * math.pi)
+    loose = turning.verdict(case).on
+    reason = "the walker yaws" if loose else "the walker is held in its plane"
+    on, reason = forced(case.scene.effects.lane_walls, loose, reason)
+    return Effect(NAME, on and loose, turn, meaning, reason, SWITCH)

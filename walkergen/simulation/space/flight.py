@@ -1,0 +1,179 @@
+"""Flight in space: C falls, the body is a free top, legs swing, each exactly or nearly so.
+
+The legs' coordinates follow tabulated exponentials for times h 2^i. The top keeps its angular
+momentum exactly and turns by the implicit midpoint rule, whose energy error does not grow.
+"""
+
+import math
+
+from walkergen.numerics.kernels import inlined, kernel
+from walkergen.simulation import record
+from walkergen.simulation.drive import derivative_bound, moved_on
+from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects import roughness as rough
+from walkergen.simulation.effects.acting import across, along, force_in_space
+from walkergen.simulation.space.pose import plate_velocity, point_velocity, turn
+from walkergen.simulation.space.state import (
+    AFTER,
+    BEFORE,
+    C_X,
+    C_Y,
+    C_Z,
+    CLEAR,
+    GAP_OF,
+    LEGS,
+    MODE,
+    NOISE,
+    NOW,
+    OPEN,
+    PHASE,
+    ROW,
+    TURNED,
+    V_X,
+    V_Y,
+    V_Z,
+    W_X,
+    first_row,
+)
+
+TURN = 0.02
+"""Largest turn of the body in a step of flight, rad."""
+
+_noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
+
+
+@inlined
+def pass_time(world, state, t):
+    """Move the drive on by t seconds."""
+    state[PHASE] = moved_on(world.drive, state[PHASE], t)
+    state[NOISE] = _noise_moved_on(world.acting.noise, state[NOISE], t)
+
+
+@kernel
+def _swing_speed(state, R, points, shift, fast, leg, f, k):
+    """Speed (mm/s) by which the legs' swing may bring contact k faster to the plate than now."""
+    n, speed = shift.shape[1], 0.0
+    for j in range(n):
+        d, own = -(R[1, 0] * shift[0, j] + R[1, 1] * shift[1, j]), j - leg * f
+        if leg >= 0 and 0 <= own < f:
+            c = TURNED + 3 * own
+            d += R[1, 0] * points[k, c] + R[1, 1] * points[k, c + 1] + R[1, 2] * points[k, c + 2]
+        angle, rate = state[LEGS + j], state[LEGS + n + j]
+        speed += d * rate + abs(d) * math.sqrt(rate * rate + fast[j] * angle * angle)
+    return speed
+
+
+@inlined
+def clear_time(world, state, work, longest):
+    """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
+    walker, R, points, body = world.walker, work.R, work.points, work.body
+    shift, fast, f = walker.shift, walker.fast, walker.freedoms
+    leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
+    lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
+    _, strongest = _noise_bounds(world.acting.noise)
+    fall = across(world.acting) + derivative_bound(world.drive, 2) + strongest
+    for k in range(len(leg)):
+        gap, points[k, CLEAR] = points[k, GAP_OF], 0.0
+        if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
+            time = 0.0
+            continue
+        v_x, v_y, v_z = point_velocity(state, body, points, shift, leg[k], f, k)
+        if place[k] > 0.0:
+            clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
+        else:
+            closing = lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z)
+            closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k)
+            if steep > 0.0:
+                closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
+            root = closing + math.sqrt(closing * closing + 2.0 * fall * gap)
+            clear = 2.0 * gap / max(root, 1e-300)
+        points[k, CLEAR] = clear
+        time = min(time, clear)
+    return time
+
+
+@inlined
+def _swing(walker, work, state, level):
+    """Swing the legs by the propagator `level`; returns the energy that their dampers take."""
+    n = len(walker.stiffness)
+    before = legs_energy(walker, state)
+    P = walker.flights[level]
+    for i in range(2 * n):
+        total = 0.0
+        for j in range(2 * n):
+            total += P[i, j] * state[LEGS + j]
+        work.legs[AFTER, i] = total
+    for i in range(2 * n):
+        work.legs[BEFORE, i] = state[LEGS + i]
+        state[LEGS + i] = work.legs[AFTER, i]
+    return before - legs_energy(walker, state)
+
+
+@inlined
+def legs_energy(walker, state):
+    """Kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
+    n, total = len(walker.stiffness), 0.0
+    for i in range(n):
+        total += walker.stiffness[i] * state[LEGS + i] * state[LEGS + i]
+        for j in range(n):
+            total += walker.hinge_inertia[i, j] * state[LEGS + n + i] * state[LEGS + n + j]
+    return 0.5 * total
+
+
+@kernel
+def _times(M, x, y, z):
+    return (
+        M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
+        M[1, 0] * x + M[1, 1] * y + M[1, 2] * z,
+        M[2, 0] * x + M[2, 1] * y + M[2, 2] * z,
+    )
+
+
+@kernel
+def _turned_back(x, y, z, t_x, t_y, t_z):
+    """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
+    angle = math.sqrt(t_x * t_x + t_y * t_y + t_z * t_z)
+    if angle < 1e-12:
+        s, c = 1.0, 0.5
+    else:
+        s, c = math.sin(angle) / angle, 2.0 * (math.sin(0.5 * angle) / angle) ** 2
+    a_x, a_y, a_z = t_y * z - t_z * y, t_z * x - t_x * z, t_x * y - t_y * x
+    b_x, b_y, b_z = t_y * a_z - t_z * a_y, t_z * a_x - t_x * a_z, t_x * a_y - t_y * a_x
+    return x - s * a_x + c * b_x, y - s * a_y + c * b_y, z - s * a_z + c * b_z
+
+
+@inlined
+def fly(world, state, work, t, level, sums):
+    """Fly for t = Options.step 2^level seconds."""
+    walker = world.walker
+    g_x, g_y, now = along(world.acting), -across(world.acting), work.body[NOW]
+    f_x, f_y, f_z = force_in_space(world.acting, now)
+    if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
+        sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
+        d_x, d_y, d_z = _times(work.R, f_x, f_y, f_z)
+        state[V_X] += t * d_x * walker.inverse_mass[0]
+        state[V_Y] += t * d_y * walker.inverse_mass[1]
+        state[V_Z] += t * d_z * walker.inverse_mass[2]
+    state[C_X] += t * (state[V_X] + 0.5 * t * g_x)
+    state[C_Y] += t * (state[V_Y] + 0.5 * t * g_y)
+    state[C_Z] += t * state[V_Z]
+    state[V_X] += t * g_x
+    state[V_Y] += t * g_y
+    sums[record.DAMPING_LOSS] += _swing(walker, work, state, level)
+    n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
+    for j in range(n):
+        moved = state[LEGS + j] - work.legs[BEFORE, j]
+        d_x -= walker.lock[0, j] * moved
+        d_y -= walker.lock[1, j] * moved
+        d_z -= walker.lock[2, j] * moved
+    W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
+    l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
+    for _ in range(3):
+        m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
+        w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
+        t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
+    turn(state, t_x, t_y, t_z)
+    l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
+    state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+    pass_time(world, state, t)

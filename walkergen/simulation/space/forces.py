@@ -1,0 +1,262 @@
+"""Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
+
+Each contact has a normal spring with a damper, never adhesive, and a tangential spring with a
+damper whose force a Coulomb slider cuts at friction times the normal force. In the middle of the
+step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
+f / b + h H f / 2 = -k x / b - u_free, b = c + h k / 2: one linear system for given modes, which are
+corrected until each contact's force agrees with its mode. No order of contacts, no iteration
+between them, no limit on the step from any spring.
+"""
+
+import math
+
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.space.state import (
+    B_N,
+    B_T,
+    C_N,
+    C_T,
+    FORCE,
+    FREE,
+    FRICTION,
+    GAP,
+    K_N,
+    K_T,
+    MIDDLE,
+    MODE,
+    NUMBER,
+    OFFSET,
+    OPEN,
+    ROW,
+    SET,
+    SLIDE,
+    SPEED,
+    STICK,
+    STIFF,
+    TOWARD_1,
+    TOWARD_2,
+    TRIED,
+    UNKNOWN,
+)
+
+PASSES = 8
+"""Corrections of the modes after which forces are cut to their limits as they are."""
+
+JAMMED = 0.25
+"""Part of its own compliance 1 / b to which sliding may reduce the equation of a contact: below it
+friction presses a foot on faster than the step, and the foot is taken to stick."""
+
+
+@kernel
+def resist(contacts, i, h, k_n):
+    """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
+    contacts[i, STIFF], contacts[i, OFFSET] = k_n, 0.0
+    contacts[i, B_N], contacts[i, B_T] = (
+        contacts[i, C_N] + 0.5 * h * k_n,
+        contacts[i, C_T] + 0.5 * h * contacts[i, K_T],
+    )
+
+
+@kernel
+def guess(state, contacts, H, m, h, unloading, first):
+    """Set first guesses of the modes of m near contacts; returns how many are closed.
+
+    `unloading` is the stiffness of unloading over that of loading, `first` the state's first row.
+    """
+    closed = 0
+    for i in range(m):
+        middle = contacts[i, GAP] + 0.5 * h * contacts[i, SPEED]
+        if middle >= 0.0:
+            contacts[i, TRIED] = OPEN
+            continue
+        closed += 1
+        at = first + ROW * int(contacts[i, NUMBER])
+        if unloading > 1.0:
+            stiff, offset = unloading * contacts[i, K_N], state[at + SET]
+            if stiff * (-middle - offset) < -contacts[i, K_N] * middle:
+                resist(contacts, i, h, stiff)
+                contacts[i, OFFSET] = offset
+            else:
+                resist(contacts, i, h, contacts[i, K_N])
+        t_1 = contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * contacts[i, SPEED + 1]
+        t_2 = contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * contacts[i, SPEED + 2]
+        size = math.sqrt(t_1 * t_1 + t_2 * t_2)
+        mode = int(state[at + MODE])
+        if mode == OPEN:
+            press = (
+                -contacts[i, STIFF] * (contacts[i, GAP] + contacts[i, OFFSET])
+                - contacts[i, B_N] * contacts[i, SPEED]
+            )
+            mode = SLIDE if size > contacts[i, FRICTION] * max(press, 0.0) else STICK
+        if mode == SLIDE and size > 0.0:
+            contacts[i, TOWARD_1], contacts[i, TOWARD_2] = t_1 / size, t_2 / size
+            mode = STICK if _jams(contacts, H, i, h) else SLIDE
+        else:
+            mode = STICK
+        contacts[i, TRIED] = mode
+    return closed
+
+
+@kernel
+def _jams(contacts, H, i, h):
+    """True when sliding in the contact's direction would press it on faster than the step."""
+    b = 3 * i
+    turned = contacts[i, TOWARD_1] * H[b, b + 1] + contacts[i, TOWARD_2] * H[b, b + 2]
+    own = 1.0 / contacts[i, B_N]
+    return own + 0.5 * h * (H[b, b] - contacts[i, FRICTION] * turned) < JAMMED * own
+
+
+@kernel
+def _assemble(contacts, H, A, m, h):
+    """Fill the equations of the forces for the modes tried; returns their number."""
+    half, count = 0.5 * h, 0
+    for i in range(m):
+        contacts[i, UNKNOWN] = count
+        if contacts[i, TRIED] != OPEN:
+            count += 3 if contacts[i, TRIED] == STICK else 1
+    for i in range(m):
+        if contacts[i, TRIED] == OPEN:
+            continue
+        for p in range(3 if contacts[i, TRIED] == STICK else 1):
+            r, a = 3 * i + p, int(contacts[i, UNKNOWN]) + p
+            for j in range(m):
+                c, column = 3 * j, int(contacts[j, UNKNOWN])
+                if contacts[j, TRIED] == STICK:
+                    A[a, column] = half * H[r, c]
+                    A[a, column + 1] = half * H[r, c + 1]
+                    A[a, column + 2] = half * H[r, c + 2]
+                elif contacts[j, TRIED] == SLIDE:
+                    turned = (
+                        contacts[j, TOWARD_1] * H[r, c + 1] + contacts[j, TOWARD_2] * H[r, c + 2]
+                    )
+                    A[a, column] = half * (H[r, c] - contacts[j, FRICTION] * turned)
+            if p == 0:
+                own, pull = (
+                    1.0 / contacts[i, B_N],
+                    contacts[i, STIFF] * (contacts[i, GAP] + contacts[i, OFFSET]),
+                )
+            else:
+                own, pull = 1.0 / contacts[i, B_T], contacts[i, K_T] * contacts[i, GAP + p]
+            A[a, a] += own
+            A[a, count] = -pull * own - contacts[i, FREE + p]
+    return count
+
+
+@kernel
+def _eliminate(A, count):
+    """Solve the equations in place by Gauss' elimination; the last column holds the unknowns."""
+    for i in range(count):
+        inverse = 1.0 / A[i, i]
+        for j in range(i + 1, count):
+            factor = A[j, i] * inverse
+            if factor != 0.0:
+                for c in range(i + 1, count + 1):
+                    A[j, c] -= factor * A[i, c]
+    for i in range(count - 1, -1, -1):
+        total = A[i, count]
+        for c in range(i + 1, count):
+            total -= A[i, c] * A[c, count]
+        A[i, count] = total / A[i, i]
+
+
+@kernel
+def _spread(contacts, A, m, count):
+    """Set the forces from the unknowns; contacts that would pull are opened: their number."""
+    pulling = 0
+    for i in range(m):
+        contacts[i, FORCE] = contacts[i, FORCE + 1] = contacts[i, FORCE + 2] = 0.0
+        if contacts[i, TRIED] == OPEN:
+            continue
+        c = int(contacts[i, UNKNOWN])
+        press = A[c, count]
+        if not press > 0.0:
+            contacts[i, TRIED] = OPEN
+            pulling += 1
+            continue
+        contacts[i, FORCE] = press
+        if contacts[i, TRIED] == STICK:
+            contacts[i, FORCE + 1], contacts[i, FORCE + 2] = A[c + 1, count], A[c + 2, count]
+        else:
+            rub = contacts[i, FRICTION] * press
+            contacts[i, FORCE + 1], contacts[i, FORCE + 2] = (
+                -rub * contacts[i, TOWARD_1],
+                -rub * contacts[i, TOWARD_2],
+            )
+    return pulling
+
+
+@kernel
+def _move(contacts, H, m, h):
+    """Set the velocities in the middle of the step, from the forces."""
+    for j in range(m):
+        for p in range(3):
+            total, r = 0.0, 3 * j + p
+            for i in range(m):
+                if contacts[i, TRIED] != OPEN:
+                    c = 3 * i
+                    total += (
+                        H[r, c] * contacts[i, FORCE]
+                        + H[r, c + 1] * contacts[i, FORCE + 1]
+                        + H[r, c + 2] * contacts[i, FORCE + 2]
+                    )
+            contacts[j, MIDDLE + p] = contacts[j, FREE + p] + 0.5 * h * total
+
+
+@kernel
+def _correct(contacts, H, m, h):
+    """Change modes that the forces contradict; returns how many."""
+    changed = 0
+    for i in range(m):
+        limit = contacts[i, FRICTION] * contacts[i, FORCE]
+        if contacts[i, TRIED] == STICK:
+            size = math.sqrt(contacts[i, FORCE + 1] ** 2 + contacts[i, FORCE + 2] ** 2)
+            if size > limit:
+                contacts[i, TOWARD_1], contacts[i, TOWARD_2] = (
+                    -contacts[i, FORCE + 1] / size,
+                    -contacts[i, FORCE + 2] / size,
+                )
+                if not _jams(contacts, H, i, h):
+                    contacts[i, TRIED] = SLIDE
+                    changed += 1
+        elif contacts[i, TRIED] == SLIDE:
+            pull = contacts[i, TOWARD_1] * (
+                contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * contacts[i, MIDDLE + 1]
+            )
+            pull += contacts[i, TOWARD_2] * (
+                contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * contacts[i, MIDDLE + 2]
+            )
+            if pull < limit:
+                contacts[i, TRIED] = STICK
+                changed += 1
+    return changed
+
+
+@kernel
+def _cut(contacts, m):
+    """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
+    cut = False
+    for i in range(m):
+        limit = contacts[i, FRICTION] * contacts[i, FORCE]
+        if contacts[i, TRIED] == STICK:
+            size = math.sqrt(contacts[i, FORCE + 1] ** 2 + contacts[i, FORCE + 2] ** 2)
+            if size > limit:
+                cut = True
+                contacts[i, TRIED] = SLIDE
+                contacts[i, FORCE + 1] *= limit / size
+                contacts[i, FORCE + 2] *= limit / size
+    return cut
+
+
+@kernel
+def solve(contacts, H, A, m, h):
+    """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
+    for _ in range(PASSES):
+        count = _assemble(contacts, H, A, m, h)
+        _eliminate(A, count)
+        if _spread(contacts, A, m, count) > 0:
+            continue
+        _move(contacts, H, m, h)
+        if _correct(contacts, H, m, h) == 0:
+            break
+    if _cut(contacts, m):
+        _move(contacts, H, m, h)

@@ -1,0 +1,197 @@
+"""Frozen frames: contact directions, Jacobians and inverse mass held for a few steps.
+
+Legs enter with the inertia of the implicit midpoint rule, which their springs and dampers raise by
+h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
+"""
+
+import math
+
+from walkergen.numerics.kernels import inlined, kernel
+from walkergen.simulation.drive import acceleration
+from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects.acting import across, along, force_in_space
+from walkergen.simulation.space.forces import resist
+from walkergen.simulation.space.pose import normal_of, plate_velocity
+from walkergen.simulation.space.state import (
+    ACTING,
+    C_N,
+    C_T,
+    CARRIED,
+    DRIFT,
+    FRICTION,
+    IMPULSE,
+    K_N,
+    K_T,
+    LEGS,
+    MOTION,
+    NOISE,
+    NOW,
+    NUMBER,
+    PHASE,
+    SPEED,
+    STEP,
+    SWING,
+    TURNED,
+    W_X,
+)
+
+_noise_acceleration = noises.acceleration
+
+
+@inlined
+def stiffen(walker, work, h):
+    """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
+    n, legs, A = len(walker.stiffness), work.legs, work.A
+    if legs[STEP, 0] == h:
+        return
+    legs[STEP, 0] = h
+    for i in range(n):
+        for j in range(n):
+            A[i, j] = walker.hinge_inertia[i, j]
+            legs[SWING + i, j] = 1.0 if i == j else 0.0
+        A[i, i] += 0.5 * h * walker.damping[i] + 0.25 * h * h * walker.stiffness[i]
+    for i in range(n):
+        pivot = 1.0 / A[i, i]
+        for c in range(n):
+            A[i, c] *= pivot
+            legs[SWING + i, c] *= pivot
+        for j in range(n):
+            if j != i:
+                factor = A[j, i]
+                for c in range(n):
+                    A[j, c] -= factor * A[i, c]
+                    legs[SWING + j, c] -= factor * legs[SWING + i, c]
+
+
+@kernel
+def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
+    """Fill row m of the Jacobian: contact k of a leg along a direction in body axes."""
+    n = J.shape[1] - 6
+    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    t_x, t_y, t_z = p_y * d_z - p_z * d_y, p_z * d_x - p_x * d_z, p_x * d_y - p_y * d_x
+    J[m, 0], J[m, 1], J[m, 2] = d_x, d_y, d_z
+    J[m, 3], J[m, 4], J[m, 5] = t_x, t_y, t_z
+    for j in range(n):
+        J[m, 6 + j] = -(
+            shift[0, j] * d_x + shift[1, j] * d_y + shift[2, j] * d_z
+            + lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z
+        )  # fmt: skip
+    if leg >= 0:
+        for j in range(f):
+            c = TURNED + 3 * j
+            along = points[k, c] * d_x + points[k, c + 1] * d_y + points[k, c + 2] * d_z
+            J[m, 6 + leg * f + j] += along
+
+
+@kernel
+def _move_by(J, MJ, legs, mass, inverse, rows):
+    """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
+    n = J.shape[1] - 6
+    for r in range(rows):
+        t_x, t_y, t_z = J[r, 3], J[r, 4], J[r, 5]
+        for i in range(3):
+            MJ[r, i] = mass[i] * J[r, i]
+            MJ[r, 3 + i] = inverse[i, 0] * t_x + inverse[i, 1] * t_y + inverse[i, 2] * t_z
+        for i in range(n):
+            total = 0.0
+            for j in range(n):
+                total += legs[SWING + i, j] * J[r, 6 + j]
+            MJ[r, 6 + i] = total
+
+
+@inlined
+def _directions(world, state, work, contacts, h, m):
+    """Fill Jacobians of the m near contacts, and the constants of their springs."""
+    walker, R, J, points = world.walker, work.R, work.J, work.points
+    spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
+    shift, lock, leg, f, upward = (
+        walker.shift,
+        walker.lock,
+        walker.leg,
+        walker.freedoms,
+        walker.upward,
+    )
+    roughness = world.acting.roughness
+    size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
+    h_x, h_z = R[0, 0] / size, R[2, 0] / size
+    for i in range(m):
+        k = int(contacts[i, NUMBER])
+        n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
+        for p in range(3):
+            if p == 0:
+                d_x, d_y, d_z = n_x, n_y, n_z
+            elif place[k] > 0.0:
+                d_x, d_y, d_z = (1.0, 0.0, 0.0) if p == 1 else (0.0, 1.0, 0.0)
+            else:
+                d_x, d_y, d_z = (h_x, 0.0, h_z) if p == 1 else (-h_z, 0.0, h_x)
+            _fill_row(
+                J, points, shift, lock, leg[k], f, k, 3 * i + p,
+                R[0, 0] * d_x + R[1, 0] * d_y + R[2, 0] * d_z,
+                R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z,
+                R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
+            )  # fmt: skip
+            upright = 1.0 if p == upward[k] else 0.0
+            contacts[i, SPEED + p] = contacts[i, DRIFT + p] = -upright
+        contacts[i, FRICTION] = friction[k]
+        contacts[i, K_N], contacts[i, K_T] = spring[k, 0], spring[k, 1]
+        contacts[i, C_N], contacts[i, C_T] = damper[k, 0], damper[k, 1]
+        resist(contacts, i, h, contacts[i, K_N])
+    _move_by(J, work.MJ, work.legs, walker.inverse_mass, walker.inverse_inertia, 3 * m)
+
+
+@inlined
+def load(world, state, work, h, m):
+    """Fill Jacobians, velocities and inverse mass of the m near contacts for steps of h seconds."""
+    contacts, J, MJ, H, body = work.contacts, work.J, work.MJ, work.H, work.body
+    n = J.shape[1] - 6
+    lifted, lifting = plate_velocity(world, state), plate_acceleration(world, state)
+    _directions(world, state, work, contacts, h, m)
+    for i in range(m):
+        for p in range(3):
+            r = 3 * i + p
+            u, drift = contacts[i, SPEED + p] * lifted, contacts[i, DRIFT + p] * lifting
+            for j in range(6):
+                u += J[r, j] * body[MOTION, j]
+                drift += J[r, j] * body[ACTING, j]
+            for j in range(n):
+                u += J[r, 6 + j] * state[LEGS + n + j]
+            contacts[i, SPEED + p], contacts[i, DRIFT + p] = u, drift
+            contacts[i, IMPULSE + p] = contacts[i, CARRIED + p] = 0.0
+    for r in range(3 * m):
+        for c in range(r + 1):
+            total = 0.0
+            for j in range(6 + n):
+                total += J[r, j] * MJ[c, j]
+            H[r, c] = H[c, r] = total
+
+
+@inlined
+def plate_acceleration(world, state):
+    """Vertical acceleration of the plate, mm/s^2."""
+    shaken = acceleration(world.drive, state[PHASE])
+    return shaken + _noise_acceleration(world.acting.noise, state[NOISE])
+
+
+@inlined
+def accelerate(world, state, work):
+    """Fill the accelerations of C and W without contact: gravity, effects, rotation."""
+    walker, R, now, acting = world.walker, work.R, work.body[NOW], work.body[ACTING]
+    g_x, g_y = along(world.acting), -across(world.acting)
+    f_x, f_y, f_z = force_in_space(world.acting, now)
+    for row in range(3):
+        acting[row] = R[0, row] * g_x + R[1, row] * g_y
+    acting[0] += walker.inverse_mass[0] * f_x
+    acting[1] += walker.inverse_mass[1] * f_y
+    acting[2] += walker.inverse_mass[2] * f_z
+    I, inverse = walker.inertia, walker.inverse_inertia  # noqa: E741
+    W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
+    l_x = I[0, 0] * W_0 + I[0, 1] * W_1 + I[0, 2] * W_2
+    l_y = I[1, 0] * W_0 + I[1, 1] * W_1 + I[1, 2] * W_2
+    l_z = I[2, 0] * W_0 + I[2, 1] * W_1 + I[2, 2] * W_2
+    t_x, t_y, t_z = (
+        l_y * now[5] - l_z * now[4],
+        l_z * now[3] - l_x * now[5],
+        l_x * now[4] - l_y * now[3],
+    )
+    for row in range(3):
+        acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z

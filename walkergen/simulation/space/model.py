@@ -1,0 +1,181 @@
+"""Model C, the walker in space on elastic feet, as a `Model`."""
+
+import math
+
+import numpy as np
+
+from walkergen.numerics.kernels import kernel
+from walkergen.simulation.drive import Drive
+from walkergen.simulation.effects import noise, roughness, unevenness
+from walkergen.simulation.effects.acting import across, along
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.resolve import Resolved
+from walkergen.simulation.model import Array, Model
+from walkergen.simulation.space import steps
+from walkergen.simulation.space.flight import legs_energy
+from walkergen.simulation.space.pose import locate, place, plate_velocity, point_velocity
+from walkergen.simulation.space.state import (
+    ACROSS,
+    ALONG,
+    C_X,
+    C_Y,
+    COLUMNS,
+    GAP_OF,
+    HEADING,
+    MODE,
+    OPEN,
+    PHASE,
+    PITCH,
+    Q_0,
+    Q_Y,
+    Q_Z,
+    ROW,
+    SET,
+    SHOWN_X,
+    SHOWN_Y,
+    V_X,
+    W_X,
+    W_Y,
+    W_Z,
+    Options,
+    Walker,
+    first_row,
+    size_of,
+    work_for,
+)
+from walkergen.simulation.space.walker import walker_of
+from walkergen.simulation.world import State, World
+
+
+def start(
+    world: World, clearance: float, pitch: float = 0.0, phase: float = 0.0, roll: float = 0.0
+) -> State:
+    """A state at rest in the laboratory, relaxed, its lowest corner `clearance` mm over the plate.
+
+    The body is rolled about its own x axis, then pitched; angles in rad. A walker that is held in
+    its plane does not roll.
+    """
+    roll = roll if world.walker.inverse_mass[2] > 0.0 else 0.0
+    state = np.zeros(size_of(world.walker))
+    c, s = math.cos(0.5 * pitch), math.sin(0.5 * pitch)
+    a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
+    state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
+    state[PHASE] = phase
+    work = work_for(world.walker)
+    place(world, state, work)
+    locate(world, state, work)
+    gaps = work.points[world.walker.place == 0.0, GAP_OF]
+    state[C_Y] += clearance - float(gaps.min())
+    place(world, state, work)
+    return state
+
+
+@kernel
+def energy(world, state):
+    """Kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
+    walker = world.walker
+    copy = state.copy()
+    work = work_for(walker)
+    place(world, copy, work)
+    locate(world, copy, work)
+    total = legs_energy(walker, state)
+    for i in range(3):
+        total += 0.5 * walker.mass * state[V_X + i] * state[V_X + i]
+        for j in range(3):
+            total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    fallen = along(world.acting) * state[C_X] - across(world.acting) * state[C_Y]
+    total -= walker.mass * fallen
+    row = first_row(walker)
+    for k in range(len(walker.leg)):
+        at = row + ROW * k
+        if state[at + MODE] != OPEN:
+            depth = max(-work.points[k, GAP_OF] - state[at + SET], 0.0)
+            stiff = walker.unloading if state[at + SET] > 0.0 else 1.0
+            total += 0.5 * stiff * walker.spring[k, 0] * depth * depth
+            stretch = state[at + ALONG] ** 2 + state[at + ACROSS] ** 2
+            total += 0.5 * walker.spring[k, 1] * stretch
+    return total
+
+
+def feet(world: World, state: State) -> Array:
+    """Middles of the feet, shape (2, 4), as in `Model.feet`: x is along the lane."""
+    work, copy, walker = work_for(world.walker), state.copy(), world.walker
+    f = walker.freedoms
+    place(world, copy, work)
+    locate(world, copy, work)
+    rows = np.zeros((4, 4))
+    for k in range(4):
+        velocity = work.R @ np.array(
+            point_velocity(copy, work.body, work.points, walker.shift, walker.leg[k], f, k)
+        )
+        x = state[C_X] + work.R[0] @ work.points[k, :3]
+        rows[k] = x, work.points[k, GAP_OF], velocity[0], velocity[1] - plate_velocity(world, copy)
+    return 0.5 * (rows[0::2] + rows[1::2])
+
+
+def momentum(world: World, state: State) -> float:
+    """Momentum of body and legs along the lane, g mm/s."""
+    return float(world.walker.mass * state[V_X])
+
+
+def mirrored(state: State) -> State:
+    """State of the mirror image (x -> -x, back and front exchanged), but for the contacts."""
+    image = state.copy()
+    image[[SHOWN_X, HEADING, PITCH, C_X, V_X, W_Y, W_Z, Q_Y, Q_Z]] *= -1.0
+    return image
+
+
+def pose(state: State) -> tuple[float, float, float]:
+    """Place of O in the plate's plane (along x, and to the left of it, mm) and heading (rad)."""
+    return float(state[SHOWN_X]), float(state[SHOWN_Y]), float(state[HEADING])
+
+
+def resting(world: World) -> float:
+    """Speed (mm/s) below which a foot does not rebound: what gravity gives it in a step."""
+    return float(world.options.step * world.acting.gravity.size)
+
+
+def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
+    """World of one run, with its own print and its own plate, where the scene calls for them.
+
+    Its arrays are its own: threads that count references of shared ones slow each other down.
+    """
+    walker, acting = world.walker, world.acting
+    own = walker._asdict().items()
+    walker = walker._replace(
+        **{key: np.copy(one) for key, one in own if isinstance(one, np.ndarray)}
+    )
+    if resolved.on(unevenness.NAME):
+        corners = walker.place == 0.0
+        heights = unevenness.draw(case, int(corners.sum()), rng)
+        key = "root" if walker.freedoms == 0 else "reach"
+        moved = getattr(walker, key).copy()
+        moved[corners, 1] += heights
+        walker = walker._replace(**{key: moved})
+    if resolved.on(noise.NAME):
+        acting = acting._replace(noise=noise.draw(case, rng))
+    if resolved.on(roughness.NAME):
+        acting = acting._replace(roughness=roughness.draw(case, rng))
+    return world._replace(walker=walker, acting=acting)
+
+
+STEPS = Model(
+    start=start,
+    advance=steps.advance,
+    energy=energy,
+    feet=feet,
+    momentum=momentum,
+    mirrored=mirrored,
+    pose=pose,
+    coarser=steps.coarser,
+    resting=resting,
+    columns=COLUMNS,
+    drawn=drawn,
+)
+"""Method by implicit steps of second order."""
+
+
+def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, Walker, Options]:
+    """Model, walker and options of a case."""
+    walker, options = walker_of(case, resolved)
+    return STEPS, walker, options

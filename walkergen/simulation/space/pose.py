@@ -1,0 +1,192 @@
+"""Pose of a walker in space: rotation, points of contact, their gaps, and what moves them."""
+
+import math
+
+from walkergen.numerics.kernels import inlined, kernel
+from walkergen.simulation.drive import TWO_PI, height, velocity
+from walkergen.simulation.effects import noise as noises
+from walkergen.simulation.effects import roughness as rough
+from walkergen.simulation.space.state import (
+    C_X,
+    C_Y,
+    C_Z,
+    GAP_OF,
+    HEADING,
+    HEIGHT,
+    LEGS,
+    MOTION,
+    NOISE,
+    NOW,
+    PHASE,
+    PITCH,
+    Q_0,
+    Q_X,
+    Q_Y,
+    Q_Z,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    TURNED,
+    V_X,
+    W_X,
+)
+
+_noise_height, _noise_velocity = noises.height, noises.velocity
+_bumps = rough.surface
+
+
+@inlined
+def plate_height(world, state):
+    """Height of the plate, mm, without its roughness."""
+    shaken = height(world.drive, state[PHASE])
+    return shaken + _noise_height(world.acting.noise, state[NOISE])
+
+
+@inlined
+def plate_velocity(world, state):
+    """Vertical velocity of the plate, mm/s."""
+    shaken = velocity(world.drive, state[PHASE])
+    return shaken + _noise_velocity(world.acting.noise, state[NOISE])
+
+
+@kernel
+def turn(state, x, y, z):
+    """Turn the body by a rotation vector in body axes, rad."""
+    angle = math.sqrt(x * x + y * y + z * z)
+    # sin(angle / 2) / angle, by its series where the quotient loses digits
+    s = 0.5 - angle * angle / 48.0 if angle < 1e-3 else math.sin(0.5 * angle) / angle
+    c, x, y, z = math.cos(0.5 * angle), s * x, s * y, s * z
+    q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
+    p_0 = q * c - i * x - j * y - k * z
+    p_x = q * x + i * c + j * z - k * y
+    p_y = q * y - i * z + j * c + k * x
+    p_z = q * z + i * y - j * x + k * c
+    size = 1.0 / math.sqrt(p_0 * p_0 + p_x * p_x + p_y * p_y + p_z * p_z)
+    state[Q_0], state[Q_X], state[Q_Y], state[Q_Z] = p_0 * size, p_x * size, p_y * size, p_z * size
+
+
+@kernel
+def _rotation(state, R):
+    """Fill R with the matrix body axes -> world."""
+    q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
+    R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)
+    R[1, 0], R[1, 1], R[1, 2] = 2 * (i * j + q * k), 1 - 2 * (i * i + k * k), 2 * (j * k - q * i)
+    R[2, 0], R[2, 1], R[2, 2] = 2 * (i * k - q * j), 2 * (j * k + q * i), 1 - 2 * (i * i + j * j)
+
+
+@inlined
+def place(world, state, work):
+    """Fill the pose in `work`, and what the state shows of it; returns the turn of the heading."""
+    walker, R, body = world.walker, work.R, work.body
+    n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
+    _rotation(state, R)
+    for row in range(3):
+        spin = state[W_X + row]
+        for j in range(n):
+            spin -= lock[row, j] * state[LEGS + n + j]
+        v = R[0, row] * state[V_X] + R[1, row] * state[V_X + 1] + R[2, row] * state[V_X + 2]
+        body[NOW, row] = body[MOTION, row] = v
+        body[NOW, 3 + row], body[MOTION, 3 + row] = spin, state[W_X + row]
+    c_x, c_y, c_z = walker.centre[0], walker.centre[1], walker.centre[2]
+    for j in range(n):
+        c_x -= shift[0, j] * state[LEGS + j]
+        c_y -= shift[1, j] * state[LEGS + j]
+        c_z -= shift[2, j] * state[LEGS + j]
+    state[SHOWN_X] = state[C_X] + R[0, 0] * c_x + R[0, 1] * c_y + R[0, 2] * c_z
+    state[HEIGHT] = state[C_Y] + R[1, 0] * c_x + R[1, 1] * c_y + R[1, 2] * c_z
+    state[SHOWN_Y] = -(state[C_Z] + R[2, 0] * c_x + R[2, 1] * c_y + R[2, 2] * c_z)
+    state[PITCH] = math.asin(min(max(R[1, 0], -1.0), 1.0))
+    state[ROLL] = math.atan2(-R[1, 2], R[1, 1])
+    turned = math.atan2(-R[2, 0], R[0, 0]) - state[HEADING]
+    turned -= TWO_PI * math.floor(turned / TWO_PI + 0.5)
+    state[HEADING] += turned
+    return turned
+
+
+@inlined
+def locate(world, state, work):
+    """Fill points of contact, their derivatives and gaps at the pose in `work`."""
+    walker, R = world.walker, work.R
+    n, f = len(walker.stiffness), walker.freedoms
+    o_x, o_y, o_z = 0.0, 0.0, 0.0
+    for j in range(n):
+        o_x -= walker.shift[0, j] * state[LEGS + j]
+        o_y -= walker.shift[1, j] * state[LEGS + j]
+        o_z -= walker.shift[2, j] * state[LEGS + j]
+    plate = plate_height(world, state)
+    for k in range(len(walker.leg)):
+        leg, side, point = walker.leg[k], walker.side[k], work.points[k]
+        p_x, p_y, p_z = walker.root[k, 0] + o_x, walker.root[k, 1] + o_y, walker.root[k, 2] + o_z
+        if leg >= 0:
+            alpha = state[LEGS + leg * f] if f > 0 else 0.0
+            twist = state[LEGS + leg * f + 1] if f > 1 else 0.0
+            c, s = math.cos(alpha), math.sin(alpha)
+            r_x = c * walker.reach[k, 0] - s * walker.reach[k, 1]
+            r_y = s * walker.reach[k, 0] + c * walker.reach[k, 1]
+            # n = z x axis: across the leg, in the plane
+            n_x = -(s * walker.axis[k, 0] + c * walker.axis[k, 1])
+            n_y = c * walker.axis[k, 0] - s * walker.axis[k, 1]
+            c, s = side * math.cos(twist), side * math.sin(twist)
+            p_x, p_y, p_z = p_x + r_x + s * n_x, p_y + r_y + s * n_y, p_z + c
+            point[TURNED], point[TURNED + 1] = -(r_y + s * n_y), r_x + s * n_x
+            point[TURNED + 3], point[TURNED + 4], point[TURNED + 5] = c * n_x, c * n_y, -s
+        point[0], point[1], point[2] = p_x, p_y, p_z
+        x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z
+        z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
+        if walker.place[k] > 0.0:
+            point[GAP_OF] = walker.place[k] - abs(z)
+        else:
+            bump, _, _ = _bumps(world.acting.roughness, x, z)
+            y = state[C_Y] + R[1, 0] * p_x + R[1, 1] * p_y + R[1, 2] * p_z
+            point[GAP_OF] = y - plate - bump
+
+
+@kernel
+def normal_of(roughness, place, state, R, points, k):
+    """Normal of the surface at contact k, in the world; vertical part 1 on a rough plate.
+
+    `place` is that of its walls (0: none), as in `Walker`.
+    """
+    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
+    if place > 0.0:
+        return 0.0, 0.0, -1.0 if z > 0.0 else 1.0
+    x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z
+    _, slope_x, slope_z = _bumps(roughness, x, z)
+    return -slope_x, 1.0, -slope_z
+
+
+@kernel
+def point_velocity(state, body, points, shift, leg, f, k):
+    """Velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
+
+    `body`, `points`: of `Work`; `shift`: of `Walker`.
+    """
+    n = shift.shape[1]
+    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    w_x, w_y, w_z = body[NOW, 3], body[NOW, 4], body[NOW, 5]
+    v_x = body[NOW, 0] + w_y * p_z - w_z * p_y
+    v_y = body[NOW, 1] + w_z * p_x - w_x * p_z
+    v_z = body[NOW, 2] + w_x * p_y - w_y * p_x
+    for j in range(n):
+        rate = state[LEGS + n + j]
+        v_x -= shift[0, j] * rate
+        v_y -= shift[1, j] * rate
+        v_z -= shift[2, j] * rate
+    if leg >= 0:
+        for j in range(f):
+            c, rate = TURNED + 3 * j, state[LEGS + n + leg * f + j]
+            v_x += points[k, c] * rate
+            v_y += points[k, c + 1] * rate
+            v_z += points[k, c + 2] * rate
+    return v_x, v_y, v_z
+
+
+@inlined
+def lowest_corner(world, state, work):
+    """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
+    R, corners, lowest = work.R, world.walker.corners, math.inf
+    for i in range(len(corners)):
+        y = R[1, 0] * corners[i, 0] + R[1, 1] * corners[i, 1] + R[1, 2] * corners[i, 2]
+        lowest = min(lowest, y)
+    return state[C_Y] + lowest - plate_height(world, state)

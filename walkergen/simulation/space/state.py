@@ -1,0 +1,182 @@
+"""Layout of a state in space, what kernels know of the walker, and its work space.
+
+Axes: x along the lane, y up, z across; the body's own axes are the same when it stands level. The
+place is that of C, the centre of mass of the whole walker. The rotation is kept as the turning rate
+that body and legs would share if the joints were locked (W, body axes): with both, the kinetic
+energy has no cross terms, and gravity and free flight are exact (docs/physics.md section 7).
+
+A state is a float64 array: what a trajectory shows, in the plate's plane (y to the left of x); the
+motion; the drive; then the legs' coordinates and their rates; then a row for each contact.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.numerics.kernels import kernel
+
+Array = npt.NDArray[np.float64]
+
+SHOWN_X, SHOWN_Y, HEADING, HEIGHT, PITCH, ROLL = range(6)
+C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE = range(6, 21)
+LEGS = 21
+"""Place of the first leg's coordinate."""
+
+COLUMNS = ("x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")
+"""Names, with units, of the entries that a trajectory shows: of O; headings count whole turns."""
+
+# A contact's row: mode; stretch of its tangential spring along both tangents (mm); lasting
+# compression of a hysteretic foot (mm); and of the landing under way: its time (s, since the record
+# began), velocity (normal, along, across, mm/s), impulses (g mm/s), and when the slip stopped.
+MODE, ALONG, ACROSS, SET, LANDED, U_N, U_A, U_C, J_N, J_A, J_C, STOP = range(12)
+ROW = 12
+
+OPEN, STICK, SLIDE = range(3)
+"""Modes of an elastic contact."""
+
+SLIDING, IN_RESTITUTION, IN_COMPRESSION = range(3)
+"""Values of STOP: the slip has gone on so far; it stopped in restitution; in compression."""
+
+
+class Walker(NamedTuple):
+    """Everything the integrator knows of a walker: n legs' coordinates, k points of contact.
+
+    Lengths in mm; vectors in body axes from C. The coordinates of a leg are the angle of its hinge
+    and, if it twists, the twist of its foot (rad).
+    """
+
+    mass: float
+    """Mass of the whole walker, g."""
+    inverse_mass: Array
+    """Inverse mass along x, y, z, shape (3,): zero across for a walker held in its plane."""
+    inertia: Array
+    """Inertia tensor about C, shape (3, 3), g mm^2."""
+    inverse_inertia: Array
+    """Inverse of the inertia tensor, shape (3, 3); of its z axis alone when held in the plane."""
+    centre: Array
+    """Vector C -> O of the relaxed walker, shape (3,)."""
+    freedoms: int
+    """Coordinates of a leg: 0 braced, 1 hinge, 2 hinge and twist."""
+    hinge_inertia: Array
+    """Inertia of the legs' coordinates with C and W given, shape (n, n), g mm^2."""
+    hinge_mobility: Array
+    """Inverse of `hinge_inertia`."""
+    stiffness: Array
+    """Stiffness of the coordinates, shape (n,), g mm^2/s^2 per rad."""
+    damping: Array
+    """Damping of the coordinates, shape (n,), g mm^2/s per rad."""
+    fast: Array
+    """Squares of the coordinates' own angular frequencies, shape (n,), 1/s^2."""
+    shift: Array
+    """Displacement of C against O by the coordinates, shape (3, n), mm/rad."""
+    lock: Array
+    """Turning rate W that a coordinate's rate is worth, shape (3, n)."""
+    leg: npt.NDArray[np.int64]
+    """Leg of each point, -1 for a point on the body, shape (k,)."""
+    root: Array
+    """Points on the body, or the anchors of the legs' points, shape (k, 3)."""
+    reach: Array
+    """Vectors anchor -> middle of the foot of a relaxed leg, with each corner's own height, shape
+    (k, 2); zero on the body."""
+    side: Array
+    """Place of a point across its leg (zeta), shape (k,)."""
+    axis: Array
+    """Unit vectors anchor -> foot along the relaxed legs' centre lines, shape (k, 2)."""
+    place: Array
+    """Place |z| of the walls that a point may touch, shape (k,), mm; 0: it may touch the plate."""
+    upward: npt.NDArray[np.int64]
+    """Which direction of a contact (normal, along, across) is upright, shape (k,)."""
+    friction: Array
+    """Friction coefficients of the contacts, shape (k,)."""
+    spring: Array
+    """Stiffness of the contacts: normal, tangential, shape (k, 2), g/s^2."""
+    damper: Array
+    """Damping of the contacts: normal, tangential, shape (k, 2), g/s; 0 for hysteretic feet."""
+    unloading: float
+    """Stiffness in unloading over that in loading, 1 for viscous feet."""
+    corners: Array
+    """Corners of the body, shape (8, 3)."""
+    flights: Array
+    """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i, shape
+    (levels, 2 n, 2 n)."""
+
+
+class Options(NamedTuple):
+    """Lengths of the steps."""
+
+    step: float
+    """Longest step while a foot may touch, s."""
+    frame: int = 12
+    """Steps for which pose and contact directions are frozen."""
+
+
+# Columns of `Work.contacts`, a row for each contact near its surface in a frame; triples are
+# normal, along, across. Its number among all points, then its mode, and what does not change:
+NUMBER, TRIED, FRICTION, K_N, K_T, C_N, C_T = range(7)
+# stiffness and lasting compression of the branch it is on (loading, unloading), its resistances
+# c + h k / 2, the direction of its sliding, and its first unknown in the equations:
+STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, UNKNOWN = range(7, 14)
+# gap and stretches (mm), velocities over the surface (mm/s), the same in the middle of a step
+# without and with contact forces, forces (g mm/s^2), accelerations by all but contacts and legs,
+# impulses since the frame began (g mm/s) and their integrals (g mm):
+GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(14, 38, 3)
+COLUMNS_OF_CONTACT = 38
+
+
+class Work(NamedTuple):
+    """Work space of a run: pose, and what holds for a frozen frame of m contacts near a surface."""
+
+    R: Array
+    """Body axes -> world, shape (3, 3)."""
+    body: Array
+    """Rows, shape (5, 6), body axes: velocity of C and turning rate; velocity of C and W;
+    accelerations of both without contact; what both gain in a frame; by how much both move."""
+    points: Array
+    """Points of contact from C, body axes, shape (k, 11): place, derivatives by both coordinates of
+    its leg, gap (mm), time in which it cannot close (s)."""
+    contacts: Array
+    """Rows of near contacts, shape (k, COLUMNS_OF_CONTACT)."""
+    J: Array
+    """Jacobian, three rows a near contact (normal, along, across), shape (3 k, 6 + n)."""
+    MJ: Array
+    """Inverse mass times its transpose, by rows as well, shape (3 k, 6 + n)."""
+    H: Array
+    """Inverse mass at the contacts, J M^-1 J^T, shape (3 k, 3 k), 1/g."""
+    A: Array
+    """Equations of the forces, shape (3 k, 3 k + 1)."""
+    legs: Array
+    """Rows, shape (4 + n, max(2 n, 1)): accelerations of the coordinates; coordinates at the start
+    of a frame; coordinates and rates after a flight; the step (s) of the rest, which is the inverse
+    inertia of the coordinates in a step, their springs included."""
+
+
+NOW, MOTION, ACTING, GAINED, MOVED = range(5)
+"""Rows of `Work.body`."""
+TURNED, GAP_OF, CLEAR = 3, 9, 10
+"""Columns of `Work.points` after the place."""
+PULL, BEFORE, AFTER, STEP, SWING = range(5)
+"""Rows of `Work.legs`."""
+
+
+@kernel
+def work_for(walker):
+    """Work space for a walker."""
+    n, k = len(walker.stiffness), len(walker.leg)
+    m = 3 * k
+    return Work(
+        np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), np.zeros((k, COLUMNS_OF_CONTACT)),
+        np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
+        np.zeros((4 + n, max(2 * n, 1))),
+    )  # fmt: skip
+
+
+@kernel
+def first_row(walker):
+    """Place of the first contact's row in a state."""
+    return LEGS + 2 * len(walker.stiffness)
+
+
+def size_of(walker: Walker) -> int:
+    """Number of entries of a state."""
+    return LEGS + 2 * len(walker.stiffness) + ROW * len(walker.leg)

@@ -1,0 +1,260 @@
+"""Time stepping in space: frozen frames of implicit midpoint steps, and flights between them.
+
+Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
+equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact acts in a step
+when its gap in the middle of the step is negative: landings and departures inside a step err by
+second order in the mean. While no contact can close, the walker flies (flight.py).
+"""
+
+import math
+
+from walkergen.numerics.kernels import inlined, kernel
+from walkergen.simulation import record
+from walkergen.simulation.record import next_sample, take_sample
+from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time
+from walkergen.simulation.space.forces import guess, solve
+from walkergen.simulation.space.frame import accelerate, load, plate_acceleration, stiffen
+from walkergen.simulation.space.landings import leave, settle
+from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
+from walkergen.simulation.space.state import (
+    ACROSS,
+    ACTING,
+    ALONG,
+    BEFORE,
+    C_X,
+    CARRIED,
+    CLEAR,
+    DRIFT,
+    FORCE,
+    FREE,
+    GAINED,
+    GAP,
+    GAP_OF,
+    IMPULSE,
+    LEGS,
+    MIDDLE,
+    MODE,
+    MOTION,
+    MOVED,
+    NUMBER,
+    OPEN,
+    PITCH,
+    PULL,
+    ROW,
+    SET,
+    SPEED,
+    SWING,
+    TRIED,
+    V_X,
+    W_X,
+    first_row,
+    work_for,
+)
+from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED, World
+
+INSTANT = 1e-12
+"""Time (s) that counts as zero."""
+
+
+def coarser(world: World, factor: float) -> World:
+    """World with steps `factor` times longer."""
+    return world._replace(options=world.options._replace(step=factor * world.options.step))
+
+
+@inlined
+def _turn_stretches(walker, state, turned):
+    """Turn tangential stretches on the plate against the heading, which turned by so many rad."""
+    c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
+    for k in range(len(walker.leg)):
+        at = row + ROW * k
+        if state[at + MODE] != OPEN and walker.place[k] == 0.0:
+            a, b = state[at + ALONG], state[at + ACROSS]
+            state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
+
+
+@inlined
+def _gather(walker, state, work, t):
+    """List contacts that are closed or may close within t seconds: their number."""
+    m, first = 0, first_row(walker)
+    for k in range(len(walker.leg)):
+        at = first + ROW * k
+        if state[at + MODE] == OPEN and work.points[k, CLEAR] > t:
+            state[at + SET] = 0.0
+            continue
+        work.contacts[m, NUMBER], work.contacts[m, GAP] = k, work.points[k, GAP_OF]
+        work.contacts[m, GAP + 1], work.contacts[m, GAP + 2] = state[at + ALONG], state[at + ACROSS]
+        m += 1
+    return m
+
+
+@kernel
+def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
+    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact."""
+    n = len(springs)
+    for i in range(n):
+        legs[PULL, i] = 0.0
+    for j in range(n):
+        angle, rate = state[LEGS + j], state[LEGS + n + j]
+        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate
+        for i in range(n):
+            legs[PULL, i] += legs[SWING + i, j] * torque
+    for i in range(m):
+        for p in range(3):
+            total = contacts[i, DRIFT + p]
+            for j in range(n):
+                total += J[3 * i + p, 6 + j] * legs[PULL, j]
+            contacts[i, FREE + p] = contacts[i, SPEED + p] + 0.5 * h * total
+
+
+@kernel
+def _move_legs(state, contacts, MJ, legs, dampers, m, h):
+    """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
+    n, taken = len(dampers), 0.0
+    for i in range(m):
+        if contacts[i, TRIED] != OPEN:
+            for p in range(3):
+                for j in range(n):
+                    legs[PULL, j] += MJ[3 * i + p, 6 + j] * contacts[i, FORCE + p]
+    for j in range(n):
+        change = h * legs[PULL, j]
+        rate = state[LEGS + n + j] + 0.5 * change
+        state[LEGS + j] += h * rate
+        state[LEGS + n + j] += change
+        taken += h * dampers[j] * rate * rate
+    return taken
+
+
+@inlined
+def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, tally):
+    """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
+    sums = tally.sums
+    for i in range(m):
+        k = int(contacts[i, NUMBER])
+        at = first + ROW * k
+        if settle(state, contacts, i, at, unloading, t, h, sums):
+            leave(state, at, k, tally.counts, tally.events)
+        sums[record.PLATE_WORK] += h * lifted * contacts[i, FORCE + upward[k]]
+        for p in range(3):
+            contacts[i, SPEED + p] = 2.0 * contacts[i, MIDDLE + p] - contacts[i, SPEED + p]
+            push = h * contacts[i, FORCE + p]
+            contacts[i, CARRIED + p] += h * (contacts[i, IMPULSE + p] + 0.5 * push)
+            contacts[i, IMPULSE + p] += push
+
+
+@inlined
+def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
+    """Take `count` steps of h seconds from `begin` on; returns in how many a contact was closed.
+
+    The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
+    """
+    contacts, J, MJ, H, A, legs = work.contacts, work.J, work.MJ, work.H, work.A, work.legs
+    springs, dampers, unloading = walker.stiffness, walker.damping, walker.unloading
+    upward, sums, first, busy = walker.upward, tally.sums, first_row(walker), 0
+    for step in range(count):
+        _swing_freely(state, contacts, J, legs, springs, dampers, m, h)
+        if guess(state, contacts, H, m, h, unloading, first) > 0:
+            solve(contacts, H, A, m, h)
+            busy += 1
+        else:
+            for i in range(m):
+                for p in range(3):
+                    contacts[i, FORCE + p], contacts[i, MIDDLE + p] = 0.0, contacts[i, FREE + p]
+        sums[record.DAMPING_LOSS] += _move_legs(state, contacts, MJ, legs, dampers, m, h)
+        t, speed = begin + (step + 1) * h, lifted + (step + 0.5) * h * lifting
+        _move_contacts(state, contacts, m, first, unloading, upward, t, h, speed, tally)
+    return busy
+
+
+@inlined
+def _move_body(walker, state, work, m, t):
+    """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
+    body, contacts, MJ, R, legs = work.body, work.contacts, work.MJ, work.R, work.legs
+    lock, n = walker.lock, len(walker.stiffness)
+    for j in range(6):
+        gained = t * body[ACTING, j]
+        moved = t * (body[MOTION, j] + 0.5 * gained)
+        for i in range(m):
+            for p in range(3):
+                gained += MJ[3 * i + p, j] * contacts[i, IMPULSE + p]
+                moved += MJ[3 * i + p, j] * contacts[i, CARRIED + p]
+        body[GAINED, j], body[MOVED, j] = gained, moved
+    for i in range(3):
+        for j in range(3):
+            state[C_X + i] += R[i, j] * body[MOVED, j]
+            state[V_X + i] += R[i, j] * body[GAINED, j]
+        state[W_X + i] += body[GAINED, 3 + i]
+        for j in range(n):
+            body[MOVED, 3 + i] -= lock[i, j] * (state[LEGS + j] - legs[BEFORE, j])
+    turn(state, body[MOVED, 3], body[MOVED, 4], body[MOVED, 5])
+
+
+@inlined
+def _frame(world, state, work, begin, h, count, tally):
+    """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
+    walker, t = world.walker, count * h
+    accelerate(world, state, work)
+    stiffen(walker, work, h)
+    m = _gather(walker, state, work, t)
+    load(world, state, work, h, m)
+    for j in range(len(walker.stiffness)):
+        work.legs[BEFORE, j] = state[LEGS + j]
+    lifted, lifting = plate_velocity(world, state), plate_acceleration(world, state)
+    busy = _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
+    tally.sums[record.CONTACT_TIME] += busy * h
+    _move_body(walker, state, work, m, t)
+    pass_time(world, state, t)
+
+
+@inlined
+def _level(world, state, clear):
+    """Level of the longest tabulated flight within `clear` seconds, -1 if none is."""
+    step, levels = world.options.step, len(world.walker.flights)
+    spin = math.sqrt(state[W_X] ** 2 + state[W_X + 1] ** 2 + state[W_X + 2] ** 2)
+    longest = min(clear, TURN / (spin + 1e-300))
+    level = -1
+    while level + 1 < levels and step * 2.0 ** (level + 1) <= longest:
+        level += 1
+    return level
+
+
+@inlined
+def _folded(walker, state):
+    """True when a leg has turned by 90 deg against the body, or a foot has twisted as far."""
+    largest = 0.0
+    for j in range(len(walker.stiffness)):
+        largest = max(largest, abs(state[LEGS + j]))
+    return largest >= 0.5 * math.pi
+
+
+@kernel
+def advance(world, state, duration, tally):
+    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
+    walker, sums, step = world.walker, tally.sums, world.options.step
+    work = work_for(walker)
+    begin, t = sums[record.ELAPSED], 0.0
+    while True:
+        _turn_stretches(walker, state, place(world, state, work))
+        sums[record.ELAPSED] = begin + t
+        if begin + t >= next_sample(tally.samples) - INSTANT:
+            take_sample(tally.samples, begin + t, state)
+        if t >= duration:
+            return OK
+        if not math.isfinite(state[C_X + 1]):
+            return FAILED
+        if lowest_corner(world, state, work) <= 0.0:
+            return TOPPLED
+        if _folded(walker, state):
+            return FOLDED
+        sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
+        locate(world, state, work)
+        longest = min(duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
+        clear = clear_time(world, state, work, longest)
+        level = _level(world, state, clear)
+        if level >= 0:
+            passed = step * 2.0**level
+            fly(world, state, work, passed, level, sums)
+        else:
+            passed = min(longest, world.options.frame * step)
+            count = math.ceil(passed / step - 1e-9)
+            _frame(world, state, work, begin + t, passed / count, count, tally)
+        t = duration if duration - t - passed < 1e-15 else t + passed
