@@ -10,12 +10,14 @@ from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation.drive import acceleration
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects.acting import across, along, force_in_space
+from walkergen.simulation.space.flight import pass_time
 from walkergen.simulation.space.forces import resist
-from walkergen.simulation.space.pose import normal_of, plate_velocity
+from walkergen.simulation.space.pose import locate, normal_of, place, turn
 from walkergen.simulation.space.state import (
     ACTING,
     C_N,
     C_T,
+    C_X,
     CARRIED,
     DRIFT,
     FRICTION,
@@ -32,6 +34,7 @@ from walkergen.simulation.space.state import (
     STEP,
     SWING,
     TURNED,
+    V_X,
     W_X,
 )
 
@@ -84,6 +87,37 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
 
 
 @kernel
+def _bend(state, body, points, side, leg, f, n, k):
+    """Acceleration of contact k by the rates alone (centripetal, Coriolis), body axes, mm/s^2.
+
+    It is what changes velocities while Jacobians are frozen; `side` is the point's place across
+    its leg.
+    """
+    w_x, w_y, w_z = body[NOW, 3], body[NOW, 4], body[NOW, 5]
+    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    v_x, v_y, v_z = w_y * p_z - w_z * p_y, w_z * p_x - w_x * p_z, w_x * p_y - w_y * p_x
+    a_x, a_y, a_z = 0.0, 0.0, 0.0
+    if leg >= 0 and f > 0:
+        rate = state[LEGS + n + leg * f]
+        t_x, t_y = points[k, TURNED], points[k, TURNED + 1]
+        v_x, v_y = v_x + 2.0 * rate * t_x, v_y + 2.0 * rate * t_y
+        a_x, a_y = -rate * rate * t_y, rate * rate * t_x
+        if f > 1:
+            twist = state[LEGS + n + leg * f + 1]
+            c = TURNED + 3
+            t_x, t_y, t_z = points[k, c], points[k, c + 1], points[k, c + 2]
+            v_x, v_y, v_z = (
+                v_x + 2.0 * twist * t_x,
+                v_y + 2.0 * twist * t_y,
+                v_z + 2.0 * twist * t_z,
+            )
+            a_x, a_y = a_x - 2.0 * rate * twist * t_y, a_y + 2.0 * rate * twist * t_x
+            small = twist * twist * t_z / side
+            a_x, a_y, a_z = a_x + small * t_x, a_y + small * t_y, -twist * twist * side
+    return (a_x + w_y * v_z - w_z * v_y, a_y + w_z * v_x - w_x * v_z, a_z + w_x * v_y - w_y * v_x)
+
+
+@kernel
 def _move_by(J, MJ, legs, mass, inverse, rows):
     """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
     n = J.shape[1] - 6
@@ -100,9 +134,31 @@ def _move_by(J, MJ, legs, mass, inverse, rows):
 
 
 @inlined
-def _directions(world, state, work, contacts, h, m):
-    """Fill Jacobians of the m near contacts, and the constants of their springs."""
-    walker, R, J, points = world.walker, work.R, work.J, work.points
+def halfway(world, state, work, t):
+    """Fill the pose in the middle of a frame of t seconds, by the rates at its start.
+
+    Jacobians of that pose make the frame of second order, which those of its start do not.
+    """
+    middle, n = work.midway, len(world.walker.stiffness)
+    middle[:] = state
+    for i in range(3):
+        middle[C_X + i] += 0.5 * t * state[V_X + i]
+    for j in range(n):
+        middle[LEGS + j] += 0.5 * t * state[LEGS + n + j]
+    w = work.body[NOW]
+    turn(middle, 0.5 * t * w[3], 0.5 * t * w[4], 0.5 * t * w[5])
+    pass_time(world, middle, 0.5 * t)
+    place(world, middle, work)
+    locate(world, middle, work)
+
+
+@inlined
+def _directions(world, state, work, contacts, lifted, h, t, m):
+    """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
+    and the rates alone give to their velocities and accelerations.
+    """
+    walker, R, J, points, body = world.walker, work.R, work.J, work.points, work.body
+    lifting = plate_acceleration(world, state)
     spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
     shift, lock, leg, f, upward = (
         walker.shift,
@@ -117,6 +173,7 @@ def _directions(world, state, work, contacts, h, m):
     for i in range(m):
         k = int(contacts[i, NUMBER])
         n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
+        a_x, a_y, a_z = _bend(state, body, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         for p in range(3):
             if p == 0:
                 d_x, d_y, d_z = n_x, n_y, n_z
@@ -131,7 +188,10 @@ def _directions(world, state, work, contacts, h, m):
                 R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
             )  # fmt: skip
             upright = 1.0 if p == upward[k] else 0.0
-            contacts[i, SPEED + p] = contacts[i, DRIFT + p] = -upright
+            r = 3 * i + p
+            bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
+            contacts[i, SPEED + p] = -upright * lifted - 0.5 * t * bent
+            contacts[i, DRIFT + p] = bent - upright * lifting
         contacts[i, FRICTION] = friction[k]
         contacts[i, K_N], contacts[i, K_T] = spring[k, 0], spring[k, 1]
         contacts[i, C_N], contacts[i, C_T] = damper[k, 0], damper[k, 1]
@@ -140,16 +200,19 @@ def _directions(world, state, work, contacts, h, m):
 
 
 @inlined
-def load(world, state, work, h, m):
-    """Fill Jacobians, velocities and inverse mass of the m near contacts for steps of h seconds."""
+def load(world, work, lifted, h, t, m):
+    """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
+
+    It lasts t seconds in steps of h, and starts with the plate at the velocity `lifted` (mm/s).
+    """
+    state = work.midway
     contacts, J, MJ, H, body = work.contacts, work.J, work.MJ, work.H, work.body
     n = J.shape[1] - 6
-    lifted, lifting = plate_velocity(world, state), plate_acceleration(world, state)
-    _directions(world, state, work, contacts, h, m)
+    _directions(world, state, work, contacts, lifted, h, t, m)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
-            u, drift = contacts[i, SPEED + p] * lifted, contacts[i, DRIFT + p] * lifting
+            u, drift = contacts[i, SPEED + p], contacts[i, DRIFT + p]
             for j in range(6):
                 u += J[r, j] * body[MOTION, j]
                 drift += J[r, j] * body[ACTING, j]

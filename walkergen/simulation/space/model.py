@@ -61,7 +61,7 @@ def start(
     a, b = math.cos(0.5 * roll), math.sin(0.5 * roll)
     state[Q_0 : Q_0 + 4] = c * a, c * b, s * b, s * a
     state[PHASE] = phase
-    work = work_for(world.walker)
+    work = work_for(world.walker, state)
     place(world, state, work)
     locate(world, state, work)
     gaps = work.points[world.walker.place == 0.0, GAP_OF]
@@ -75,7 +75,7 @@ def energy(world, state):
     """Kinetic, gravitational and elastic energy, contacts included, g mm^2/s^2 (1e-9 J)."""
     walker = world.walker
     copy = state.copy()
-    work = work_for(walker)
+    work = work_for(walker, state)
     place(world, copy, work)
     locate(world, copy, work)
     total = legs_energy(walker, state)
@@ -99,7 +99,7 @@ def energy(world, state):
 
 def feet(world: World, state: State) -> Array:
     """Middles of the feet, shape (2, 4), as in `Model.feet`: x is along the lane."""
-    work, copy, walker = work_for(world.walker), state.copy(), world.walker
+    work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms
     place(world, copy, work)
     locate(world, copy, work)

@@ -149,6 +149,8 @@ class Work(NamedTuple):
     """Rows, shape (4 + n, max(2 n, 1)): accelerations of the coordinates; coordinates at the start
     of a frame; coordinates and rates after a flight; the step (s) of the rest, which is the inverse
     inertia of the coordinates in a step, their springs included."""
+    midway: Array
+    """State at the middle of a frame, as far as it is known at its start."""
 
 
 NOW, MOTION, ACTING, GAINED, MOVED = range(5)
@@ -160,14 +162,14 @@ PULL, BEFORE, AFTER, STEP, SWING = range(5)
 
 
 @kernel
-def work_for(walker):
-    """Work space for a walker."""
+def work_for(walker, state):
+    """Work space for a walker and its state."""
     n, k = len(walker.stiffness), len(walker.leg)
     m = 3 * k
     return Work(
         np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), np.zeros((k, COLUMNS_OF_CONTACT)),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
-        np.zeros((4 + n, max(2 * n, 1))),
+        np.zeros((4 + n, max(2 * n, 1))), np.zeros_like(state),
     )  # fmt: skip
 
 

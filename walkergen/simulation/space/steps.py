@@ -13,7 +13,7 @@ from walkergen.simulation import record
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time
 from walkergen.simulation.space.forces import guess, solve
-from walkergen.simulation.space.frame import accelerate, load, plate_acceleration, stiffen
+from walkergen.simulation.space.frame import accelerate, halfway, load, plate_acceleration, stiffen
 from walkergen.simulation.space.landings import leave, settle
 from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
 from walkergen.simulation.space.state import (
@@ -192,13 +192,15 @@ def _move_body(walker, state, work, m, t):
 def _frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
     walker, t = world.walker, count * h
-    accelerate(world, state, work)
-    stiffen(walker, work, h)
     m = _gather(walker, state, work, t)
-    load(world, state, work, h, m)
     for j in range(len(walker.stiffness)):
         work.legs[BEFORE, j] = state[LEGS + j]
-    lifted, lifting = plate_velocity(world, state), plate_acceleration(world, state)
+    lifted = plate_velocity(world, state)
+    halfway(world, state, work, t)
+    stiffen(walker, work, h)
+    accelerate(world, work.midway, work)
+    load(world, work, lifted, h, t, m)
+    lifting = plate_acceleration(world, work.midway)
     busy = _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
     tally.sums[record.CONTACT_TIME] += busy * h
     _move_body(walker, state, work, m, t)
@@ -230,7 +232,7 @@ def _folded(walker, state):
 def advance(world, state, duration, tally):
     """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
     walker, sums, step = world.walker, tally.sums, world.options.step
-    work = work_for(walker)
+    work = work_for(walker, state)
     begin, t = sums[record.ELAPSED], 0.0
     while True:
         _turn_stretches(walker, state, place(world, state, work))
