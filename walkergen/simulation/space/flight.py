@@ -63,6 +63,13 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
     return speed
 
 
+@kernel
+def strongest_throw(world):
+    """Upper bound of the plate's acceleration, mm/s^2."""
+    _, strongest = _noise_bounds(world.acting.noise)
+    return derivative_bound(world.drive, 2) + strongest
+
+
 @inlined
 def clear_time(world, state, work, longest):
     """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
@@ -70,8 +77,7 @@ def clear_time(world, state, work, longest):
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
-    _, strongest = _noise_bounds(world.acting.noise)
-    fall = across(world.acting) + derivative_bound(world.drive, 2) + strongest
+    fall = across(world.acting) + strongest_throw(world)
     for k in range(len(leg)):
         gap, points[k, CLEAR] = points[k, GAP_OF], 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:

@@ -6,7 +6,8 @@ that body and legs would share if the joints were locked (W, body axes): with bo
 energy has no cross terms, and gravity and free flight are exact (docs/physics.md section 7).
 
 A state is a float64 array: what a trajectory shows, in the plate's plane (y to the left of x); the
-motion; the drive; then the legs' coordinates and their rates; then a row for each contact.
+motion; the drive's phase, the noise's time, the time at rest; then the legs' coordinates and their
+rates; then a row for each contact.
 """
 
 from typing import NamedTuple
@@ -19,8 +20,8 @@ from walkergen.numerics.kernels import kernel
 Array = npt.NDArray[np.float64]
 
 SHOWN_X, SHOWN_Y, HEADING, HEIGHT, PITCH, ROLL = range(6)
-C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE = range(6, 21)
-LEGS = 21
+C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE, QUIET = range(6, 22)
+LEGS = 22
 """Place of the first leg's coordinate."""
 
 COLUMNS = ("x_mm", "y_mm", "theta_rad", "height_mm", "pitch_rad", "roll_rad")

@@ -10,12 +10,20 @@ import math
 
 from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation import record
+from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import next_sample, take_sample
-from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time
+from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
 from walkergen.simulation.space.frame import accelerate, halfway, load, plate_acceleration, stiffen
 from walkergen.simulation.space.landings import leave, settle
-from walkergen.simulation.space.pose import locate, lowest_corner, place, plate_velocity, turn
+from walkergen.simulation.space.pose import (
+    locate,
+    lowest_corner,
+    place,
+    plate_height,
+    plate_velocity,
+    turn,
+)
 from walkergen.simulation.space.state import (
     ACROSS,
     ACTING,
@@ -40,9 +48,11 @@ from walkergen.simulation.space.state import (
     OPEN,
     PITCH,
     PULL,
+    QUIET,
     ROW,
     SET,
     SPEED,
+    STICK,
     SWING,
     TRIED,
     V_X,
@@ -54,6 +64,17 @@ from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED, World
 
 INSTANT = 1e-12
 """Time (s) that counts as zero."""
+
+RESTING = 0.02
+"""Speed (mm/s) over the plate whose energy counts as rest, ten times what elastic feet move on a
+plate that shakes by less than 1 g."""
+
+DOZE = 0.03
+"""Time (s) at rest after which the walker rides on the plate until it is asked again: several
+periods of its legs, and of the drive."""
+
+STANDING = 3
+"""Stuck corners on which a walker stands."""
 
 
 def coarser(world: World, factor: float) -> World:
@@ -208,6 +229,44 @@ def _frame(world, state, work, begin, h, count, tally):
 
 
 @inlined
+def _doze(world, state, t):
+    """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
+    walker, stuck = world.walker, 0
+    n, first = len(walker.stiffness), first_row(walker)
+    for k in range(len(walker.leg)):
+        mode = state[first + ROW * k + MODE]
+        if mode == STICK:
+            stuck += 1
+        elif mode != OPEN:
+            stuck = -len(walker.leg)
+    v = state[V_X + 1] - plate_velocity(world, state)
+    twice = walker.mass * (state[V_X] ** 2 + v * v + state[V_X + 2] ** 2)
+    for i in range(3):
+        for j in range(3):
+            twice += walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    for i in range(n):
+        for j in range(n):
+            rate = state[LEGS + n + i]
+            twice += walker.hinge_inertia[i, j] * rate * state[LEGS + n + j]
+    calm = stuck >= STANDING and twice < walker.mass * RESTING * RESTING
+    state[QUIET] = state[QUIET] + t if calm else 0.0
+
+
+@kernel
+def _ride(world, state, t, sums):
+    """Ride on the plate for t seconds, at rest."""
+    mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
+    before = plate_height(world, state)
+    pass_time(world, state, t)
+    state[C_X + 1] += plate_height(world, state) - before
+    state[V_X + 1] = plate_velocity(world, state)
+    lifted = across(world.acting) * (state[C_X + 1] - height)
+    faster = 0.5 * (state[V_X + 1] ** 2 - velocity * velocity)
+    sums[record.PLATE_WORK] += mass * (lifted + faster)
+    sums[record.CONTACT_TIME] += t
+
+
+@inlined
 def _level(world, state, clear):
     """Level of the longest tabulated flight within `clear` seconds, -1 if none is."""
     step, levels = world.options.step, len(world.walker.flights)
@@ -233,7 +292,7 @@ def advance(world, state, duration, tally):
     """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     work = work_for(walker, state)
-    begin, t = sums[record.ELAPSED], 0.0
+    begin, t, gentle = sums[record.ELAPSED], 0.0, strongest_throw(world) < across(world.acting)
     while True:
         _turn_stretches(walker, state, place(world, state, work))
         sums[record.ELAPSED] = begin + t
@@ -252,11 +311,17 @@ def advance(world, state, duration, tally):
         longest = min(duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         clear = clear_time(world, state, work, longest)
         level = _level(world, state, clear)
-        if level >= 0:
+        if state[QUIET] > DOZE:
+            passed = longest
+            _ride(world, state, passed, sums)
+        elif level >= 0:
+            state[QUIET] = 0.0
             passed = step * 2.0**level
             fly(world, state, work, passed, level, sums)
         else:
             passed = min(longest, world.options.frame * step)
             count = math.ceil(passed / step - 1e-9)
             _frame(world, state, work, begin + t, passed / count, count, tally)
+            if gentle:
+                _doze(world, state, passed)
         t = duration if duration - t - passed < 1e-15 else t + passed

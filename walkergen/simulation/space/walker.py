@@ -23,6 +23,12 @@ LEVELS = 8
 RESOLVED = 0.6
 """Length of a step times the largest normal frequency of the feet."""
 
+COARSEST = 1.5
+"""The same at which contacts last two steps, and speeds mean nothing beyond."""
+
+LONGEST = 1e-5
+"""Longest step of soft feet, s: the drive and the legs are held for a frame of steps."""
+
 Z = np.array([0.0, 0.0, 1.0])
 
 NONE = np.zeros(2)
@@ -188,11 +194,27 @@ def _with_feet(walker: Walker, case: Case, local: bool) -> tuple[Walker, Options
     on_plate = np.flatnonzero(~wall)
     block = H[np.ix_(3 * on_plate, 3 * on_plate)]
     fastest = math.sqrt(foot.normal * foot.unloading * float(np.linalg.eigvalsh(block)[-1]))
-    step = case.scene.run.step_us
-    step = RESOLVED / fastest if step is None else 1e-6 * step
+    step = _step(case.scene.run.step_us, fastest)
     return walker._replace(
         spring=spring, damper=damper, unloading=foot.unloading, flights=_flights(walker, step, n)
     ), Options(step)
+
+
+def _step(given_us: float | None, fastest: float) -> float:
+    """Length of a step, s, for feet whose fastest normal oscillation is `fastest` rad/s.
+
+    Raises InputError for a given length that would step over whole contacts.
+    """
+    if given_us is None:
+        return min(RESOLVED / fastest, LONGEST)
+    longest = min(COARSEST / fastest, 10.0 * LONGEST)
+    if 1e-6 * given_us > longest:
+        raise InputError(
+            f"run.step_us = {given_us:g}: steps over the contacts of these feet, which oscillate "
+            f"at {1e-3 * fastest / (2.0 * math.pi):.3g} kHz; at most {1e6 * longest:.3g}, or leave "
+            f"the key out ({1e6 * min(RESOLVED / fastest, LONGEST):.3g})"
+        )
+    return 1e-6 * given_us
 
 
 def mobility(walker: Walker) -> Array:
