@@ -65,13 +65,12 @@ from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED, World
 INSTANT = 1e-12
 """Time (s) that counts as zero."""
 
-RESTING = 0.02
-"""Speed (mm/s) over the plate whose energy counts as rest, ten times what elastic feet move on a
-plate that shakes by less than 1 g."""
+RESTING = 1.0
+"""Speed (mm/s) over the plate whose energy counts as rest: a walker sways by some 0.3 mm/s on its
+stuck legs where the plate shakes by 0.5 g."""
 
 DOZE = 0.03
-"""Time (s) at rest after which the walker rides on the plate until it is asked again: several
-periods of its legs, and of the drive."""
+"""Time (s) at rest after which the walker rides on the plate: several periods of its sway."""
 
 STANDING = 3
 """Stuck corners on which a walker stands."""
