@@ -6,7 +6,7 @@ momentum exactly and turns by the implicit midpoint rule, whose energy error doe
 
 import math
 
-from walkergen.numerics.kernels import inlined, kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import derivative_bound, moved_on
 from walkergen.simulation.effects import noise as noises
@@ -42,14 +42,14 @@ TURN = 0.02
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
 
 
-@inlined
+@lean
 def pass_time(world, state, t):
     """Move the drive on by t seconds."""
     state[PHASE] = moved_on(world.drive, state[PHASE], t)
     state[NOISE] = _noise_moved_on(world.acting.noise, state[NOISE], t)
 
 
-@kernel
+@lean
 def _swing_speed(state, R, points, shift, fast, leg, f, k):
     """Speed (mm/s) by which the legs' swing may bring contact k faster to the plate than now."""
     n, speed = shift.shape[1], 0.0
@@ -63,14 +63,14 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
     return speed
 
 
-@kernel
+@lean
 def strongest_throw(world):
     """Upper bound of the plate's acceleration, mm/s^2."""
     _, strongest = _noise_bounds(world.acting.noise)
     return derivative_bound(world.drive, 2) + strongest
 
 
-@inlined
+@lean
 def clear_time(world, state, work, longest):
     """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
     walker, R, points, body = world.walker, work.R, work.points, work.body
@@ -98,7 +98,7 @@ def clear_time(world, state, work, longest):
     return time
 
 
-@inlined
+@lean
 def _swing(walker, work, state, level):
     """Swing the legs by the propagator `level`; returns the energy that their dampers take."""
     n = len(walker.stiffness)
@@ -115,7 +115,7 @@ def _swing(walker, work, state, level):
     return before - legs_energy(walker, state)
 
 
-@inlined
+@lean
 def legs_energy(walker, state):
     """Kinetic energy of the legs' coordinates, with C and W given, and energy of their springs."""
     n, total = len(walker.stiffness), 0.0
@@ -126,7 +126,7 @@ def legs_energy(walker, state):
     return 0.5 * total
 
 
-@kernel
+@lean
 def _times(M, x, y, z):
     return (
         M[0, 0] * x + M[0, 1] * y + M[0, 2] * z,
@@ -135,7 +135,7 @@ def _times(M, x, y, z):
     )
 
 
-@kernel
+@lean
 def _turned_back(x, y, z, t_x, t_y, t_z):
     """Vector (x, y, z) seen from axes that have turned by a rotation vector t."""
     angle = math.sqrt(t_x * t_x + t_y * t_y + t_z * t_z)
@@ -148,7 +148,7 @@ def _turned_back(x, y, z, t_x, t_y, t_z):
     return x - s * a_x + c * b_x, y - s * a_y + c * b_y, z - s * a_z + c * b_z
 
 
-@inlined
+@lean
 def fly(world, state, work, t, level, sums):
     """Fly for t = Options.step 2^level seconds."""
     walker = world.walker

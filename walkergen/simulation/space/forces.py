@@ -10,7 +10,7 @@ between them, no limit on the step from any spring.
 
 import math
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation.space.state import (
     B_N,
     B_T,
@@ -47,7 +47,7 @@ JAMMED = 0.25
 friction presses a foot on faster than the step, and the foot is taken to stick."""
 
 
-@kernel
+@lean
 def resist(contacts, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
     contacts[i, STIFF], contacts[i, OFFSET] = k_n, 0.0
@@ -57,7 +57,7 @@ def resist(contacts, i, h, k_n):
     )
 
 
-@kernel
+@lean
 def guess(state, contacts, H, m, h, unloading, first):
     """Set first guesses of the modes of m near contacts; returns how many are closed.
 
@@ -97,7 +97,7 @@ def guess(state, contacts, H, m, h, unloading, first):
     return closed
 
 
-@kernel
+@lean
 def _jams(contacts, H, i, h):
     """True when sliding in the contact's direction would press it on faster than the step."""
     b = 3 * i
@@ -106,7 +106,7 @@ def _jams(contacts, H, i, h):
     return own + 0.5 * h * (H[b, b] - contacts[i, FRICTION] * turned) < JAMMED * own
 
 
-@kernel
+@lean
 def _assemble(contacts, H, A, m, h):
     """Fill the equations of the forces for the modes tried; returns their number."""
     half, count = 0.5 * h, 0
@@ -142,7 +142,7 @@ def _assemble(contacts, H, A, m, h):
     return count
 
 
-@kernel
+@lean
 def _eliminate(A, count):
     """Solve the equations in place by Gauss' elimination; the last column holds the unknowns."""
     for i in range(count):
@@ -159,7 +159,7 @@ def _eliminate(A, count):
         A[i, count] = total / A[i, i]
 
 
-@kernel
+@lean
 def _spread(contacts, A, m, count):
     """Set the forces from the unknowns; contacts that would pull are opened: their number."""
     pulling = 0
@@ -185,7 +185,7 @@ def _spread(contacts, A, m, count):
     return pulling
 
 
-@kernel
+@lean
 def _move(contacts, H, m, h):
     """Set the velocities in the middle of the step, from the forces."""
     for j in range(m):
@@ -202,7 +202,7 @@ def _move(contacts, H, m, h):
             contacts[j, MIDDLE + p] = contacts[j, FREE + p] + 0.5 * h * total
 
 
-@kernel
+@lean
 def _correct(contacts, H, m, h):
     """Change modes that the forces contradict; returns how many."""
     changed = 0
@@ -231,7 +231,7 @@ def _correct(contacts, H, m, h):
     return changed
 
 
-@kernel
+@lean
 def _cut(contacts, m):
     """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
     cut = False
@@ -247,7 +247,7 @@ def _cut(contacts, m):
     return cut
 
 
-@kernel
+@lean
 def solve(contacts, H, A, m, h):
     """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
     for _ in range(PASSES):

@@ -6,7 +6,7 @@ h c / 2 + h^2 k / 4: no step is too long for a stiff leg.
 
 import math
 
-from walkergen.numerics.kernels import inlined, kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import acceleration
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects.acting import across, along, force_in_space
@@ -41,7 +41,7 @@ from walkergen.simulation.space.state import (
 _noise_acceleration = noises.acceleration
 
 
-@inlined
+@lean
 def stiffen(walker, work, h):
     """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
     n, legs, A = len(walker.stiffness), work.legs, work.A
@@ -66,7 +66,7 @@ def stiffen(walker, work, h):
                     legs[SWING + j, c] -= factor * legs[SWING + i, c]
 
 
-@kernel
+@lean
 def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
     """Fill row m of the Jacobian: contact k of a leg along a direction in body axes."""
     n = J.shape[1] - 6
@@ -86,7 +86,7 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
             J[m, 6 + leg * f + j] += along
 
 
-@kernel
+@lean
 def _bend(state, body, points, side, leg, f, n, k):
     """Acceleration of contact k by the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
@@ -117,7 +117,7 @@ def _bend(state, body, points, side, leg, f, n, k):
     return (a_x + w_y * v_z - w_z * v_y, a_y + w_z * v_x - w_x * v_z, a_z + w_x * v_y - w_y * v_x)
 
 
-@kernel
+@lean
 def _move_by(J, MJ, legs, mass, inverse, rows):
     """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
     n = J.shape[1] - 6
@@ -133,14 +133,15 @@ def _move_by(J, MJ, legs, mass, inverse, rows):
             MJ[r, 6 + i] = total
 
 
-@inlined
+@lean
 def halfway(world, state, work, t):
     """Fill the pose in the middle of a frame of t seconds, by the rates at its start.
 
     Jacobians of that pose make the frame of second order, which those of its start do not.
     """
     middle, n = work.midway, len(world.walker.stiffness)
-    middle[:] = state
+    for i in range(len(state)):
+        middle[i] = state[i]
     for i in range(3):
         middle[C_X + i] += 0.5 * t * state[V_X + i]
     for j in range(n):
@@ -152,7 +153,7 @@ def halfway(world, state, work, t):
     locate(world, middle, work)
 
 
-@inlined
+@lean
 def _directions(world, state, work, contacts, lifted, h, t, m):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
@@ -199,7 +200,7 @@ def _directions(world, state, work, contacts, lifted, h, t, m):
     _move_by(J, work.MJ, work.legs, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 
 
-@inlined
+@lean
 def load(world, work, lifted, h, t, m):
     """Fill Jacobians, velocities and inverse mass of the m near contacts of a frame.
 
@@ -228,14 +229,14 @@ def load(world, work, lifted, h, t, m):
             H[r, c] = H[c, r] = total
 
 
-@inlined
+@lean
 def plate_acceleration(world, state):
     """Vertical acceleration of the plate, mm/s^2."""
     shaken = acceleration(world.drive, state[PHASE])
     return shaken + _noise_acceleration(world.acting.noise, state[NOISE])
 
 
-@inlined
+@lean
 def accelerate(world, state, work):
     """Fill the accelerations of C and W without contact: gravity, effects, rotation."""
     walker, R, now, acting = world.walker, work.R, work.body[NOW], work.body[ACTING]

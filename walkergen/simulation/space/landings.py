@@ -5,7 +5,7 @@ section 3): whether the slip along the heading goes on (I, IV), or stops in comp
 restitution (II).
 """
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation import record
 from walkergen.simulation.space.state import (
     ACROSS,
@@ -44,14 +44,14 @@ TYPES_BACKWARD = (TYPE_IV, II_MIRRORED, III_MIRRORED)
 """Types of landings by the values of STOP, for feet that land sliding forward, and backward."""
 
 
-@kernel
+@lean
 def _land(state, at, t, u_n, u_a, u_c):
     state[at + LANDED], state[at + STOP] = t, SLIDING
     state[at + U_N], state[at + U_A], state[at + U_C] = u_n, u_a, u_c
     state[at + J_N] = state[at + J_A] = state[at + J_C] = 0.0
 
 
-@kernel
+@lean
 def leave(state, at, k, counts, events):
     """Count the landing of contact k that has ended; `at` is the place of its row in the state."""
     stop = int(state[at + STOP])
@@ -64,7 +64,7 @@ def leave(state, at, k, counts, events):
     )  # fmt: skip
 
 
-@kernel
+@lean
 def _released(contacts, i, state, at, unloading):
     """Energies (normal, tangential) of the springs of near contact i, which its force leaves."""
     depth = max(-contacts[i, GAP] - state[at + SET], 0.0)
@@ -72,7 +72,7 @@ def _released(contacts, i, state, at, unloading):
     return (0.5 * unloading * contacts[i, K_N] * depth * depth, 0.5 * contacts[i, K_T] * stretch)
 
 
-@kernel
+@lean
 def settle(state, contacts, i, at, unloading, t, h, sums):
     """Move the springs of near contact i over a step of h seconds that ends at t, and book it.
 
@@ -110,7 +110,7 @@ def settle(state, contacts, i, at, unloading, t, h, sums):
     return False
 
 
-@kernel
+@lean
 def _pressed(contacts, i, unloading, lasting):
     """Lasting compression (mm) of a hysteretic foot after a step, and the energy that it took."""
     lost, after = 1.0 - 1.0 / unloading, contacts[i, GAP]
@@ -120,7 +120,7 @@ def _pressed(contacts, i, unloading, lasting):
     return -after * lost, 0.5 * lost * contacts[i, K_N] * (after * after - deepest * deepest)
 
 
-@kernel
+@lean
 def _rub(contacts, i, h):
     """Move the tangential springs of a contact; returns the energy that damper and slider take."""
     taken = 0.0

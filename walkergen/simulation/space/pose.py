@@ -2,7 +2,7 @@
 
 import math
 
-from walkergen.numerics.kernels import inlined, kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import TWO_PI, height, velocity
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
@@ -35,21 +35,21 @@ _noise_height, _noise_velocity = noises.height, noises.velocity
 _bumps = rough.surface
 
 
-@inlined
+@lean
 def plate_height(world, state):
     """Height of the plate, mm, without its roughness."""
     shaken = height(world.drive, state[PHASE])
     return shaken + _noise_height(world.acting.noise, state[NOISE])
 
 
-@inlined
+@lean
 def plate_velocity(world, state):
     """Vertical velocity of the plate, mm/s."""
     shaken = velocity(world.drive, state[PHASE])
     return shaken + _noise_velocity(world.acting.noise, state[NOISE])
 
 
-@kernel
+@lean
 def turn(state, x, y, z):
     """Turn the body by a rotation vector in body axes, rad."""
     angle = math.sqrt(x * x + y * y + z * z)
@@ -65,7 +65,7 @@ def turn(state, x, y, z):
     state[Q_0], state[Q_X], state[Q_Y], state[Q_Z] = p_0 * size, p_x * size, p_y * size, p_z * size
 
 
-@kernel
+@lean
 def _rotation(state, R):
     """Fill R with the matrix body axes -> world."""
     q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
@@ -74,7 +74,7 @@ def _rotation(state, R):
     R[2, 0], R[2, 1], R[2, 2] = 2 * (i * k - q * j), 2 * (j * k + q * i), 1 - 2 * (i * i + j * j)
 
 
-@inlined
+@lean
 def place(world, state, work):
     """Fill the pose in `work`, and what the state shows of it; returns the turn of the heading."""
     walker, R, body = world.walker, work.R, work.body
@@ -103,7 +103,7 @@ def place(world, state, work):
     return turned
 
 
-@inlined
+@lean
 def locate(world, state, work):
     """Fill points of contact, their derivatives and gaps at the pose in `work`."""
     walker, R = world.walker, work.R
@@ -141,7 +141,7 @@ def locate(world, state, work):
             point[GAP_OF] = y - plate - bump
 
 
-@kernel
+@lean
 def normal_of(roughness, place, state, R, points, k):
     """Normal of the surface at contact k, in the world; vertical part 1 on a rough plate.
 
@@ -156,7 +156,7 @@ def normal_of(roughness, place, state, R, points, k):
     return -slope_x, 1.0, -slope_z
 
 
-@kernel
+@lean
 def point_velocity(state, body, points, shift, leg, f, k):
     """Velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
 
@@ -182,7 +182,7 @@ def point_velocity(state, body, points, shift, leg, f, k):
     return v_x, v_y, v_z
 
 
-@inlined
+@lean
 def lowest_corner(world, state, work):
     """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
     R, corners, lowest = work.R, world.walker.corners, math.inf

@@ -8,7 +8,7 @@ second order in the mean. While no contact can close, the walker flies (flight.p
 
 import math
 
-from walkergen.numerics.kernels import inlined, kernel
+from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.effects.acting import across
 from walkergen.simulation.record import next_sample, take_sample
@@ -81,7 +81,7 @@ def coarser(world: World, factor: float) -> World:
     return world._replace(options=world.options._replace(step=factor * world.options.step))
 
 
-@inlined
+@lean
 def _turn_stretches(walker, state, turned):
     """Turn tangential stretches on the plate against the heading, which turned by so many rad."""
     c, s, row = math.cos(turned), math.sin(turned), first_row(walker)
@@ -92,7 +92,7 @@ def _turn_stretches(walker, state, turned):
             state[at + ALONG], state[at + ACROSS] = c * a - s * b, s * a + c * b
 
 
-@inlined
+@lean
 def _gather(walker, state, work, t):
     """List contacts that are closed or may close within t seconds: their number."""
     m, first = 0, first_row(walker)
@@ -107,7 +107,7 @@ def _gather(walker, state, work, t):
     return m
 
 
-@kernel
+@lean
 def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
     """Fill the legs' accelerations and the mid-step velocities of m contacts without contact."""
     n = len(springs)
@@ -126,7 +126,7 @@ def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
             contacts[i, FREE + p] = contacts[i, SPEED + p] + 0.5 * h * total
 
 
-@kernel
+@lean
 def _move_legs(state, contacts, MJ, legs, dampers, m, h):
     """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
     n, taken = len(dampers), 0.0
@@ -144,7 +144,7 @@ def _move_legs(state, contacts, MJ, legs, dampers, m, h):
     return taken
 
 
-@inlined
+@lean
 def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, tally):
     """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
     sums = tally.sums
@@ -161,7 +161,7 @@ def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, t
             contacts[i, IMPULSE + p] += push
 
 
-@inlined
+@lean
 def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
     """Take `count` steps of h seconds from `begin` on; returns in how many a contact was closed.
 
@@ -185,7 +185,7 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
     return busy
 
 
-@inlined
+@lean
 def _move_body(walker, state, work, m, t):
     """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
     body, contacts, MJ, R, legs = work.body, work.contacts, work.MJ, work.R, work.legs
@@ -208,7 +208,7 @@ def _move_body(walker, state, work, m, t):
     turn(state, body[MOVED, 3], body[MOVED, 4], body[MOVED, 5])
 
 
-@inlined
+@lean
 def _frame(world, state, work, begin, h, count, tally):
     """Advance by a frame of `count` steps of h seconds that starts at `begin`."""
     walker, t = world.walker, count * h
@@ -227,7 +227,7 @@ def _frame(world, state, work, begin, h, count, tally):
     pass_time(world, state, t)
 
 
-@inlined
+@lean
 def _doze(world, state, t):
     """Count time (t seconds more) at rest: stuck to a plate that cannot throw the walker."""
     walker, stuck = world.walker, 0
@@ -251,7 +251,7 @@ def _doze(world, state, t):
     state[QUIET] = state[QUIET] + t if calm else 0.0
 
 
-@kernel
+@lean
 def _ride(world, state, t, sums):
     """Ride on the plate for t seconds, at rest."""
     mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
@@ -265,7 +265,7 @@ def _ride(world, state, t, sums):
     sums[record.CONTACT_TIME] += t
 
 
-@inlined
+@lean
 def _level(world, state, clear):
     """Level of the longest tabulated flight within `clear` seconds, -1 if none is."""
     step, levels = world.options.step, len(world.walker.flights)
@@ -277,7 +277,7 @@ def _level(world, state, clear):
     return level
 
 
-@inlined
+@lean
 def _folded(walker, state):
     """True when a leg has turned by 90 deg against the body, or a foot has twisted as far."""
     largest = 0.0
@@ -286,11 +286,10 @@ def _folded(walker, state):
     return largest >= 0.5 * math.pi
 
 
-@kernel
-def advance(world, state, duration, tally):
-    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
+@lean
+def _advance(world, state, work, duration, tally):
+    """Advance as `advance` does, without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
-    work = work_for(walker, state)
     begin, t, gentle = sums[record.ELAPSED], 0.0, strongest_throw(world) < across(world.acting)
     while True:
         _turn_stretches(walker, state, place(world, state, work))
@@ -324,3 +323,9 @@ def advance(world, state, duration, tally):
             if gentle:
                 _doze(world, state, passed)
         t = duration if duration - t - passed < 1e-15 else t + passed
+
+
+@kernel
+def advance(world, state, duration, tally):
+    """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
+    return _advance(world, state, work_for(world.walker, state), duration, tally)
