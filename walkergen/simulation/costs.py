@@ -26,7 +26,8 @@ class Explained(NamedTuple):
     reason: str
     switch: str
     cost: float | None
-    """CPU time with the effect over that without it; None: off, unmeasured or without a switch."""
+    """CPU time with the effect over that without it; None: off, unmeasured, without a switch, or
+    what a plane cannot do without."""
 
 
 def explain(
@@ -38,7 +39,8 @@ def explain(
     rows = []
     for place, effect in enumerate(effects, start=1):
         cost = None
-        if whole is not None and effect.on and effect.switch:
+        planar = effect.switch == "legs.model" and plan.scene.arena.kind == "plane"
+        if whole is not None and effect.on and effect.switch and not planar:
             cost = whole / cpu_per_second(prepare(without(plan.scene, effect), design, mass))
         rows.append(Explained(*effect, cost))
         progress(effect.name, place, len(effects))

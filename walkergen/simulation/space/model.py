@@ -22,6 +22,8 @@ from walkergen.simulation.space.state import (
     COLUMNS,
     GAP_OF,
     HEADING,
+    J_A,
+    LEGS,
     MODE,
     OPEN,
     PHASE,
@@ -33,6 +35,7 @@ from walkergen.simulation.space.state import (
     SET,
     SHOWN_X,
     SHOWN_Y,
+    U_A,
     V_X,
     W_X,
     W_Y,
@@ -119,9 +122,16 @@ def momentum(world: World, state: State) -> float:
 
 
 def mirrored(state: State) -> State:
-    """State of the mirror image (x -> -x, back and front exchanged), but for the contacts."""
+    """State of the mirror image (x -> -x, back and front exchanged)."""
     image = state.copy()
     image[[SHOWN_X, HEADING, PITCH, C_X, V_X, W_Y, W_Z, Q_Y, Q_Z]] *= -1.0
+    n = (len(state) - LEGS) % ROW // 2
+    for first in (LEGS, LEGS + n):
+        image[first : first + n] = -np.roll(state[first : first + n], n // 2)
+    # Points come in pairs at either end: two of the back foot, two of the front foot
+    rows = image[LEGS + 2 * n :].reshape(-1, 2, 2, ROW)
+    rows[:] = rows[:, ::-1].copy()
+    rows[..., [ALONG, U_A, J_A]] *= -1.0
     return image
 
 
