@@ -52,7 +52,11 @@ ModeName = Annotated[
 ]
 LawName = Annotated[
     str | None,
-    typer.Option("--law", metavar="LAW", help="Law of impact: poisson, newton or stronge; the last two not in space."),
+    typer.Option(
+        "--law",
+        metavar="LAW",
+        help="Law of impact: poisson, newton or stronge; the last two not in space.",
+    ),
 ]
 Seconds = Annotated[
     float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
