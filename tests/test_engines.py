@@ -124,15 +124,23 @@ def verdicts(plan):
 
 def test_the_scene_decides_which_effects_are_simulated():
     plan = plan_of()
-    assert (plan.resolved.model, plan.resolved.method) == ("compliant", "step")
+    assert (plan.resolved.model, plan.resolved.method) == ("space", "step")
     assert verdicts(plan)["leg compliance"]
+    assert verdicts(plan)["yaw and roll"]
     assert verdicts(plan)["sticking in impacts"]
     assert not verdicts(plan)["plate slope"]
     assert not verdicts(plan)["air drag"]
     braced = plan_of(design=Design().variant(kind="braced"))
     assert (braced.resolved.model, braced.resolved.method) == ("rigid", "event")
-    coarse = plan_of(run={"accepted_error": 0.8})
-    assert coarse.resolved.model == "relaxed"
+    for accepted, model in (
+        (0.49, "space"),
+        (0.5, "compliant"),
+        (0.99, "compliant"),
+        (1.0, "relaxed"),
+    ):
+        assert plan_of(run={"accepted_error": accepted}).resolved.model == model
+    on_a_plane = plan_of(run={"accepted_error": 1.0}, arena={"kind": "plane"})
+    assert on_a_plane.resolved.model == "space"
     steep = plan_of(plate={"slope_deg": 3.0}, design=Design().variant(tilt_deg=30.0))
     assert verdicts(steep)["plate slope"]
     assert not verdicts(steep)["sticking in impacts"]
@@ -180,7 +188,7 @@ def test_an_absent_effect_is_absent_from_the_state():
 
 @pytest.mark.parametrize("spring", SPRING_FACTORS)
 def test_the_frequency_of_a_leg_is_that_of_the_spring_simulated(spring):
-    plan = plan_of(legs={"spring": spring})
+    plan = plan_of("compliant", legs={"spring": spring})
     (compliance,) = [e for e in plan.resolved.effects if e.name == "leg compliance"]
     legs = plan.world.walker.legs
     frequency = math.sqrt(legs.stiffness / legs.inertia) / (2.0 * math.pi)

@@ -42,7 +42,7 @@ def test_what_is_asked_and_what_comes_back_survive_a_pickle():
     point = points.measure(asked, silent)
     copy = pickle.loads(pickle.dumps(point))
     assert numbers(copy) == numbers(point)
-    assert (copy.key, copy.model, copy.method) == (points.key(asked), "compliant", "step")
+    assert (copy.key, copy.model, copy.method) == (points.key(asked), "space", "step")
     events = [result.tally.events.rows for result in (point.results[0], copy.results[0])]
     np.testing.assert_array_equal(*events)
 

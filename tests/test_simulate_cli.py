@@ -36,7 +36,7 @@ def test_json_has_the_named_keys(run):
     )
     found = json.loads(result.stdout)
     assert set(found) >= KEYS
-    assert (found["model"], found["method"], found["law"]) == ("compliant", "step", "poisson")
+    assert (found["model"], found["method"], found["law"]) == ("space", "step", "poisson")
     assert found["runs"] == 2
     assert found["simulated_s"] == pytest.approx(1.0)
     assert sum(found["type_fractions"].values()) - found["type_fractions"]["sticking"] == (
@@ -48,9 +48,11 @@ def test_json_has_the_named_keys(run):
     ("options", "expected"),
     [
         (("--model", "relaxed"), ("relaxed", "event")),
+        (("--model", "compliant"), ("compliant", "step")),
+        (("--legs", "braced", "--model", "space"), ("space", "step")),
         (("--legs", "braced"), ("rigid", "event")),
         (("--legs", "braced", "--method", "step"), ("rigid", "step")),
-        (("--method", "event", "--law", "newton"), ("compliant", "event")),
+        (("--model", "compliant", "--method", "event", "--law", "newton"), ("compliant", "event")),
     ],
 )
 def test_models_and_methods_can_be_chosen(run, options, expected):
@@ -69,7 +71,9 @@ def test_overrides_reach_the_scene(run):
     assert power["friction"] < 1e-3 * power["impacts"]  # what time steps leave of none
     assert smooth["type_fractions"]["sticking"] == 0.0
     speeds = [
-        json.loads(run("simulate", *words, *SHORT, "--json").stdout)["speed_mm_s"]
+        json.loads(run("simulate", "--model", "compliant", *words, *SHORT, "--json").stdout)[
+            "speed_mm_s"
+        ]
         for words in ((), ("--step", "30"), ("--step", "10"))
     ]
     assert speeds[0] == speeds[1] != speeds[2]
@@ -84,7 +88,7 @@ def test_same_seed_same_numbers(run):
 
 def test_table_says_what_was_simulated(run):
     text = run("simulate", "--restitution", "0.3", *SHORT).stdout
-    for words in ("compliant, method step, law poisson", "mean speed", "simulated s per CPU s"):
+    for words in ("space, method step", "mean speed", "simulated s per CPU s"):
         assert words in text
 
 
@@ -105,7 +109,7 @@ def test_explain_names_every_effect(run):
     rows = json.loads(run("explain", "koumakis2016", "--no-cost", "--json").stdout)["rows"]
     by_name = {row["effect"]: row for row in rows}
     assert by_name["leg compliance"]["on"]
-    assert not by_name["yaw and roll"]["on"]
+    assert by_name["yaw and roll"]["on"]
     assert not by_name["plate slope"]["on"]
     assert by_name["air drag"]["number"] < 1e-3
     assert all(row["reason"] for row in rows)
@@ -128,7 +132,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
     assert max(len(line) for line in result.stdout.splitlines()) <= 80
     with (tmp_path / "here" / "family.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [row["sim_model"] for row in rows] == ["compliant", "rigid"]
+    assert [row["sim_model"] for row in rows] == ["space", "rigid"]
     assert all(float(row["sim_speed_mm_s"]) != 0 for row in rows)
     assert "simulated (mm/s)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")
 
@@ -136,10 +140,13 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("--model", "soft"), "'relaxed', 'compliant', 'rigid'"),
+        (("--model", "soft"), "'compliant', 'relaxed', 'rigid'"),
         (("--method", "guess"), "'auto', 'event', 'step'"),
         (("--model", "relaxed", "--method", "step"), "no time step"),
         (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
+        (("--law", "newton"), "legs.model 'compliant' for this law"),
+        (("--model", "space", "--law", "stronge"), "contact.law = 'stronge'"),
+        (("--restitution", "0"), "takes 0.02..1"),
         (("--legs", "braced,flexible"), "one kind"),
         (("--seconds", "-1"), "run.seconds = -1"),
         (("--seconds", "nan"), "run.seconds = nan"),

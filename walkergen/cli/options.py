@@ -52,7 +52,11 @@ ModeName = Annotated[
 ]
 LawName = Annotated[
     str | None,
-    typer.Option("--law", metavar="LAW", help="Law of restitution: poisson, newton or stronge."),
+    typer.Option(
+        "--law",
+        metavar="LAW",
+        help="Law of impact: poisson, newton or stronge; the last two not in space.",
+    ),
 ]
 Seconds = Annotated[
     float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
@@ -61,7 +65,9 @@ Runs = Annotated[int | None, typer.Option("--runs", help="Number of simulated ru
 Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' random starts.")]
 Model = Annotated[
     str | None,
-    typer.Option("--model", metavar="MODEL", help="Model: rigid, relaxed, compliant or auto."),
+    typer.Option(
+        "--model", metavar="MODEL", help="Model: rigid, relaxed, compliant, space or auto."
+    ),
 ]
 Method = Annotated[
     str | None, typer.Option("--method", metavar="METHOD", help="Method: event, step or auto.")

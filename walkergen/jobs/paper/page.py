@@ -15,6 +15,7 @@ from walkergen.jobs.paper.compare import (
 from walkergen.jobs.paper.facts import FACTS, NOT_YET, judge
 from walkergen.jobs.paper.sweeps import QUIET, Point, Value
 from walkergen.jobs.paper.tables import name, number, to_table
+from walkergen.simulation.compliant.model import STEP_US
 
 
 def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
@@ -28,7 +29,7 @@ Statements of Koumakis, Gnoli, Maggi, Puglisi and Di Leonardo, *Mechanism of sel
 printed geometry ({design}) on a plate shaken at {drive.frequency:g} Hz with {drive.peak_gamma:g} g
 ({drive.peak_speed:.1f} mm/s). Each simulated number: {run.runs} runs of {run.seconds:g} s, after
 {run.discard_seconds:g} s discarded; seed {run.seed}; Poisson's law of restitution; compliant legs
-in steps of {run.step_us:g} µs.
+in steps of {run.step_us or STEP_US:g} µs.
 
 ## What comes out
 

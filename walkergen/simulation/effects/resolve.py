@@ -32,6 +32,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     Raises InputError where the scene's choices contradict each other or the design.
     """
     case = Case(scene, design, mass, _model(scene, design))
+    _check_law(scene, case.model)
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
@@ -57,7 +58,19 @@ def _model(scene: Scene, design: Design) -> ModelName:
         return "space"
     if design.braced:
         return "rigid"
+    if accepted < compliance.PLANAR_ERROR:
+        return "space"
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
+
+
+def _check_law(scene: Scene, model: ModelName) -> None:
+    """Refuse a law of impact where feet are elastic and none acts. Raises InputError."""
+    if model == "space" and scene.contact.law != "poisson":
+        raise InputError(
+            f"contact.law = {scene.contact.law!r}: elastic feet have a damping in place of a law "
+            "of impact (feet.damping); use legs.model 'compliant' for this law, or leave the law "
+            "at 'poisson'"
+        )
 
 
 def _method(scene: Scene, model: ModelName, drags: bool) -> MethodName:
