@@ -25,8 +25,9 @@ FEWEST_SAMPLES = 8
 
 UNITS = {
     "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
-    "turning_bias": "rad_s", "persistence_rate": "per_s", "persistence_time": "s",
-    "persistence_length": "mm", "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "sideways_speed": "mm_s", "turning_bias": "rad_s", "turning_scatter": "rad_s",
+    "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
+    "heading_noise": "rad", "ballistic_speed": "mm_s",
     "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
@@ -34,9 +35,12 @@ UNITS = {
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
+`sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
+deviation of turning rates between walkers. With headings `persistence_rate` is the coefficient of
+rotational diffusion, D_r in rad^2/s.
 """
 
-HEADED = ("body_speed", "heading_noise")
+HEADED = ("body_speed", "sideways_speed", "turning_scatter", "heading_noise")
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
 TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
@@ -129,6 +133,8 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
         raw = _ratio(sums.body) / frame.interval
         found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
+        left = _ratio(sums.aside) / frame.interval
+        found["sideways_speed"] = left / shortened if shortened else math.nan
         found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
     else:
         found["turning_bias"] = turn

@@ -45,6 +45,8 @@ class Moments(NamedTuple):
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
     body: Array
     """Displacement along the heading (mm) over neighbouring samples, and number of such pairs."""
+    aside: Array
+    """Displacement to the left of the mean of both samples' headings (mm), and number of pairs."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -121,7 +123,7 @@ def measure(track: Track, grid: Grid) -> Moments:
     turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
     return Moments(
         _run(track),
-        *_body_and_turn(track),
+        *_body_aside_turn(track),
         _powers(forward),
         _powers(sideways),
         square,
@@ -174,9 +176,20 @@ def _run(track: Track) -> Array:
     return np.array([track.position[last, 0] - track.position[first, 0], float(last - first)])
 
 
-def _body_and_turn(track: Track) -> tuple[Array, Array]:
+def leftward(track: Track, step: int) -> Array:
+    """Displacements over `step` to the left of the mean of the headings at their ends (mm).
+
+    So a walker that runs straight ahead while it turns steadily does not drift. With NaN.
+    """
+    assert track.heading is not None
+    unit = np.exp(1j * track.heading[::step])
+    moved: Array = (np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))).imag
+    return moved
+
+
+def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
     if track.heading is None:
-        return np.zeros(2), np.zeros(2)
+        return np.zeros(2), np.zeros(2), np.zeros(2)
     unit = np.exp(1j * track.heading)
     moved = (np.diff(planar(track)) * np.conj(unit[:-1])).real
     turned = np.angle(unit[1:] * np.conj(unit[:-1]))
@@ -184,6 +197,7 @@ def _body_and_turn(track: Track) -> tuple[Array, Array]:
     known = both & ~np.isnan(moved)
     return (
         np.array([moved[known].sum(), float(known.sum())]),
+        np.array([leftward(track, 1)[known].sum(), float(known.sum())]),
         np.array([turned[both].sum(), float(both.sum())]),
     )
 
