@@ -45,7 +45,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     check(plan.scene, interval)
     columns = plan.model.columns
     result = simulate(plan, number, sample_interval=interval, sample_size=len(columns))
-    return Trajectory(("t_s", *columns), _sampled(result))
+    return Trajectory(("t_s", *columns), sampled(result))
 
 
 def tracks(columns: Sequence[str], results: Sequence[RunResult]) -> Trajectory:
@@ -53,13 +53,13 @@ def tracks(columns: Sequence[str], results: Sequence[RunResult]) -> Trajectory:
 
     Runs come by their numbers, each with its own time from the end of its discarded start.
     """
-    parts = [np.insert(_sampled(result), 1, result.number, axis=1) for result in results]
+    parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
     rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(columns)))
     return Trajectory(("t_s", "particle", *columns), rows)
 
 
-def _sampled(result: RunResult) -> Array:
-    """Rows of the samples that a run kept."""
+def sampled(result: RunResult) -> Array:
+    """Rows (t in s, then the state's columns) of the samples that a run kept."""
     samples = result.tally.samples
     assert samples is not None
     return np.asarray(samples.rows[: samples.cursor[0]])
