@@ -44,9 +44,9 @@ class Moments(NamedTuple):
     run: Array
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
     body: Array
-    """Displacement along the heading (mm) over neighbouring samples, and number of such pairs."""
+    """Displacement ahead (mm) over neighbouring samples (see `carried`), and number of pairs."""
     aside: Array
-    """Displacement to the left of the mean of both samples' headings (mm), and number of pairs."""
+    """Displacement to the left (mm) over neighbouring samples, and number of such pairs."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -176,14 +176,15 @@ def _run(track: Track) -> Array:
     return np.array([track.position[last, 0] - track.position[first, 0], float(last - first)])
 
 
-def leftward(track: Track, step: int) -> Array:
-    """Displacements over `step` to the left of the mean of the headings at their ends (mm).
+def carried(track: Track, step: int) -> Complex:
+    """Displacements over `step` ahead (real part) and to the left, mm; NaN where one is unknown.
 
-    So a walker that runs straight ahead while it turns steadily does not drift. With NaN.
+    They count along the mean of the unit vectors of the headings at both ends: so a walker that
+    runs straight ahead while it turns steadily does not drift sideways.
     """
     assert track.heading is not None
     unit = np.exp(1j * track.heading[::step])
-    moved: Array = (np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))).imag
+    moved: Complex = np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))
     return moved
 
 
@@ -191,14 +192,12 @@ def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
     if track.heading is None:
         return np.zeros(2), np.zeros(2), np.zeros(2)
     unit = np.exp(1j * track.heading)
-    moved = (np.diff(planar(track)) * np.conj(unit[:-1])).real
-    turned = np.angle(unit[1:] * np.conj(unit[:-1]))
-    both = ~np.isnan(turned)
-    known = both & ~np.isnan(moved)
+    moved, turned = carried(track, 1), np.angle(unit[1:] * np.conj(unit[:-1]))
+    moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
     return (
-        np.array([moved[known].sum(), float(known.sum())]),
-        np.array([leftward(track, 1)[known].sum(), float(known.sum())]),
-        np.array([turned[both].sum(), float(both.sum())]),
+        np.array([moved.real.sum(), float(len(moved))]),
+        np.array([moved.imag.sum(), float(len(moved))]),
+        np.array([turned.sum(), float(len(turned))]),
     )
 
 

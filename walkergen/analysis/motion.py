@@ -133,8 +133,10 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
+    on_plane = headed and not tracks.lane
+    apart = turning.scatter(tracks.tracks, tracks.interval) if on_plane else None
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed,
+        grid, tracks.interval, tracks.lane, headed, (apart.value or 0.0) if apart else 0.0,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
@@ -147,8 +149,11 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         length // FITTED * tracks.interval,
     )
     fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
-    if headed and not tracks.lane:
-        judged["turning_scatter"] = turning.scatter(tracks.tracks, tracks.interval)
+    if apart is not None:
+        judged["turning_scatter"] = apart
+        judged["rotational_diffusion"] = turning.diffusion(
+            tracks.tracks, tracks.interval, values["heading_noise"]
+        )
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,
@@ -239,8 +244,9 @@ def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[
         moved = np.diff(moments.planar(track)[::step])
         runs.append(moved.real)
         if track.heading is not None:
-            bodies.append((moved * np.exp(-1j * track.heading[::step][:-1])).real)
-            sides.append(moments.leftward(track, step))
+            carried = moments.carried(track, step)
+            bodies.append(carried.real)
+            sides.append(carried.imag)
     found: dict[str, tuple[float, str]] = {}
     headed_names = ("body_speed", "speed")
     lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
@@ -269,7 +275,7 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
 def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
     """Doubts about headings that jump, or that fit displacements only when turned or mirrored.
 
-    Also about the persistence of walkers that turn at different rates.
+    Also about fits for walkers that turn at different rates.
     """
     jumps = pairs = 0
     along = mirrored = 0.0 + 0.0j
@@ -296,8 +302,8 @@ def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
         found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
     if judged["turning_scatter"].value is not None:
         found.append(
-            "walkers turn at rates of their own (turning scatter): the loss of direction counts "
-            "that as well as rotational diffusion"
+            "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
+            "displacement (diffusivity, crossover) knows nothing"
         )
     return found
 

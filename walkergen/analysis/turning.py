@@ -1,4 +1,8 @@
-"""Scatter of turning rates between walkers, apart from what chance turning gives each of them."""
+"""Turning rates of walkers: their scatter between walkers, and the diffusion of each one's heading.
+
+An analysis of variance of pieces of tracks of equal length. Pieces have to outlast the memory of
+the turning rate.
+"""
 
 import math
 from collections.abc import Sequence
@@ -23,12 +27,10 @@ CHANCE = 0.01
 def scatter(tracks: Sequence[Track], interval: float) -> Estimate:
     """Standard deviation of the mean turning rates of walkers (rad/s), samples `interval` s apart.
 
-    An analysis of variance of pieces of equal length: the spread of the walkers' means less what
-    the spread of the pieces of each walker makes of it. Pieces have to outlast the memory of the
-    turning rate; then diffusion of the heading alone gives no scatter.
+    It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
+    so that diffusion of the heading alone gives none.
     """
-    longest = max((len(track.position) for track in tracks), default=0)
-    means, within, pieces = _means([t for t in tracks if t.heading is not None], longest // PIECES)
+    means, within, pieces = _means(tracks, _size(tracks))
     if len(means) < FEWEST_SAMPLES:
         told = f"{len(means)} walkers with several pieces of a track; at least {FEWEST_SAMPLES}"
         return Estimate(None, None, told)
@@ -46,14 +48,40 @@ def scatter(tracks: Sequence[Track], interval: float) -> Estimate:
     return Estimate(value / interval, float(error) / interval)
 
 
+def diffusion(tracks: Sequence[Track], interval: float, noise: float) -> Estimate:
+    """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
+
+    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise`^2 with the noise of a
+    heading (rad). The error is that of a variance of independent normal values.
+    """
+    size = _size(tracks)
+    _, within, pieces = _means(tracks, size)
+    free = int(pieces.sum()) - len(pieces)
+    if free < FEWEST_SAMPLES:
+        told = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
+        return Estimate(None, None, told)
+    lasting = size * interval
+    spread = within.sum() / free * size**2 / (2.0 * lasting)
+    if not math.isfinite(noise):
+        return Estimate(None, None, "the noise of the headings is unknown: film for longer")
+    return Estimate(spread - noise**2 / lasting, spread * math.sqrt(2.0 / free))
+
+
+def _size(tracks: Sequence[Track]) -> int:
+    """Number of samples of a piece."""
+    return max((len(track.position) - 1 for track in tracks), default=0) // PIECES
+
+
 def _means(tracks: Sequence[Track], size: int) -> tuple[Array, Array, Array]:
     """Mean turn a sample of each walker, sum of squares of its pieces about it, their number.
 
-    Pieces have `size` samples or a little more; a walker with fewer than two gives nothing.
+    Pieces have `size` samples or a little more, whose squares count as those of `size`; a walker
+    with fewer than two pieces, or without headings, gives nothing.
     """
     rows = []
     for track in tracks:
-        assert track.heading is not None
+        if track.heading is None:
+            continue
         turned = np.angle(np.exp(1j * np.diff(track.heading)))
         count = len(turned) // size if size else 0
         if count < 2:
@@ -61,7 +89,9 @@ def _means(tracks: Sequence[Track], size: int) -> tuple[Array, Array, Array]:
         parts = [part[~np.isnan(part)] for part in np.array_split(turned, count)]
         rates = np.array([part.mean() for part in parts if len(part)])
         if len(rates) > 1:
-            rows.append((rates.mean(), ((rates - rates.mean()) ** 2).sum(), len(rates)))
+            longer = len(turned) / (count * size)
+            squares = longer * ((rates - rates.mean()) ** 2).sum()
+            rows.append((rates.mean(), squares, len(rates)))
     means, within, pieces = np.array(rows, dtype=float).reshape(-1, 3).T
     return means, within, pieces
 

@@ -12,7 +12,7 @@ from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, with_
 from walkergen.analysis.motion import Array, Motion
 from walkergen.files.tables import as_markdown, csv_text
 
-SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s"}
+SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
 
 

@@ -86,9 +86,11 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
 
 def _landings(results: Sequence[RunResult]) -> Landings:
+    """Landings of runs on the plate; touches of a lane's walls have higher numbers than corners."""
     parts = []
     for result in results:
         rows = impacts_of(result)
+        rows = rows[rows[:, 1] < landings.CORNERS]
         corner, kind = rows[:, 1].astype(np.int64), rows[:, 6].astype(np.int64)
         parts.append(landings.count(rows[:, 0], corner, rows[:, 3], kind, result.measured_s))
     return landings.total(parts)

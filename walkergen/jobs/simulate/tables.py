@@ -15,10 +15,11 @@ MOVED = {
     "sideways_speed": ("sideways drift", "mm/s to the left"),
     "turning_bias": ("turning", "rad/s to the left"),
     "turning_scatter": ("turning scatter", "rad/s between runs"),
-    "persistence_rate": ("rotational D_r", "rad²/s"),
+    "rotational_diffusion": ("rotational D_r", "rad²/s"),
     "persistence_time": ("persistence", "s"),
     "persistence_length": ("", "mm"),
     "diffusivity": ("diffusivity", "mm²/s"),
+    "crossover_time": ("crossover", "s, ballistic to diffusive"),
 }
 """Names and units of the estimates that a summary shows."""
 
@@ -50,8 +51,11 @@ def motion_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     if found.motion is None:
         return
     before = ""
+    in_lane = found.motion.estimates["sideways_speed"].reason == IN_A_LANE
     for name, (title, unit) in MOVED.items():
         one = found.motion.estimates[name]
+        if in_lane and name == "lane_speed":
+            continue  # the summary's mean speed
         if one.reason != IN_A_LANE and (one.value is not None or one.reason != before):
             value = with_error(one)
             yield title, value if one.value is None else f"{value} {unit}"
