@@ -20,13 +20,18 @@ SIGNIFICANT = 3.0
 DECAYED = 0.2
 """Share of the direction that must be lost at the longest fitted lag for a rate to be known."""
 
+MOST_DIGITS = 6
+"""Largest number of decimals of a value in words; beyond it has an exponent."""
+
 FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
 
 UNITS = {
     "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
-    "turning_bias": "rad_s", "persistence_rate": "per_s", "persistence_time": "s",
-    "persistence_length": "mm", "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "sideways_speed": "mm_s", "turning_bias": "rad_s", "turning_scatter": "rad_s",
+    "rotational_diffusion": "rad2_s",
+    "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
+    "heading_noise": "rad", "ballistic_speed": "mm_s",
     "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
@@ -34,9 +39,15 @@ UNITS = {
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
+`sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
+deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
+walker's own mean turning. `persistence_rate` is the decay of all walkers' correlation, without
+what a resolved scatter of their turning rates makes of it.
 """
 
-HEADED = ("body_speed", "heading_noise")
+HEADED = (
+    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
+)  # fmt: skip
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
 TURNING = ("turning_bias", "persistence_rate", "persistence_time", "persistence_length")
@@ -64,6 +75,8 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True when headings are known."""
+    scatter: float
+    """Standard deviation of turning rates between walkers, rad/s; 0 where it is not resolved."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -112,15 +125,20 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if use.sum() < 4:
         return
     lag, values, errors = lag[use], values[use], errors[use]
-    start = _start(lag, values, errors)
+    start: tuple[float, ...] = _start(lag, values, errors)
 
-    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
-        return walks.decay(at, amplitude, rate, turn, window)
+    def model(
+        at: Array, amplitude: float, rate: float, turn: float, variance: float = 0.0
+    ) -> Complex:
+        apart: Array = np.exp(-0.5 * variance * at**2)  # turning rates scatter between walkers
+        return walks.decay(at, amplitude, rate, turn, window) * apart
 
+    if frame.scatter > 0:
+        start = (*start, frame.scatter**2)
     fitted = walks.fit(model, lag, values, errors, start)
     if fitted is None:
         return
-    amplitude, rate, turn = fitted
+    amplitude, rate, turn = fitted[:3]
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
@@ -129,6 +147,8 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
         raw = _ratio(sums.body) / frame.interval
         found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
+        left = _ratio(sums.aside) / frame.interval
+        found["sideways_speed"] = left / shortened if shortened else math.nan
         found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
     else:
         found["turning_bias"] = turn
@@ -270,5 +290,7 @@ def with_error(one: Estimate) -> str:
         return one.reason
     if not one.se > 0:
         return f"{one.value:.4g}"
-    digits = min(max(1 - math.floor(math.log10(one.se)), 0), 12)
+    digits = max(1 - math.floor(math.log10(one.se)), 0)
+    if digits > MOST_DIGITS:
+        return f"{one.value:.3g} ± {one.se:.2g}"
     return f"{one.value:.{digits}f} ± {one.se:.{digits}f}"

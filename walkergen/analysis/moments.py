@@ -44,7 +44,9 @@ class Moments(NamedTuple):
     run: Array
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
     body: Array
-    """Displacement along the heading (mm) over neighbouring samples, and number of such pairs."""
+    """Displacement ahead (mm) over neighbouring samples (see `carried`), and number of pairs."""
+    aside: Array
+    """Displacement to the left (mm) over neighbouring samples, and number of such pairs."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -121,7 +123,7 @@ def measure(track: Track, grid: Grid) -> Moments:
     turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
     return Moments(
         _run(track),
-        *_body_and_turn(track),
+        *_body_aside_turn(track),
         _powers(forward),
         _powers(sideways),
         square,
@@ -174,17 +176,28 @@ def _run(track: Track) -> Array:
     return np.array([track.position[last, 0] - track.position[first, 0], float(last - first)])
 
 
-def _body_and_turn(track: Track) -> tuple[Array, Array]:
+def carried(track: Track, step: int) -> Complex:
+    """Displacements over `step` ahead (real part) and to the left, mm; NaN where one is unknown.
+
+    They count along the mean of the unit vectors of the headings at both ends: so a walker that
+    runs straight ahead while it turns steadily does not drift sideways.
+    """
+    assert track.heading is not None
+    unit = np.exp(1j * track.heading[::step])
+    moved: Complex = np.diff(planar(track)[::step]) * np.conj(0.5 * (unit[1:] + unit[:-1]))
+    return moved
+
+
+def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
     if track.heading is None:
-        return np.zeros(2), np.zeros(2)
+        return np.zeros(2), np.zeros(2), np.zeros(2)
     unit = np.exp(1j * track.heading)
-    moved = (np.diff(planar(track)) * np.conj(unit[:-1])).real
-    turned = np.angle(unit[1:] * np.conj(unit[:-1]))
-    both = ~np.isnan(turned)
-    known = both & ~np.isnan(moved)
+    moved, turned = carried(track, 1), np.angle(unit[1:] * np.conj(unit[:-1]))
+    moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
     return (
-        np.array([moved[known].sum(), float(known.sum())]),
-        np.array([turned[both].sum(), float(both.sum())]),
+        np.array([moved.real.sum(), float(len(moved))]),
+        np.array([moved.imag.sum(), float(len(moved))]),
+        np.array([turned.sum(), float(len(turned))]),
     )
 
 

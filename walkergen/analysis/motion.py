@@ -8,13 +8,13 @@ offset that is fitted and reported.
 """
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import estimates, lagged, moments
+from walkergen.analysis import estimates, lagged, moments, turning
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid
 from walkergen.analysis.tracks import Tracks
@@ -26,6 +26,8 @@ Array = npt.NDArray[np.float64]
 
 FITTED = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
+HALF_OCTAVE = math.sqrt(2.0)
+"""Ratio of lags, at least, between which a local exponent is taken, to either side."""
 INDEPENDENT = 8.0
 """Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
 
@@ -53,9 +55,12 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """Reasons to think that the headings are wrong."""
+    """Reasons to doubt the headings, or what they mean for a number."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
+    exponent: Curve
+    """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
+    diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
     msd_fit: tuple[float, ...] | None
     """Parameters speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
     correlation: Curve
@@ -122,11 +127,16 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     # Whole tracks have pairs that their pieces lack.
     whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
     both = [whole, *left_out]
-    msd = _curve(grid.square_lags, [mean(m.square, m.square_pairs).real for m in both], length)
+    squares = [mean(m.square, m.square_pairs).real for m in both]
+    msd = _curve(grid.square_lags, squares, length)
+    slopes = [_exponents(grid.square_lags, one) for one in squares]
+    exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
+    on_plane = headed and not tracks.lane
+    apart = turning.scatter(tracks.tracks, tracks.interval) if on_plane else None
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed,
+        grid, tracks.interval, tracks.lane, headed, (apart.value or 0.0) if apart else 0.0,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
@@ -139,6 +149,11 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         length // FITTED * tracks.interval,
     )
     fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
+    if apart is not None:
+        judged["turning_scatter"] = apart
+        judged["rotational_diffusion"] = turning.diffusion(
+            tracks.tracks, tracks.interval, values["heading_noise"]
+        )
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,
@@ -147,8 +162,9 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
-        doubts=_doubts(tracks) if headed else [],
+        doubts=_doubts(tracks, judged) if headed else [],
         msd=msd._replace(at=msd.at * tracks.interval),
+        exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if np.isnan(fit).any() else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
@@ -182,9 +198,26 @@ def _jackknife(replicates: Sequence[Array]) -> Array:
     return statistics.jackknife_error(np.stack(replicates))
 
 
-def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: int) -> Curve:
+def _exponents(lags: lagged.Lags, values: Array) -> Array:
+    """Derivative of ln(value) by ln(lag), by parabolas through lags half an octave and more apart.
+
+    Closer ones would show noise. NaN where there is no such lag on both sides, or no value > 0.
+    """
+    below = np.searchsorted(lags, lags / HALF_OCTAVE, side="right") - 1
+    above = np.searchsorted(lags, lags * HALF_OCTAVE)
+    (inside,) = np.nonzero((below >= 0) & (above < len(lags)))
+    heights, at = np.log(np.where(values > 0, values, np.nan)), np.log(lags)
+    low, high = below[inside], above[inside]
+    before, after = at[inside] - at[low], at[high] - at[inside]
+    rise, fall = heights[inside] - heights[low], heights[high] - heights[inside]
+    found = np.full(len(lags), np.nan)
+    found[inside] = (rise * after / before + fall * before / after) / (before + after)
+    return found
+
+
+def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: float) -> Curve:
     """Curve of the first values, with the jackknife error of the others."""
-    known = at <= length // 2
+    known = at <= int(length) // 2
     return Curve(at.astype(float), values[0], np.where(known, _jackknife(values[1:]), np.nan))
 
 
@@ -206,16 +239,20 @@ def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[
     them pieces of any length are good enough.
     """
     block = step * tracks.interval
-    runs, bodies = [], []
+    runs, bodies, sides = [], [], []
     for track in tracks.tracks:
         moved = np.diff(moments.planar(track)[::step])
         runs.append(moved.real)
         if track.heading is not None:
-            bodies.append((moved * np.exp(-1j * track.heading[::step][:-1])).real)
+            carried = moments.carried(track, step)
+            bodies.append(carried.real)
+            sides.append(carried.imag)
     found: dict[str, tuple[float, str]] = {}
     headed_names = ("body_speed", "speed")
     lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
-    for names, series in ((lane_names, runs), (headed_names, bodies)):
+    for names, series in (
+        (lane_names, runs), (headed_names, bodies), (("sideways_speed",), sides)
+    ):  # fmt: skip
         speeds = [one[~np.isnan(one)] / block for one in series]
         time = statistics.correlation_time(speeds, block)
         if speeds and (time is None or length * tracks.interval < INDEPENDENT * time):
@@ -235,8 +272,11 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
     return error, ""
 
 
-def _doubts(tracks: Tracks) -> list[str]:
-    """Doubts about headings that jump, or that fit displacements only when turned or mirrored."""
+def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
+    """Doubts about headings that jump, or that fit displacements only when turned or mirrored.
+
+    Also about fits for walkers that turn at different rates.
+    """
     jumps = pairs = 0
     along = mirrored = 0.0 + 0.0j
     for track in tracks.tracks:
@@ -260,6 +300,11 @@ def _doubts(tracks: Tracks) -> list[str]:
         )
     elif along.real < -abs(along.imag):
         found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
+    if judged["turning_scatter"].value is not None:
+        found.append(
+            "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
+            "displacement (diffusivity, crossover) knows nothing"
+        )
     return found
 
 

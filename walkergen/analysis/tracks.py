@@ -1,7 +1,8 @@
-"""Tracks of walkers from CSV files: trackpy's columns, or the trajectory that walkergen writes.
+"""Tracks of walkers from CSV files: trackpy's columns, or the trajectories that walkergen writes.
 
 trackpy: frame, particle, x, y in pixels, optionally theta (rad) or theta_deg, the heading counted
-from x toward y of the file's own axes. walkergen: t_s, x_mm, with y_mm vertical: a lane's walker.
+from x toward y of the file's own axes. walkergen: t_s, x_mm; with theta_rad, the heading from x
+toward y_mm, it is of a walker in space, seen from above; without it y_mm is vertical: a lane's.
 Both may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
 """
 
@@ -73,7 +74,7 @@ def read(path: Path, units: Units) -> Tracks:
     """
     names = columns.header(path)
     if "t_s" in names and "x_mm" in names:
-        return _trajectory(path, units)
+        return _trajectory(path, names, units)
     if "frame" in names and "x" in names:
         return _film(path, names, units)
     seen = ", ".join(name for name in names if name)[:200]
@@ -83,14 +84,17 @@ def read(path: Path, units: Units) -> Tracks:
     )
 
 
-def _trajectory(path: Path, units: Units) -> Tracks:
-    """Read a simulated trajectory; its y_mm is height over the plate, its pitch no heading."""
+def _trajectory(path: Path, names: list[str], units: Units) -> Tracks:
+    """Read simulated trajectories: on the plate with a heading, else with y_mm as the height."""
     for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
         if given is not None:
             raise InputError(f"{flag} {given:g}: {path} has its own t_s and x_mm; leave it out")
+    headed = "theta_rad" in names
     if units.y_down:
-        raise InputError(f"--y-down: {path} is a lane's, without y across it; leave it out")
-    table = columns.read(path, ("t_s", "x_mm"), ("particle", "plate_speed_mm_s"))
+        y = "has y to the left of x" if headed else "is a lane's, without y across it"
+        raise InputError(f"--y-down: {path} {y}; leave it out")
+    on_plane = ("y_mm", "theta_rad") if headed and not units.lane else ()
+    table = columns.read(path, ("t_s", "x_mm", *on_plane), ("particle", "plate_speed_mm_s"))
     times, particle = table.values["t_s"], _particles(table)
     interval = _interval(path, times, particle)
     ticks = (times - times.min()) / interval
@@ -101,7 +105,9 @@ def _trajectory(path: Path, units: Units) -> Tracks:
             f"{path}: t_s on line {table.lines[off][0]} lies off the regular times of the other "
             f"rows, {interval:g} s apart; sample at a fixed rate"
         )
-    return _assemble(path, table, steps, table.values["x_mm"][:, None], None, interval)
+    axes = ("x_mm", "y_mm") if on_plane else ("x_mm",)
+    position = np.stack([table.values[name] for name in axes], axis=1)
+    return _assemble(path, table, steps, position, table.values.get("theta_rad"), interval)
 
 
 def _interval(path: Path, times: Array, particle: Array) -> float:

@@ -37,7 +37,7 @@ def analyse(
 
     A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading
     theta (rad) or theta_deg, counted from x toward y. A simulation is a file that simulate
-    --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s.
+    --tracks or --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s.
     """
     from walkergen.analysis.tracks import Units
     from walkergen.files import output

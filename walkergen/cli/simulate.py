@@ -14,9 +14,9 @@ from walkergen.errors import InputError
 if TYPE_CHECKING:
     from walkergen.files.progress import Progress
     from walkergen.jobs.accuracy.choose import Met
+    from walkergen.jobs.simulate.make import Simulated
     from walkergen.scene import Scene
     from walkergen.simulation.ensemble import Summary
-    from walkergen.simulation.points import Point
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
 
@@ -40,11 +40,14 @@ def simulate(
     trajectory: Annotated[
         Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
     ] = None,
+    tracks: Annotated[
+        Path | None, typer.Option("--tracks", help="CSV file for the tracks of all runs.")
+    ] = None,
     form: Annotated[
         str, typer.Option("--format", metavar="FORMAT", help="Trajectory's format: csv or npz.")
     ] = "csv",
     rate: Annotated[
-        float, typer.Option("--rate", min=1e-3, max=1e7, help="Trajectory samples per second.")
+        float, typer.Option("--rate", min=1e-3, max=1e7, help="Samples per second of both.")
     ] = 1000.0,
     error: Annotated[
         str | None,
@@ -53,7 +56,8 @@ def simulate(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Bounce a walker on the plate and measure its speed."""
+    """Bounce a walker on the plate and measure its speed; on a plane also how it turns."""
+    from walkergen.jobs.simulate import make
     from walkergen.simulation import points
     from walkergen.simulation import trajectory as trajectories
     from walkergen.simulation.plan import prepare
@@ -72,24 +76,29 @@ def simulate(
         trajectories.check(resolved_scene, 1.0 / rate)
     chosen = opt.one_design(design, tilt, legs)
     mass = solids.mass_of(chosen)
-    met = None
+    met, interval = None, None if tracks is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
         if error is None:
-            point = points.measure(points.Asked(resolved_scene, chosen, mass), progress)
+            asked = make.asked(resolved_scene, chosen, mass, interval)
+            found = make.measure(asked, progress)
         else:
             met = _met(error, resolved_scene, chosen, mass, progress)
-            resolved_scene, point = met.scene, met.point
+            resolved_scene = met.scene
+            found = make.measured(met.point, points.Asked(met.scene, chosen, mass))
+            asked = make.asked(met.scene, chosen, mass, interval)
         runs_asked = resolved_scene.run.runs
+        if tracks is not None:
+            make.write_tracks(tracks, asked, found.point, progress)
         if trajectory is not None:
             progress("trajectory", runs_asked, runs_asked)
             plan = prepare(resolved_scene, chosen, mass)
             trajectories.write(plan, trajectory, form, 1.0 / rate)
-    if point.summary.runs < runs_asked:
-        print(f"interrupted after {point.summary.runs} of {runs_asked} runs", file=sys.stderr)
+    if found.point.summary.runs < runs_asked:
+        print(f"interrupted after {found.point.summary.runs} of {runs_asked} runs", file=sys.stderr)
     if json:
-        show.as_json(_summary_as_dict(point, resolved_scene, met))
+        show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
-        _show_summary(point, resolved_scene, chosen, met)
+        _show_summary(found, resolved_scene, chosen, met)
 
 
 def _met(
@@ -107,18 +116,26 @@ def _check_error(**chosen: object) -> None:
             raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
 
 
-def _summary_as_dict(point: "Point", scene: "Scene", met: "Met | None") -> dict[str, Any]:
+def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> dict[str, Any]:
     """An ensemble's summary with what was simulated, and for which error, for JSON."""
-    settings = {"model": point.model, "method": point.method, "law": scene.contact.law}
-    chosen = {}
+    from walkergen.jobs.analyse import tables as motion_tables
+    from walkergen.jobs.simulate import tables
+
+    data = tables.model_as_dict(found, scene) | found.point.summary._asdict()
+    if found.motion is not None:
+        data["motion"] = motion_tables.as_dict(found.motion)
+    if found.untold:
+        data["motion"] = {"refused": found.untold}
+    if found.landings is not None:
+        data["landings"] = tables.landings_as_dict(found.landings)
     if met is not None:
         obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
-        chosen = met.choice._asdict() | {
+        data["chosen"] = met.choice._asdict() | {
             "setting": met.choice.setting.flags,
             "error_mm_s": obtained,
             "allowed_mm_s": met.allowed_mm_s,
         }
-    return settings | point.summary._asdict() | ({"chosen": chosen} if chosen else {})
+    return data
 
 
 def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
@@ -136,19 +153,25 @@ def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
     ]  # fmt: skip
 
 
-def _show_summary(point: "Point", scene: "Scene", design: "Design", met: "Met | None") -> None:
+def _show_summary(
+    measured: "Simulated", scene: "Scene", design: "Design", met: "Met | None"
+) -> None:
     """Print the mean speed and everything measured beside it."""
     from rich import box
     from rich.console import Console
     from rich.table import Table
 
+    from walkergen.jobs.simulate import tables
+
     table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
-    found, drive = point.summary, scene.drive
+    found, drive = measured.point.summary, scene.drive
     bars = found.speed_se_mm_s
     speed = "none: no run ended well"
     if found.speed_mm_s is not None:
         error = "standard error unknown: too few data" if bars is None else f"± {bars:.2g}"
         speed = f"{found.speed_mm_s:.2f} {error} mm/s"
+        if measured.point.model == "space":
+            speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
     correlation = found.correlation_time_s
     types = ", ".join(
         f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
@@ -158,12 +181,14 @@ def _show_summary(point: "Point", scene: "Scene", design: "Design", met: "Met | 
     for name, value in (
         ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
-        ("model", f"{point.model}, method {point.method}, law {scene.contact.law}"),
+        ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),
         *(_met_rows(met, found) if met is not None else ()),
+        *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
         ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
         ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
+        *tables.landing_rows(measured.landings),
         ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
         ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
         ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),

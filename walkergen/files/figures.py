@@ -1,6 +1,7 @@
 """Figures: as PNG and PDF of equal bytes, and the colours by which kinds of legs are known."""
 
 import io
+from collections.abc import Sequence
 
 import matplotlib
 from matplotlib.axes import Axes
@@ -32,8 +33,15 @@ def pdf(figure: Figure) -> bytes:
 
 def axes_of(title: str) -> tuple[Figure, Axes]:
     """An empty figure of the size of a column, with its title."""
-    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(5.6, 4.2), layout="constrained")
-        axes = figure.add_subplot()
-    axes.set_title(title, fontsize=10)
+    figure, (axes,) = panels_of(title, (4.2,))
     return figure, axes
+
+
+def panels_of(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]:
+    """An empty figure as wide as a column, with panels of these heights (inches) and one x axis."""
+    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(5.6, sum(heights)), layout="constrained")
+        grid = {"height_ratios": heights}
+        axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
+    axes[0].set_title(title, fontsize=10)
+    return figure, list(axes)

@@ -57,18 +57,26 @@ class Summary(NamedTuple):
 
 
 def run(
-    plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
+    plan: Plan,
+    progress: Progress,
+    threads: int | None = None,
+    impacts: bool = False,
+    sample_interval: float | None = None,
 ) -> list[RunResult]:
-    """Simulate scene.run.runs runs, sorted by number; with `impacts` each keeps all its impacts.
+    """Simulate scene.run.runs runs, sorted by number.
 
+    With `impacts` each keeps all its impacts; with a `sample_interval` (s) also samples of the
+    entries of its state that a trajectory shows, `Model.columns`.
     Ctrl-C stops the runs under way and returns the finished runs; without any it is raised again.
     """
     count, one = plan.scene.run.runs, with_impacts if impacts else simulate
+    shown = len(plan.model.columns)
     stop: list[bool] = []
     finished: list[RunResult] = []
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         pending: set[Future[RunResult]] = {
-            pool.submit(one, plan, number, lambda: bool(stop)) for number in range(count)
+            pool.submit(one, plan, number, lambda: bool(stop), sample_interval, shown)
+            for number in range(count)
         }
         try:
             while pending:
@@ -147,13 +155,17 @@ def standard_error(results: Sequence[RunResult], correlation: float | None) -> f
 
 
 def measure(
-    plan: Plan, progress: Progress, threads: int | None = None, impacts: bool = False
+    plan: Plan,
+    progress: Progress,
+    threads: int | None = None,
+    impacts: bool = False,
+    sample_interval: float | None = None,
 ) -> tuple[Summary, list[RunResult]]:
-    """Run an ensemble and summarise it; its wall time leaves out compilation."""
+    """Run an ensemble (see `run`) and summarise it; its wall time leaves out compilation."""
     progress("compiling (slow the first time only)", 0, plan.scene.run.runs)
-    compile_kernels(plan)
+    compile_kernels(plan, sample_interval is not None, impacts)
     started = time.perf_counter()
-    results = run(plan, progress, threads, impacts)
+    results = run(plan, progress, threads, impacts, sample_interval)
     return summarise(results, time.perf_counter() - started), results
 
 

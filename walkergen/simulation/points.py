@@ -35,6 +35,9 @@ class Asked(NamedTuple):
     mass: MassProperties
     impacts: bool = False
     """True to keep every impact of every run."""
+    sample_interval: float | None = None
+    """Time (s) between samples of every run; None to keep none. Sampled flights end at samples:
+    such runs are others of the same ensemble."""
 
 
 class Point(NamedTuple):
@@ -61,7 +64,8 @@ def facts(scene: Scene, design: Design) -> list[Any]:
 def key(asked: Asked) -> str:
     """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
     masses = _plain(asked.mass)
-    text = json.dumps([*facts(asked.scene, asked.design), masses, asked.impacts], sort_keys=True)
+    kept = [asked.impacts, asked.sample_interval]
+    text = json.dumps([*facts(asked.scene, asked.design), masses, *kept], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
@@ -79,7 +83,9 @@ def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Poi
     or the design, and KeyboardInterrupt when no run was done.
     """
     plan = prepare(asked.scene, asked.design, asked.mass)
-    summary, results = ensemble.measure(plan, progress, threads, asked.impacts)
+    summary, results = ensemble.measure(
+        plan, progress, threads, asked.impacts, asked.sample_interval
+    )
     return Point(key(asked), plan.resolved.model, plan.resolved.method, summary, results)
 
 

@@ -29,7 +29,7 @@ class Samples(NamedTuple):
     """States at a fixed interval: rows of (t in s, state...)."""
 
     rows: Array
-    """Shape (n, 1 + size of the state)."""
+    """Shape (n, 1 + entries of the state that are kept, its leading ones)."""
     cursor: Counts
     """Shape (1,): rows filled so far; full arrays stop filling."""
     interval: float
@@ -57,19 +57,32 @@ class Tally(NamedTuple):
 
 
 def new(
-    state_size: int,
+    sample_size: int,
     duration: float = 0.0,
     sample_interval: float | None = None,
     event_room: int | None = None,
 ) -> Tally:
-    """Empty record; `duration` (s) sizes the samples, `event_room` the events; None: not kept."""
+    """Empty record; `duration` (s) sizes the samples, `event_room` the events; None: not kept.
+
+    Samples hold the leading `sample_size` entries of a state.
+    """
     samples = events = None
     if sample_interval is not None:
         room = int(duration / sample_interval + 1e-9) + 2
-        samples = Samples(np.zeros((room, 1 + state_size)), np.zeros(1, np.int64), sample_interval)
+        samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), sample_interval)
     if event_room is not None:
         events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
     return Tally(np.zeros(9, np.int64), np.zeros(7), samples, events)
+
+
+def without_room(tally: Tally) -> Tally:
+    """Empty record with no room for samples and events, which the same compiled kernels fill."""
+    samples, events = tally.samples, tally.events
+    if samples is not None:
+        samples = samples._replace(rows=samples.rows[:0].copy(), cursor=np.zeros(1, np.int64))
+    if events is not None:
+        events = events._replace(rows=events.rows[:0].copy(), cursor=np.zeros(1, np.int64))
+    return Tally(np.zeros_like(tally.counts), np.zeros_like(tally.sums), samples, events)
 
 
 def energy_error(sums: Array, gained: float, before: float) -> float:
@@ -126,9 +139,9 @@ def next_sample(samples):
 
 @kernel
 def take_sample(samples, t, state):
-    """Append a state at time t (s) to the samples, if they are kept."""
+    """Append the leading entries of a state at time t (s) to the samples, if they are kept."""
     if samples is not None:
         row = samples.cursor[0]
         samples.rows[row, 0] = t
-        samples.rows[row, 1:] = state
+        samples.rows[row, 1:] = state[: samples.rows.shape[1] - 1]
         samples.cursor[0] = row + 1

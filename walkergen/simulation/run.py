@@ -79,11 +79,15 @@ class RunResult(NamedTuple):
     the blocks, shape (blocks + 1, 3)."""
 
 
-def compile_kernels(plan: Plan) -> float:
-    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
+def compile_kernels(plan: Plan, sampled: bool = False, impacts: bool = False) -> float:
+    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took.
+
+    Kernels that keep samples, or every impact, are others than those that keep neither.
+    """
     started = time.perf_counter()
     state = plan.start(plan.world.drive.amplitude, 0.0, 0.0)
-    plan.advance(state, 1e-9, record.new(len(state)))
+    tally = record.new(0, 0.0, 1.0 if sampled else None, 0 if impacts else None)
+    plan.advance(state, 1e-9, record.without_room(tally))
     plan.energy(state)
     return time.perf_counter() - started
 
@@ -93,12 +97,13 @@ def simulate(
     number: int,
     stopped: Callable[[], bool] = lambda: False,
     sample_interval: float | None = None,
+    sample_size: int | None = None,
     event_room: int | None = None,
 ) -> RunResult:
     """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
     The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll;
-    `stopped()` ends it.
+    `stopped()` ends it. Samples hold the leading `sample_size` entries of a state, or all of them.
     """
     started = time.thread_time()
     run, drive = plan.scene.run, plan.world.drive
@@ -107,11 +112,12 @@ def simulate(
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.drawn(rng)
     state = plan.start(drive.amplitude * clearance, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
+    size = len(state) if sample_size is None else sample_size
+    tally = record.new(size, run.seconds, sample_interval, event_room)
     outcome = Outcome.OK
     if run.discard_seconds > 0:
-        outcome = _advancer(plan, state, record.new(len(state)))(run.discard_seconds)
+        outcome = _advancer(plan, state, record.without_room(tally))(run.discard_seconds)
 
-    tally = record.new(len(state), run.seconds, sample_interval, event_room)
     advance = _advancer(plan, state, tally)
     blocks = round(run.seconds / (PERIODS_PER_BLOCK * drive.period))
     blocks = min(max(blocks, 1), MOST_BLOCKS)
@@ -158,11 +164,12 @@ def with_impacts(
     number: int,
     stopped: Callable[[], bool] = lambda: False,
     sample_interval: float | None = None,
+    sample_size: int | None = None,
 ) -> RunResult:
     """Simulate one run with every impact kept: again, with more room, until all have room."""
     room = 256 + int(FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period)
     while True:
-        result = simulate(plan, number, stopped, sample_interval, room)
+        result = simulate(plan, number, stopped, sample_interval, sample_size, room)
         if len(impacts_of(result)) < room:
             return result
         room *= 4

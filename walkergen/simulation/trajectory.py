@@ -1,7 +1,7 @@
-"""Trajectory of one run: its states at a fixed rate, written as CSV or NPZ."""
+"""Trajectories, states at a fixed rate: of one run as CSV or NPZ, of all runs as tracks in CSV."""
 
 import io
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -12,7 +12,7 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.scene import Scene
 from walkergen.simulation.model import Plan
-from walkergen.simulation.run import simulate
+from walkergen.simulation.run import RunResult, simulate
 
 Array = npt.NDArray[np.float64]
 
@@ -20,32 +20,49 @@ MOST_SAMPLES = 20_000_000
 
 
 class Trajectory(NamedTuple):
-    """States of one run at a fixed interval."""
+    """States of one run, or of all runs one after the other, at a fixed interval."""
 
     columns: tuple[str, ...]
-    """Names with units: t_s, then those of the state (`Model.columns`)."""
+    """Names with units: t_s, for several runs `particle`, then `Model.columns`."""
     rows: Array
     """Shape (samples, columns); the time counts from the end of the discarded start."""
 
 
-def check(scene: Scene, interval: float) -> None:
-    """Raise InputError when a trajectory would have too many samples to keep."""
-    wanted = scene.run.seconds / interval
+def check(scene: Scene, interval: float, runs: int = 1) -> None:
+    """Raise InputError when trajectories of so many runs would have too many samples to keep."""
+    wanted = runs * scene.run.seconds / interval
     if wanted > MOST_SAMPLES:
+        what = "a trajectory" if runs == 1 else f"tracks of {runs} runs"
+        fewer = "" if runs == 1 else ", --runs"
         raise InputError(
-            f"a trajectory of {wanted:.3g} samples; at most {MOST_SAMPLES}: "
-            "lower --rate or --seconds"
+            f"{what} of {wanted:.3g} samples; at most {MOST_SAMPLES}: "
+            f"lower --rate{fewer} or --seconds"
         )
 
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Trajectory:
     """Simulate one run of the ensemble again and keep its state every `interval` seconds."""
     check(plan.scene, interval)
-    samples = simulate(plan, number, sample_interval=interval).tally.samples
-    assert samples is not None
     columns = plan.model.columns
-    rows = samples.rows[: samples.cursor[0], : 1 + len(columns)]
-    return Trajectory(("t_s", *columns), rows)
+    result = simulate(plan, number, sample_interval=interval, sample_size=len(columns))
+    return Trajectory(("t_s", *columns), sampled(result))
+
+
+def tracks(columns: Sequence[str], results: Sequence[RunResult]) -> Trajectory:
+    """Tracks of runs that kept samples of these columns; `particle` is the number of the run.
+
+    Runs come by their numbers, each with its own time from the end of its discarded start.
+    """
+    parts = [np.insert(sampled(result), 1, result.number, axis=1) for result in results]
+    rows = np.concatenate(parts) if parts else np.zeros((0, 2 + len(columns)))
+    return Trajectory(("t_s", "particle", *columns), rows)
+
+
+def sampled(result: RunResult) -> Array:
+    """Rows (t in s, then the state's columns) of the samples that a run kept."""
+    samples = result.tally.samples
+    assert samples is not None
+    return np.asarray(samples.rows[: samples.cursor[0]])
 
 
 def to_csv(trajectory: Trajectory) -> bytes:

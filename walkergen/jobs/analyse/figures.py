@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from walkergen.analysis import walks
 from walkergen.analysis.motion import Curve, Motion
 from walkergen.analysis.tracks import Tracks
-from walkergen.files.figures import axes_of
+from walkergen.files.figures import axes_of, panels_of
 
 # Colours of Okabe and Ito, from dark to light, distinct in grey and to the colour-blind.
 INK, WARM, LIGHT = "#0072B2", "#D55E00", "#E69F00"
@@ -17,13 +17,19 @@ INK, WARM, LIGHT = "#0072B2", "#D55E00", "#E69F00"
 MOST_TRACKS = 24
 """Largest number of tracks drawn: more would hide one another."""
 
+DRAWN = 0.5
+"""Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
+
 MOST_POINTS = 4000
 """Largest number of points drawn of a track: more only make the PDF large."""
 
 
 def msd_figure(motion: Motion, title: str) -> Figure:
-    """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a)."""
-    figure, axes = axes_of(title)
+    """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a).
+
+    Below it stands its local exponent.
+    """
+    figure, (axes, lower) = panels_of(title, (4.0, 1.6))
     lag, value = motion.msd.at, motion.msd.value
     _points(axes, motion.msd, "measured")
     axes.set_xscale("log")
@@ -50,10 +56,21 @@ def msd_figure(motion: Motion, title: str) -> Figure:
         )  # fmt: skip
     axes.set_xlim(limits[0])
     axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
-    axes.set_xlabel("lag t (s)")
     axes.set_ylabel("mean squared displacement (mm²)")
     axes.legend(frameon=False)
+    _exponents(lower, motion.exponent)
     return figure
+
+
+def _exponents(axes: Axes, exponent: Curve) -> None:
+    """Draw local exponents between those of diffusion and of a straight run."""
+    for value in (1.0, 2.0):
+        axes.axhline(value, color="0.75", lw=0.8, zorder=0)
+    known = exponent.se < DRAWN
+    _points(axes, Curve(*(column[known] for column in exponent)), "")
+    axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.25))
+    axes.set_xlabel("lag t (s)")
+    axes.set_ylabel("local exponent")
 
 
 def density_figure(motion: Motion, title: str) -> Figure:

@@ -1,10 +1,11 @@
 """Analysis of tracks: from a file of tracks to a folder of tables and figures of their motion."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.analysis import motion, tracks
-from walkergen.analysis.motion import Motion
+from walkergen.analysis.motion import Array, Motion
 from walkergen.analysis.tracks import Units
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
@@ -48,8 +49,9 @@ def analyse(
 
 
 def _write_curves(result: Motion, target: Folder) -> None:
-    tables = {
-        "msd.csv": (("lag_s", "msd_mm2", "se_mm2"), [("", result.msd)]),
+    msd = (*result.msd, *result.exponent[1:])
+    tables: dict[str, tuple[Sequence[str], Sequence[tuple[str, Sequence[Array]]]]] = {
+        "msd.csv": (("lag_s", "msd_mm2", "se_mm2", "exponent", "exponent_se"), [("", msd)]),
         "correlation.csv": (("lag_s", "value", "se"), [("", result.correlation)]),
         "density.csv": (
             ("direction", "mm", "density_per_mm", "se_per_mm"),

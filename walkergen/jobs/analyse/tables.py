@@ -9,10 +9,10 @@ from rich.markup import escape
 from rich.table import Table
 
 from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, with_error
-from walkergen.analysis.motion import Curve, Motion
+from walkergen.analysis.motion import Array, Motion
 from walkergen.files.tables import as_markdown, csv_text
 
-SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s"}
+SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
 
 
@@ -73,7 +73,7 @@ def to_csv(motion: Motion) -> str:
     return csv_text(("quantity", "value", "se", "refused"), lines)
 
 
-def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Curve]]) -> str:
+def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Sequence[Array]]]) -> str:
     """Format curves one below the other as CSV; names of curves lead lines if there are several."""
     lines = [
         (*((name,) if name else ()), *(_cell(float(value)) for value in point))
@@ -104,7 +104,14 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
-        "msd": _points(motion.msd, "lag_s", "msd_mm2", "msd_se_mm2"),
+        "msd": _points(
+            (*motion.msd, *motion.exponent[1:]),
+            "lag_s",
+            "msd_mm2",
+            "msd_se_mm2",
+            "exponent",
+            "exponent_se",
+        ),
         "correlation": _points(motion.correlation, "lag_s", "value", "se"),
         "parallel": _points(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
         "orthogonal": _points(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
@@ -119,7 +126,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
     return found
 
 
-def _points(curve: Curve, *names: str) -> list[dict[str, float | None]]:
+def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
     return [
         {name: None if math.isnan(value) else float(value)
          for name, value in zip(names, point, strict=True)}

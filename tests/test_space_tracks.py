@@ -1,0 +1,195 @@
+"""Tracks of walkers in space: written by simulate, read by analyse, and what the summary says."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.analysis import tracks
+from walkergen.analysis.tracks import Units
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.jobs.simulate import make
+from walkergen.scene import Scene
+from walkergen.simulation import ensemble, record, trajectory
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import impacts_of, simulate
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+HEADER = "t_s,particle,x_mm,y_mm,theta_rad,height_mm,pitch_rad,roll_rad\n"
+PLANE = ("--scene", "plane-90hz", "--tilt", "10")
+
+
+def silent(what, done, total):
+    assert 0 <= done <= total
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        result = CliRunner().invoke(app, list(words), catch_exceptions=True)
+        if result.exception is not None:
+            raise result.exception
+        return result.stdout
+
+    return call
+
+
+def read(tmp_path, text, units=Units()):  # noqa: B008
+    path = tmp_path / "tracks.csv"
+    path.write_text(text, encoding="utf-8")
+    return tracks.read(path, units)
+
+
+TURNING = HEADER + "".join(
+    f"{0.01 * n:g},{who},{n},{who + 2 * n},{6.2 + 0.1 * n},8.9,0.01,0.02\n"
+    for who in (0, 3)
+    for n in range(3)
+)
+
+
+def test_a_file_with_a_heading_is_a_planes_whose_y_lies_on_the_plate(tmp_path):
+    found = read(tmp_path, TURNING)
+    assert not found.lane
+    assert found.interval == pytest.approx(0.01)
+    assert [track.particle for track in found.tracks] == [0, 3]
+    np.testing.assert_allclose(found.tracks[1].position, [[0, 3], [1, 5], [2, 7]])
+    np.testing.assert_allclose(found.tracks[0].heading, [6.2, 6.3, 6.4])  # whole turns are kept
+
+
+def test_a_planes_file_as_a_lane_has_no_heading(tmp_path):
+    found = read(tmp_path, TURNING, Units(lane=True))
+    assert found.lane
+    assert found.tracks[0].heading is None
+    np.testing.assert_allclose(found.tracks[0].position[:, 0], [0, 1, 2])
+
+
+def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
+    with pytest.raises(InputError, match="no column 'y_mm'"):
+        read(tmp_path, "t_s,x_mm,theta_rad\n0,1,0\n1,2,0\n")
+    with pytest.raises(InputError, match="y to the left of x; leave it out"):
+        read(tmp_path, TURNING, Units(y_down=True))
+
+
+def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_path):
+    words = ("simulate", *PLANE, "--seconds", "100", "--rate", "5e4", "--tracks", "t.csv")
+    with pytest.raises(InputError, match=r"tracks of 16 runs of 8e\+07 samples; at most 20000000"):
+        run(*words, "--runs", "16")
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_lanes_tracks_have_a_particle_and_are_read_as_a_lanes(run, tmp_path):
+    words = ("--model", "relaxed", "--seconds", "0.2", "--runs", "3")
+    run("simulate", *words, "--tracks", "t.csv")
+    first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
+    assert first.startswith("t_s,particle,x_mm,y_mm,pitch_rad")
+    found = tracks.read(tmp_path / "t.csv", Units())
+    assert found.lane
+    assert [(t.particle, len(t.position)) for t in found.tracks] == [(n, 201) for n in range(3)]
+
+
+def asked_of(runs=2, seconds=0.3, interval=None, **run):
+    design = Design().variant(tilt_deg=10.0)
+    given = {"runs": runs, "seconds": seconds, "discard_seconds": 0.05} | run
+    scene = Scene.model_validate({"arena": {"kind": "plane"}, "run": given})
+    return make.asked(scene, design, solids.mass_of(design), interval)
+
+
+@pytest.mark.slow
+def test_tracks_are_the_same_bytes_on_any_number_of_threads():
+    one = asked_of(runs=3, interval=0.002)
+    plan = prepare(one.scene, one.design, one.mass)
+    written = []
+    for threads in (1, 3):
+        results = ensemble.run(plan, silent, threads, one.impacts, one.sample_interval)
+        written.append(trajectory.to_csv(trajectory.tracks(plan.model.columns, results)))
+    assert written[0] == written[1]
+    assert written[0].startswith(HEADER.encode())
+    assert written[0].count(b"\n") == 1 + 3 * 151
+
+
+@pytest.mark.slow
+def test_keeping_impacts_changes_no_bit_of_a_run():
+    one = asked_of()
+    plan = prepare(one.scene, one.design, one.mass)
+    plain, kept = simulate(plan, 0), simulate(plan, 0, event_room=10_000)
+    np.testing.assert_array_equal(plain.places, kept.places)
+    assert len(impacts_of(kept)) == plain.tally.counts[record.IMPACTS] > 100
+
+
+@pytest.mark.slow
+def test_landings_kept_are_those_counted():
+    found = make.measure(asked_of(), silent)
+    counts = sum(result.tally.counts for result in found.point.results)
+    landed = found.landings
+    assert landed.corners.sum() == counts[record.IMPACTS]
+    numbers = dict(zip(landed.kinds.tolist(), landed.numbers.tolist(), strict=True))
+    for kind in record.KINDS.values():
+        assert numbers.get(kind, 0) == counts[record.row_of(kind)]
+    assert (landed.impulses > 0).all()
+    assert landed.alone + landed.edges.sum() > 0
+    # All landings together carry the walker's weight, but for the change of its momentum.
+    weight = 9806.65 * prepare(*asked_of()[:3]).world.walker.mass * landed.duration
+    assert landed.impulses.sum() == pytest.approx(weight, rel=0.05)
+
+
+@pytest.mark.slow
+def test_analyse_finds_in_the_tracks_what_simulate_says(run):
+    words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate", "500", "--tracks", "t.csv")
+    told = json.loads(run("simulate", *words, "--json"))
+    found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
+    assert (told["model"], told["feet"], told["friction"]) == ("space", "viscous", 0.25)
+    for name in ("speed", "lane_speed", "sideways_speed", "turning_bias", "rotational_diffusion"):
+        unit = {"turning_bias": "rad_s", "rotational_diffusion": "rad2_s"}.get(name, "mm_s")
+        # The same functions on the same samples, but for the rounding of written times.
+        assert found[f"{name}_{unit}"] == pytest.approx(told["motion"][f"{name}_{unit}"], rel=1e-6)
+    # The mean over blocks projects 44 ms at a time, not 2 ms: far below the error of either.
+    error = told["speed_se_mm_s"]
+    assert abs(found["speed_mm_s"] - told["speed_mm_s"]) < 0.2 * error
+    assert 0 < error < 0.1 * told["speed_mm_s"]
+    assert found["speed_se_mm_s"] == pytest.approx(error, rel=0.1)
+    assert abs(found["lag_s"] - 0.04) < 1e-9
+    for name in ("parallel", "orthogonal"):
+        at, density = np.array([(b["mm"], b["density_per_mm"]) for b in found[name]]).T
+        assert (density * np.gradient(at)).sum() == pytest.approx(1.0, abs=0.02)
+    exponents = [b["exponent"] for b in found["msd"] if b["exponent_se"] is not None]
+    assert len(exponents) > 10
+    assert abs(np.median(exponents) - 2.0) < 0.1  # ballistic at 10 deg
+
+
+@pytest.mark.slow
+def test_places_every_44_ms_say_what_dense_samples_say():
+    one = asked_of(runs=8, seconds=1.5, interval=0.002)
+    dense = make.measure(one, silent)
+    coarse = make.measured(dense.point, one._replace(sample_interval=None))
+    for name in ("speed", "sideways_speed", "turning_bias"):
+        fine, rough = (found.motion.estimates[name] for found in (dense, coarse))
+        assert abs(fine.value - rough.value) < 0.3 * fine.se, name  # of one and the same motion
+        assert rough.se == pytest.approx(fine.se, rel=0.2)
+
+
+@pytest.mark.slow
+def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reason(run):
+    text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2").split())
+    assert "space, method step, viscous feet, label 0.3, friction 0.25" in text
+    assert "poisson" not in text
+    for words in ("along the heading", "turning scatter 2 walkers", "by impulse I ", "edges"):
+        assert words in text, words
+    short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2").split())
+    assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short
+
+
+@pytest.mark.slow
+def test_one_space_trajectory_reads_like_tracks(run, tmp_path):
+    words = (*PLANE, "--seconds", "0.5", "--runs", "1", "--rate", "200")
+    run("simulate", *words, "--trajectory", "one.csv")
+    lines = (tmp_path / "one.csv").read_text(encoding="utf-8").splitlines()
+    assert lines[0] == HEADER.strip().replace("particle,", "")
+    run("simulate", *words, "--tracks", "all.csv")
+    one, every = (tracks.read(tmp_path / name, Units()) for name in ("one.csv", "all.csv"))
+    np.testing.assert_array_equal(one.tracks[0].position, every.tracks[0].position)
+    np.testing.assert_array_equal(one.tracks[0].heading, every.tracks[0].heading)

@@ -1,0 +1,107 @@
+"""Simulation of a walker: the speed of its runs and, in space, their motion and landings."""
+
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.analysis import landings, motion
+from walkergen.analysis.landings import Landings
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.files import output
+from walkergen.files.progress import Progress
+from walkergen.scene import Scene
+from walkergen.simulation import points, trajectory
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+MOST_S = 500.0
+"""Time of all runs together (s) up to which every landing in space is kept: 0.3 MB a second."""
+
+
+class Simulated(NamedTuple):
+    """Results of a simulation; motion and landings belong to walkers in space."""
+
+    point: Point
+    motion: Motion | None = None
+    untold: str = ""
+    """Reason why a walker in space has no `motion`; "" when it has one."""
+    landings: Landings | None = None
+    """Landings of the runs that ended well; None where they were not kept."""
+
+
+def asked(
+    scene: Scene, design: Design, mass: MassProperties, interval: float | None = None
+) -> Asked:
+    """Point of a scene: with landings where it is in space, and samples `interval` s apart."""
+    in_space = resolve(scene, design, mass).model == "space"
+    few = scene.run.runs * scene.run.seconds <= MOST_S
+    return Asked(scene, design, mass, impacts=in_space and few, sample_interval=interval)
+
+
+def measure(one: Asked, progress: Progress) -> Simulated:
+    """Simulate what is asked, and measure motion and landings of a walker in space.
+
+    Raises InputError where the scene contradicts itself or asks for too many samples.
+    """
+    if one.sample_interval is not None:
+        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
+    return measured(points.measure(one, progress), one)
+
+
+def measured(point: Point, one: Asked) -> Simulated:
+    """What a simulated point says of motion and landings, which only walkers in space tell."""
+    if point.model != "space":
+        return Simulated(point)
+    good = [result for result in point.results if result.outcome in ENDED_WELL]
+    if not good:
+        return Simulated(point, untold="no run ended well")
+    tracks = tracks_of(good, one.scene.arena.kind == "lane", one.sample_interval)
+    longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
+    least = max(motion.LAG_S, tracks.interval)
+    found = motion.analyse(tracks) if longest > 1.001 * least else None
+    untold = "" if found else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
+    return Simulated(point, found, untold, _landings(good) if one.impacts else None)
+
+
+def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
+    """Tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
+
+    In a lane only the way along it counts, as in a film of one.
+    """
+    tracks = []
+    for result in results:
+        places = result.places
+        if interval is not None:
+            places = trajectory.sampled(result)[:, 1:4]
+        position = places[:, :1] if lane else places[:, :2]
+        tracks.append(Track(result.number, position, None if lane else places[:, 2]))
+    return Tracks(tuple(tracks), interval or results[0].block_s, 0, "")
+
+
+def _landings(results: Sequence[RunResult]) -> Landings:
+    """Landings of runs on the plate; touches of a lane's walls have higher numbers than corners."""
+    parts = []
+    for result in results:
+        rows = impacts_of(result)
+        rows = rows[rows[:, 1] < landings.CORNERS]
+        corner, kind = rows[:, 1].astype(np.int64), rows[:, 6].astype(np.int64)
+        parts.append(landings.count(rows[:, 0], corner, rows[:, 3], kind, result.measured_s))
+    return landings.total(parts)
+
+
+def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:
+    """Write the tracks of all runs as CSV, again simulated where `point` kept no samples."""
+    assert one.sample_interval is not None
+    kept = all(result.tally.samples is not None for result in point.results)
+    if not kept:
+        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
+        point = points.measure(one, progress)
+    columns = prepare(one.scene, one.design, one.mass).model.columns
+    output.write(path, trajectory.to_csv(trajectory.tracks(columns, point.results)))
