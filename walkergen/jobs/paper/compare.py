@@ -1,13 +1,15 @@
 """Comparison of the paper's facts with our numbers: each number, and the verdict on it."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.paper.facts import FACTS, Verdict, judge
+from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value, mean
 from walkergen.prediction import Curve
 from walkergen.scene import Scene
@@ -21,6 +23,9 @@ Array = npt.NDArray[np.float64]
 
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""
+
+LOW = "low restitution"
+"""Name of the assumption whose restitution is chosen for the experiment's speeds."""
 
 TEN = 10.0
 """Tilt at which the paper states a speed, deg."""
@@ -75,9 +80,13 @@ class Findings(NamedTuple):
     theories: Sequence[Theory]
     peaks: Sequence[Range]
     tilts: Sequence[Point]
-    """Ensembles along the tilt; models relaxed, compliant, rigid (braced legs)."""
+    """Ensembles along the tilt, of all series but that on a noisy plate."""
+    labels: Mapping[float, Sequence[Point]]
+    """Ensembles along the tilt in space, with the measured friction, by restitution."""
     drives: Sequence[Point]
-    """Ensembles along the plate's speed."""
+    """Ensembles along the plate's speed, of all series of flexible legs."""
+    plane: Sequence[Runs]
+    """Runs on a plane at the tilts of figure 6."""
 
 
 class Row(NamedTuple):
@@ -110,6 +119,9 @@ def rows(found: Findings) -> list[Row]:
     for series in series_of(found.drives):
         value = proportionality(series)
         listed.append(_row("proportional", series[0].model, series[0].assumption, value, 100.0))
+        if series[0].model == "space":
+            listed.append(_of_lively(series, found))
+    listed += [row for one in found.plane for row in _of_plane(one)]
     order = list(FACTS)
     return sorted(listed, key=lambda row: order.index(row.fact))
 
@@ -134,6 +146,9 @@ def _stated(found: Findings) -> Iterator[Row]:
         if one.name == FITTED:
             friction = one.scene.contact.friction
             yield _row("friction", "the paper's best fit", one.name, Value(friction, 0.0))
+    if found.labels:
+        told = "space, measured friction"
+        yield _row("restitution", told, found.assumptions[0].name, restitution_of_peak(found))
 
 
 def stationary_type_three(
@@ -201,8 +216,8 @@ def _predicted_peak(curve: Curve) -> Peak | None:
 
 def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     model, name = series[0].model, series[0].assumption
-    if model == "rigid":
-        yield _row("braced", "rigid", name, _largest(series))
+    if model in ("rigid", "space, braced"):
+        yield _row("braced", model, name, _largest(series))
         return
     top = peak(series)
     yield _row("peak tilt", model, name, None if top is None else top.tilt_deg)
@@ -213,9 +228,47 @@ def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     speed = {point.tilt_deg: point.speed for point in series}.get(TEN)
     yield _row("speed at 10 deg", model, name, speed)
     for told, counting, both, third in COUNTED:
+        if model == "space" and "rest" in third:
+            continue  # elastic feet never land at exactly no slip
         for fact, kind in (("types II and III", both), ("mostly type III", third)):
             share = _smallest(series, counting, kind)
             yield _row(fact, f"{model}, {told}", name, share, 100.0)
+
+
+def _of_lively(series: Sequence[Point], found: Findings) -> Row:
+    """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
+    name = series[0].assumption
+    (drive,) = (one.scene.drive for one in found.assumptions if one.name == name)
+    lively = [one for one in series if one.plate_speed_mm_s > 0.999 * drive.peak_speed]
+    told = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
+    return _row("proportional", told, name, proportionality(lively), 100.0)
+
+
+def _of_plane(one: Runs) -> Iterator[Row]:
+    """Rows of figure 6's facts about a tilt."""
+    tilt, grown = f"{one.tilt_deg:g}", one.growth
+    about = {
+        f"ballistic at {tilt}": grown.smallest,
+        f"superdiffusive at {tilt}": grown.first,
+        f"diffusive at {tilt}": grown.late,
+        f"crossover at {tilt}": grown.crossover,
+    }
+    for fact, value in about.items():
+        if fact in FACTS:
+            yield _row(fact, "space", one.assumption, value)
+
+
+def restitution_of_peak(found: Findings) -> Value | None:
+    """Restitution with which the peak in space has the stated speed, between those simulated."""
+    tops = [(e, top.speed) for e, series in sorted(found.labels.items()) if (top := peak(series))]
+    stated = FACTS["peak speed"].value
+    for (low, below), (high, above) in pairwise(tops):
+        if below.mean <= stated <= above.mean and below.mean < above.mean:
+            step = (high - low) / (above.mean - below.mean)
+            share = (stated - below.mean) / (above.mean - below.mean)
+            error = step * math.hypot((1.0 - share) * below.se, share * above.se)
+            return Value(low + (high - low) * share, error)
+    return None
 
 
 def _largest(series: Sequence[Point]) -> Value | None:
