@@ -71,9 +71,10 @@ errors.
 Figure 3. Types of impacts against tilt, with the fitted contact, counted in three ways: every
 impact, chatter included; landings, a foot's first impact after {1e3 * QUIET:g} ms without one;
 by normal impulse. In space an impact is a contact of a corner from the first force to the last, its
-impulse with the weight that it bears meanwhile. As in the paper the foot's sliding speed I stays forward, II turns backward
-during restitution, III during compression, IV stays backward. From rest (exactly) is the limit of
-type III. The table takes the tilts above 0, for an upright walker slides either way.
+impulse with the weight that it bears meanwhile. As in the paper the foot's sliding speed I stays
+forward, II turns backward during restitution, III during compression, IV stays backward. From rest
+(exactly) is the limit of type III. The table takes the tilts above 0, for an
+upright walker slides either way.
 
 ![Figure 5](figure5.png)
 
@@ -153,8 +154,8 @@ def _peaks(found: Findings) -> Iterator[str]:
 def _moved(runs: Runs) -> str:
     """Line on the displacements over 40 ms on a plane."""
     told = []
-    for way, name in (("along", "parallel"), ("across", "orthogonal")):
-        mean, sd = (runs.motion.estimates[f"{name}_{of}"] for of in ("mean", "sd"))
+    for way, axis in (("along", "parallel"), ("across", "orthogonal")):
+        mean, sd = (runs.motion.estimates[f"{axis}_{of}"] for of in ("mean", "sd"))
         if mean.value is not None and sd.value is not None:
             told.append(f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm")
     lost = f"; {runs.lost} runs ended badly" if runs.lost else ""
