@@ -15,7 +15,7 @@ from walkergen.analysis.tracks import Track, Tracks
 from walkergen.errors import InputError
 from walkergen.files import figures as pictures
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, figure6, plane, sweeps
+from walkergen.jobs.paper import compare, curves, figure6, plane, sweeps
 from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
 from walkergen.scene import Scene
@@ -178,11 +178,11 @@ def findings(labels, assumptions=()):
 
 
 def test_the_restitution_of_the_stated_peak_lies_between_those_simulated():
-    value = compare.restitution_of_peak(findings({0.1: top(50.0, 0.1), 0.3: top(70.0, 0.3)}))
+    value = curves.restitution_of_peak({0.1: top(50.0, 0.1), 0.3: top(70.0, 0.3)}, 60.0)
     assert value.mean == pytest.approx(0.2)
     # Halfway: each of both errors counts half, 0.01 of restitution per mm/s.
     assert value.se == pytest.approx(0.01 * 0.5 / math.sqrt(2.0), rel=0.05)  # 1.6 % for the draws
-    assert compare.restitution_of_peak(findings({0.1: top(30.0, 0.1), 0.3: top(50.0, 0.3)})) is None
+    assert curves.restitution_of_peak({0.1: top(30.0, 0.1), 0.3: top(50.0, 0.3)}, 60.0) is None
 
 
 def test_proportionality_from_the_scenes_own_drive_up_forgets_the_threshold(scene):
@@ -195,7 +195,7 @@ def test_proportionality_from_the_scenes_own_drive_up_forgets_the_threshold(scen
     row = compare._of_lively(series, found)
     assert row.model == "space, from 1.8 g"
     assert row.ours == pytest.approx(0.0, abs=1e-9)
-    assert compare.proportionality(series).mean > 0.2
+    assert curves.proportionality(series).mean > 0.2
 
 
 def test_figure_6_draws_what_there_is(scene):
@@ -209,8 +209,9 @@ def test_figure_6_draws_what_there_is(scene):
     for shown in (runs, runs[:1], []):
         figure = Figure(figsize=(10.0, 6.8), layout="constrained")
         figure6.draw(figure, findings({}, [low])._replace(plane=shown))
-        assert len(figure.axes) == 5
-        drawn = [line.get_color() for line in figure.axes[2].get_lines()[:-1]]
+        assert len(figure.axes) == 6
+        tracks = [line for axes in figure.axes[2:4] for line in axes.get_lines()[:-1]]
+        drawn = [line.get_color() for line in tracks]
         wanted = [figure6.STYLES[one.tilt_deg][0] for one in shown for _ in range(8)]
         assert drawn == wanted
         assert pictures.png(figure, 50).startswith(b"\x89PNG")

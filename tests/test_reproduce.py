@@ -11,7 +11,7 @@ from walkergen import prediction
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, sweeps
+from walkergen.jobs.paper import compare, curves, sweeps
 from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
 from walkergen.jobs.paper.tables import number
@@ -189,7 +189,7 @@ def test_the_theorys_maximum_lies_below_ten_degrees_for_realistic_contacts(desig
 
 def test_a_parabola_gives_its_own_top():
     series = [point(tilt=t, speed=(60.0 - (t - 11.0) ** 2, 1e-6)) for t in (5.0, 8.0, 12.0, 15.0)]
-    top = compare.peak(series)
+    top = curves.peak(series)
     assert top.tilt_deg.mean == pytest.approx(11.0)
     assert top.speed.mean == pytest.approx(60.0)
     assert top.tilt_deg.se == pytest.approx(3.5 / np.sqrt(12.0), rel=0.01)  # of the grid alone
@@ -197,7 +197,7 @@ def test_a_parabola_gives_its_own_top():
 
 def test_the_peaks_error_is_that_of_the_speeds():
     series = [point(tilt=t, speed=(s, 2.0)) for t, s in ((5.0, 0.0), (10.0, 90.0), (15.0, 0.0))]
-    top = compare.peak(series)
+    top = curves.peak(series)
     assert top.tilt_deg.mean == 10.0
     assert top.speed.se == pytest.approx(2.0, rel=0.05)  # 1.6 % for the draws
 
@@ -205,29 +205,29 @@ def test_the_peaks_error_is_that_of_the_speeds():
 def test_tilts_without_a_speed_are_passed_over_and_too_few_are_no_peak():
     series = [point(tilt=t, speed=(60.0 - (t - 9.0) ** 2, 0.1)) for t in (5.0, 8.0, 12.0)]
     gap = point(tilt=20.0, speed=None)
-    assert compare.peak([*series, gap]) == compare.peak(series)
-    assert compare.peak([*series[:2], gap]) is None
+    assert curves.peak([*series, gap]) == curves.peak(series)
+    assert curves.peak([*series[:2], gap]) is None
 
 
 def test_a_largest_speed_at_an_end_of_the_tilts_is_no_peak():
     series = [point(tilt=t, speed=(60.0 - t, 0.1)) for t in (5.0, 8.0, 12.0)]
-    assert compare.peak(series) is None
-    assert compare.peak([point(tilt=0.0, speed=(0.0, 0.1)), *series]).tilt_deg.mean > 0.0
+    assert curves.peak(series) is None
+    assert curves.peak([point(tilt=0.0, speed=(0.0, 0.1)), *series]).tilt_deg.mean > 0.0
 
 
 def test_a_line_through_zero_is_proportional_and_a_threshold_is_not():
     line = [point(plate=p, speed=(2.0 * p, 0.1)) for p in (10.0, 20.0, 30.0, 40.0)]
-    assert compare.through_zero(line).mean == pytest.approx(2.0)
-    assert compare.proportionality(line).mean == pytest.approx(0.0, abs=1e-12)
+    assert curves.through_zero(line).mean == pytest.approx(2.0)
+    assert curves.proportionality(line).mean == pytest.approx(0.0, abs=1e-12)
     # 0, 0, 0, 80: slope 80 x 40/3000, rms distance by hand.
     jump = [point(plate=p, speed=(80.0 * (p > 35), 0.1)) for p in (10.0, 20.0, 30.0, 40.0)]
     slope = 80.0 * 40.0 / 3000.0
     rms = np.sqrt((slope**2 * 1400.0 + (80.0 - 40.0 * slope) ** 2) / 4.0)
-    assert compare.proportionality(jump).mean == pytest.approx(rms / 20.0)
+    assert curves.proportionality(jump).mean == pytest.approx(rms / 20.0)
 
 
 def test_a_walker_at_rest_is_not_proportional_to_anything():
-    assert compare.proportionality([point(plate=p, speed=(0.0, 0.0)) for p in (1.0, 2.0)]) is None
+    assert curves.proportionality([point(plate=p, speed=(0.0, 0.0)) for p in (1.0, 2.0)]) is None
 
 
 @pytest.mark.slow

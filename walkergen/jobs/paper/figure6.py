@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 from walkergen.analysis.motion import Curve
 from walkergen.jobs.paper.compare import LOW, Findings
 from walkergen.jobs.paper.facts import FACTS
-from walkergen.jobs.paper.plane import HALFWAY, TILTS, Runs
+from walkergen.jobs.paper.plane import HALFWAY, SHORTEST, TILTS, Runs
 
 # Okabe and Ito's colours for the tilts, of three greys, each with its own line and marker.
 STYLES = dict(
@@ -29,17 +29,17 @@ def draw(figure: Figure, found: Findings) -> None:
     """Draw what is known of the walkers with the low restitution into an empty figure."""
     shown = [one for one in found.plane if one.assumption == LOW]
     (low,) = (one for one in found.assumptions if one.name == LOW)
-    grid = figure.add_gridspec(2, 6)
-    squares, slopes = (figure.add_subplot(grid[0, 3 * n : 3 * n + 3]) for n in range(2))
-    tracks, along, across = (figure.add_subplot(grid[1, 2 * n : 2 * n + 2]) for n in range(3))
+    grid = figure.add_gridspec(2, 4)
+    squares, slopes = (figure.add_subplot(grid[0, 2 * n : 2 * n + 2]) for n in range(2))
+    fast, slow, along, across = (figure.add_subplot(grid[1, n]) for n in range(4))
     _squares(squares, shown)
     _slopes(slopes, shown)
-    _tracks(tracks, shown)
+    _tracks(fast, [one for one in shown if one.tilt_deg != TILTS[-1]])
+    _tracks(slow, [one for one in shown if one.tilt_deg == TILTS[-1]])
     for axes, name in ((along, "parallel"), (across, "orthogonal")):
         _densities(axes, shown, name)
-    across.sharey(along)
-    for axes, letter in zip((squares, slopes, tracks, along), ("a", "", "b", "c"), strict=True):
-        axes.set_title(f"({letter})" if letter else "", loc="left", fontsize=9)
+    for axes, letter in zip((squares, fast, along), "abc", strict=True):
+        axes.set_title(f"({letter})", loc="left", fontsize=9)
     figure.suptitle(f"Motion on a plane, {low.label}", fontsize=10)
     figure.legend(
         *squares.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False,
@@ -65,12 +65,12 @@ def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
     axes.set_xscale("log")
     axes.set_yscale("log")
     limits = axes.get_xlim(), axes.get_ylim()
-    time = np.geomspace(*limits[0], 50)
+    time = np.geomspace(SHORTEST, limits[0][1], 2)
     slow = shown[-1].motion.msd if shown else None
     if slow is not None and (slow.value > 0.0).any():
         # Of the slow walker at the paper's crossover: both guides then show which way it turns.
         crossing = FACTS["crossover at 35"].value
-        height = 3.0 * float(np.interp(crossing, slow.at, slow.value))
+        height = 2.5 * float(np.interp(crossing, slow.at, slow.value))
         for power, line in ((2, "--"), (1, "-.")):
             axes.plot(time, height * (time / crossing) ** power, line, **GREY,
                       label=f"∝ t{'²' if power == 2 else ''}")  # fmt: skip
@@ -102,20 +102,13 @@ def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
 
 
 def _tracks(axes: Axes, shown: Sequence[Runs]) -> None:
-    """Draw tracks from one start, each turned by its own angle; the slow ones also magnified."""
+    """Draw tracks from one start, each turned by its own angle."""
     for one in shown:
         _star(axes, one)
     axes.plot(0.0, 0.0, "+", color="0.4", markersize=6)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
-    if shown and shown[-1].tilt_deg == TILTS[-1]:
-        inset = axes.inset_axes((0.66, 0.0, 0.34, 0.34))
-        _star(inset, shown[-1])
-        inset.set_aspect("equal", adjustable="datalim")
-        inset.tick_params(labelsize=6, pad=1, length=2)
-        inset.set_title(f"{TILTS[-1]:g} deg", fontsize=7, pad=2)
-        inset.spines[["top", "right"]].set_visible(True)
 
 
 def _star(axes: Axes, one: Runs) -> None:
@@ -148,6 +141,6 @@ def _densities(axes: Axes, shown: Sequence[Runs], name: str) -> None:
             color=colour, alpha=0.2, linewidth=0,
         )  # fmt: skip
     way = {"parallel": "along", "orthogonal": "across"}[name]
-    axes.set_xlabel(f"moved {way} the heading in 40 ms (mm)")
-    axes.set_ylabel("density (1/mm)")
+    axes.set_xlabel(f"{way} the heading (mm)")
+    axes.set_ylabel("density over 40 ms (1/mm)")
     axes.set_ylim(bottom=0.0)

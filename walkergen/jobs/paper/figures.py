@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.jobs.paper import figure6 as motion
-from walkergen.jobs.paper.compare import FITTED, Findings, Theory, series_of, through_zero
+from walkergen.jobs.paper.compare import FITTED, Findings, Theory
+from walkergen.jobs.paper.curves import series_of, through_zero
 from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
 

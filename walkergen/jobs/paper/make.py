@@ -1,8 +1,8 @@
 """Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen import prediction
 from walkergen.errors import InputError
@@ -197,19 +197,19 @@ def _write_figures(found: Findings, folder: Path, numbers: Sequence[int]) -> Non
     from walkergen.files import figures as pictures
     from walkergen.jobs.paper import figures as reproduced
 
-    texts = {
-        2: {"": comparison.speeds_to_csv(found.tilts),
-            "_theory": comparison.theory_to_csv(found.theories)},
-        3: {"": comparison.types_to_csv(found.tilts)},
-        5: {"": comparison.speeds_to_csv(found.drives)},
-        6: {"": comparison.squares_to_csv(found.plane),
-            "_exponents": comparison.exponents_to_csv(found.plane),
-            "_densities": comparison.densities_to_csv(found.plane),
-            "_tracks": comparison.tracks_to_csv(found.plane)},
+    texts: dict[int, tuple[tuple[str, Callable[[Any], str], Sequence[Any]], ...]] = {
+        2: (("", comparison.speeds_to_csv, found.tilts),
+            ("_theory", comparison.theory_to_csv, found.theories)),
+        3: (("", comparison.types_to_csv, found.tilts),),
+        5: (("", comparison.speeds_to_csv, found.drives),),
+        6: (("", comparison.squares_to_csv, found.plane),
+            ("_exponents", comparison.exponents_to_csv, found.plane),
+            ("_densities", comparison.densities_to_csv, found.plane),
+            ("_tracks", comparison.tracks_to_csv, found.plane)),
     }  # fmt: skip
     for number in numbers:
-        for part, text in texts[number].items():
-            output.write(folder / f"figure{number}{part}.csv", text.encode())
+        for part, to_csv, rows in texts[number]:
+            output.write(folder / f"figure{number}{part}.csv", to_csv(rows).encode())
         figure = reproduced.FIGURES[number](found)
         output.write(folder / f"figure{number}.png", pictures.png(figure))
         output.write(folder / f"figure{number}.pdf", pictures.pdf(figure))

@@ -4,15 +4,8 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.paper.compare import (
-    FRICTIONS,
-    RESTITUTIONS,
-    Findings,
-    Row,
-    peak,
-    series_of,
-    through_zero,
-)
+from walkergen.jobs.paper.compare import FRICTIONS, RESTITUTIONS, Findings, Row
+from walkergen.jobs.paper.curves import peak, series_of, through_zero
 from walkergen.jobs.paper.facts import FACTS, judge
 from walkergen.jobs.paper.plane import LONGER, Runs
 from walkergen.jobs.paper.sweeps import NOISE_RATIO, QUIET, SHORTER, Point, Value
@@ -89,8 +82,8 @@ state its plate's. Slopes: {_slopes(found)}.
 Figure 6. Motion on a plane in space, with the low restitution. (a) Mean squared displacement
 against lag, with guides, and its local exponents; star: the paper's crossover at 35 deg, with our
 margin. (b) Tracks of {LONGER * run.seconds:g} s from one start, each turned by its own angle, those
-of 35 deg also magnified. (c) Densities of displacements along and across the heading over 40 ms;
-the paper states no number of them. Bars and bands are two standard errors.
+of 35 deg magnified. (c) Densities of displacements along and across the heading over 40 ms; the
+paper states no number of them. Bars and bands are two standard errors.
 """
 
 
