@@ -11,7 +11,7 @@ from walkergen import prediction
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, sweeps
+from walkergen.jobs.paper import compare, curves, sweeps
 from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
 from walkergen.jobs.paper.tables import number
@@ -22,9 +22,10 @@ from walkergen.simulation.run import Outcome, impacts_of
 from walkergen.walker.design import Design
 
 FILES = {
-    "figure2.csv", "figure2.pdf", "figure2.png", "figure2_theory.csv", "figure3.csv",
-    "figure3.pdf", "figure3.png", "figure5.csv", "figure5.pdf", "figure5.png", "reproduce.csv",
-    "reproduce.md",
+    "figure2.csv", "figure2.pdf", "figure2.png", "figure2_labels.csv", "figure2_theory.csv",
+    "figure3.csv", "figure3.pdf", "figure3.png", "figure5.csv", "figure5.pdf", "figure5.png",
+    "figure6.csv", "figure6.pdf", "figure6.png", "figure6_densities.csv", "figure6_exponents.csv",
+    "figure6_tracks.csv", "reproduce.csv", "reproduce.md",
 }  # fmt: skip
 
 SCENE = """
@@ -77,20 +78,22 @@ def test_a_fast_run_makes_every_file_twice_the_same(run, tmp_path):
     found = json.loads(result.stdout)
     folder = tmp_path / found["folder"]
     assert {path.name for path in folder.iterdir()} == FILES
-    for number_ in (2, 3, 5):
+    for number_ in (2, 3, 5, 6):
         assert (folder / f"figure{number_}.png").read_bytes().startswith(b"\x89PNG")
         assert (folder / f"figure{number_}.pdf").read_bytes().startswith(b"%PDF")
 
     speeds = table(folder / "figure2.csv")
-    assert len(speeds) == 3 * 3 * 3  # contacts x models x tilts
-    assert len(table(folder / "figure5.csv")) == 3 * 2 * 2
+    assert len(speeds) == 3 * 5 * 3  # contacts x series x tilts
+    assert len(table(folder / "figure5.csv")) == 3 * 4 * 2
+    assert len(table(folder / "figure2_labels.csv")) == 3 + 3 * 4 + 3
+    tracks = table(folder / "figure6_tracks.csv")
+    assert len(tracks) == 3 * 3 * 8 * 8  # contacts x tilts x runs x samples every 40 ms of 0.3 s
     for row in table(folder / "figure3.csv"):
         shares = [float(row[f"share_{kind}"]) for kind in sweeps.TYPES]
         assert sum(shares) == pytest.approx(1.0, abs=1e-12)  # rounding of six numbers
     compared = table(folder / "reproduce.csv")
     assert {row["fact"] for row in compared} == set(compare.FACTS)
     page = (folder / "reproduce.md").read_text()
-    assert "Figure 6." in page
     assert all(page.count(fact.quote) >= 1 for fact in compare.FACTS.values())
     width = {line.count("|") for line in page.splitlines() if line.startswith("|")}
     assert width == {7}  # a cell with a bar of its own would break the table
@@ -120,7 +123,8 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
     result = run("--tilt", "5,10,20", "--out", "here")
     assert result.exit_code == 130
     names = {path.name for path in (tmp_path / "here").iterdir()}
-    assert names == {name for name in FILES if name.startswith(("figure2", "figure3"))}
+    kept = {name for name in FILES if name.startswith(("figure2", "figure3"))}
+    assert names == kept | {"figure2_labels.csv"}
 
 
 @pytest.mark.parametrize(
@@ -135,6 +139,7 @@ def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
         (("--gamma", "1.8,fast"), "--gamma '1.8,fast': write numbers"),
         (("--gamma", "nan,2"), "must lie in 0..50"),
         (("--seconds", "0"), "seconds"),
+        (("--seconds", "0.05"), "--seconds 0.05: at least 0.1"),
         (("--scene", "nowhere"), "no such template"),
     ],
 )
@@ -184,7 +189,7 @@ def test_the_theorys_maximum_lies_below_ten_degrees_for_realistic_contacts(desig
 
 def test_a_parabola_gives_its_own_top():
     series = [point(tilt=t, speed=(60.0 - (t - 11.0) ** 2, 1e-6)) for t in (5.0, 8.0, 12.0, 15.0)]
-    top = compare.peak(series)
+    top = curves.peak(series)
     assert top.tilt_deg.mean == pytest.approx(11.0)
     assert top.speed.mean == pytest.approx(60.0)
     assert top.tilt_deg.se == pytest.approx(3.5 / np.sqrt(12.0), rel=0.01)  # of the grid alone
@@ -192,7 +197,7 @@ def test_a_parabola_gives_its_own_top():
 
 def test_the_peaks_error_is_that_of_the_speeds():
     series = [point(tilt=t, speed=(s, 2.0)) for t, s in ((5.0, 0.0), (10.0, 90.0), (15.0, 0.0))]
-    top = compare.peak(series)
+    top = curves.peak(series)
     assert top.tilt_deg.mean == 10.0
     assert top.speed.se == pytest.approx(2.0, rel=0.05)  # 1.6 % for the draws
 
@@ -200,29 +205,29 @@ def test_the_peaks_error_is_that_of_the_speeds():
 def test_tilts_without_a_speed_are_passed_over_and_too_few_are_no_peak():
     series = [point(tilt=t, speed=(60.0 - (t - 9.0) ** 2, 0.1)) for t in (5.0, 8.0, 12.0)]
     gap = point(tilt=20.0, speed=None)
-    assert compare.peak([*series, gap]) == compare.peak(series)
-    assert compare.peak([*series[:2], gap]) is None
+    assert curves.peak([*series, gap]) == curves.peak(series)
+    assert curves.peak([*series[:2], gap]) is None
 
 
 def test_a_largest_speed_at_an_end_of_the_tilts_is_no_peak():
     series = [point(tilt=t, speed=(60.0 - t, 0.1)) for t in (5.0, 8.0, 12.0)]
-    assert compare.peak(series) is None
-    assert compare.peak([point(tilt=0.0, speed=(0.0, 0.1)), *series]).tilt_deg.mean > 0.0
+    assert curves.peak(series) is None
+    assert curves.peak([point(tilt=0.0, speed=(0.0, 0.1)), *series]).tilt_deg.mean > 0.0
 
 
 def test_a_line_through_zero_is_proportional_and_a_threshold_is_not():
     line = [point(plate=p, speed=(2.0 * p, 0.1)) for p in (10.0, 20.0, 30.0, 40.0)]
-    assert compare.through_zero(line).mean == pytest.approx(2.0)
-    assert compare.proportionality(line).mean == pytest.approx(0.0, abs=1e-12)
+    assert curves.through_zero(line).mean == pytest.approx(2.0)
+    assert curves.proportionality(line).mean == pytest.approx(0.0, abs=1e-12)
     # 0, 0, 0, 80: slope 80 x 40/3000, rms distance by hand.
     jump = [point(plate=p, speed=(80.0 * (p > 35), 0.1)) for p in (10.0, 20.0, 30.0, 40.0)]
     slope = 80.0 * 40.0 / 3000.0
     rms = np.sqrt((slope**2 * 1400.0 + (80.0 - 40.0 * slope) ** 2) / 4.0)
-    assert compare.proportionality(jump).mean == pytest.approx(rms / 20.0)
+    assert curves.proportionality(jump).mean == pytest.approx(rms / 20.0)
 
 
 def test_a_walker_at_rest_is_not_proportional_to_anything():
-    assert compare.proportionality([point(plate=p, speed=(0.0, 0.0)) for p in (1.0, 2.0)]) is None
+    assert curves.proportionality([point(plate=p, speed=(0.0, 0.0)) for p in (1.0, 2.0)]) is None
 
 
 @pytest.mark.slow
@@ -234,7 +239,7 @@ def test_a_plate_too_weak_to_lift_anything_is_told_not_crashed_on(run, tmp_path)
     result = run(*words)
     assert result.exit_code == 0, result.exception
     rows = [row for row in json.loads(result.stdout)["rows"] if row["fact"] == "proportional"]
-    assert len(rows) == 6
+    assert len(rows) == 3 * 4  # the line in space from the scene's own drive up included
     told = {row["verdict"]["word"] for row in rows}
     assert told <= {"not measured", "undecided", "differs by"}
 

@@ -32,7 +32,7 @@ def reproduce(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Compare the paper's figures 2, 3 and 5 with theory and simulation (takes minutes)."""
+    """Compare the paper's figures 2, 3, 5, 6 with theory and simulation (takes minutes)."""
     from walkergen.jobs.paper import make as side_by_side
 
     chosen = opt.design_of(design)
@@ -82,4 +82,4 @@ def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path
 
     Console(highlight=False).print(tables.to_console(rows, found.assumptions))
     print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
-    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5 as PNG, PDF and CSV")
+    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5, 6 as PNG, PDF and CSV")

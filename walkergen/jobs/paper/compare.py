@@ -1,14 +1,16 @@
 """Comparison of the paper's facts with our numbers: each number, and the verdict on it."""
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.jobs.paper import curves
 from walkergen.jobs.paper.facts import FACTS, Verdict, judge
-from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value, mean
+from walkergen.jobs.paper.plane import Runs
+from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value
 from walkergen.prediction import Curve
 from walkergen.scene import Scene
 from walkergen.theory.impact import Kind, Law, impact
@@ -22,6 +24,9 @@ Array = npt.NDArray[np.float64]
 FITTED = "fitted"
 """Name of the assumption whose contact is the paper's best fit."""
 
+LOW = "low restitution"
+"""Name of the assumption whose restitution is chosen for the experiment's speeds."""
+
 TEN = 10.0
 """Tilt at which the paper states a speed, deg."""
 
@@ -33,10 +38,6 @@ COUNTED = (
 
 RATIOS = {"15 below 10": (15.0, 10.0), "35 below 15": (35.0, 15.0)}
 """Tilts of the speeds that a fact compares, as numerator and denominator of a ratio, deg."""
-
-DRAWS, SEED = 2000, 2016
-"""Number of random draws of the measured speeds within their standard errors, for what is not
-linear in them (the place of a peak, a ratio): its spread is then known to 1.6 %."""
 
 RESTITUTIONS, FRICTIONS = np.linspace(0.5, 1.0, 11), np.linspace(0.05, 0.4, 15)
 """Values that we take for the paper's "wide range of realistic values"."""
@@ -75,9 +76,13 @@ class Findings(NamedTuple):
     theories: Sequence[Theory]
     peaks: Sequence[Range]
     tilts: Sequence[Point]
-    """Ensembles along the tilt; models relaxed, compliant, rigid (braced legs)."""
+    """Ensembles along the tilt, of all series but that on a noisy plate."""
+    labels: Mapping[float, Sequence[Point]]
+    """Ensembles along the tilt in space, with the measured friction, by restitution."""
     drives: Sequence[Point]
-    """Ensembles along the plate's speed."""
+    """Ensembles along the plate's speed, of all series of flexible legs."""
+    plane: Sequence[Runs]
+    """Runs on a plane at the tilts of figure 6."""
 
 
 class Row(NamedTuple):
@@ -93,31 +98,21 @@ class Row(NamedTuple):
     verdict: Verdict
 
 
-class Peak(NamedTuple):
-    """Top of a curve of speed against tilt."""
-
-    tilt_deg: Value
-    speed: Value
-
-
 def rows(found: Findings) -> list[Row]:
     """Compare every fact with each theory and simulation that has a number for it."""
     listed = [*_stated(found)]
     for theory in found.theories:
         listed += _of_theory(theory)
-    for series in series_of(found.tilts):
+    for series in curves.series_of(found.tilts):
         listed += _of_tilts(series)
-    for series in series_of(found.drives):
-        value = proportionality(series)
+    for series in curves.series_of(found.drives):
+        value = curves.proportionality(series)
         listed.append(_row("proportional", series[0].model, series[0].assumption, value, 100.0))
+        if series[0].model == "space":
+            listed.append(_of_lively(series, found))
+    listed += [row for one in found.plane for row in _of_plane(one)]
     order = list(FACTS)
     return sorted(listed, key=lambda row: order.index(row.fact))
-
-
-def series_of(points: Sequence[Point]) -> list[list[Point]]:
-    """Group points by assumption and model, in the order of first appearance."""
-    keys = dict.fromkeys((point.assumption, point.model) for point in points)
-    return [[point for point in points if (point.assumption, point.model) == key] for key in keys]
 
 
 def _row(fact: str, model: str, assumption: str, value: Value | None, scale: float = 1.0) -> Row:
@@ -134,6 +129,14 @@ def _stated(found: Findings) -> Iterator[Row]:
         if one.name == FITTED:
             friction = one.scene.contact.friction
             yield _row("friction", "the paper's best fit", one.name, Value(friction, 0.0))
+    if found.labels:
+        told = "space, measured friction"
+        yield _row(
+            "restitution",
+            told,
+            found.assumptions[0].name,
+            curves.restitution_of_peak(found.labels, FACTS["peak speed"].value),
+        )
 
 
 def stationary_type_three(
@@ -189,127 +192,55 @@ def _of_theory(theory: Theory) -> Iterator[Row]:
             yield _row(fact, theory.label, name, Value(float(ratio[0] / ratio[1]), 0.0))
 
 
-def _predicted_peak(curve: Curve) -> Peak | None:
+def _predicted_peak(curve: Curve) -> curves.Peak | None:
     """Top of a predicted curve; None at an end of the curve, beyond which it may rise on."""
     at = int(curve.speed.argmax())
     if at in (0, len(curve.speed) - 1):
         return None
     grid = float(curve.tilt_deg[1] - curve.tilt_deg[0]) / math.sqrt(12.0)
     speed = Value(float(curve.speed[at]), float(curve.sd[at]))
-    return Peak(Value(float(curve.tilt_deg[at]), grid), speed)
+    return curves.Peak(Value(float(curve.tilt_deg[at]), grid), speed)
 
 
 def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     model, name = series[0].model, series[0].assumption
-    if model == "rigid":
-        yield _row("braced", "rigid", name, _largest(series))
+    if model in ("rigid", "space, braced"):
+        yield _row("braced", model, name, curves.largest(series))
         return
-    top = peak(series)
+    top = curves.peak(series)
     yield _row("peak tilt", model, name, None if top is None else top.tilt_deg)
     yield _row("peak speed", model, name, None if top is None else top.speed)
     for fact, (over, under) in RATIOS.items():
-        yield _row(fact, model, name, _ratio(series, over, under))
-    yield _row("impact speed", f"{model}, landings, over tilts", name, _impact_speed(series))
+        yield _row(fact, model, name, curves.ratio(series, over, under))
+    yield _row("impact speed", f"{model}, landings, over tilts", name, curves.impact_speed(series))
     speed = {point.tilt_deg: point.speed for point in series}.get(TEN)
     yield _row("speed at 10 deg", model, name, speed)
     for told, counting, both, third in COUNTED:
+        if model == "space" and "rest" in third:
+            continue  # elastic feet never land at exactly no slip
         for fact, kind in (("types II and III", both), ("mostly type III", third)):
-            share = _smallest(series, counting, kind)
+            share = curves.smallest(series, counting, kind)
             yield _row(fact, f"{model}, {told}", name, share, 100.0)
 
 
-def _largest(series: Sequence[Point]) -> Value | None:
-    """Mean speed farthest from zero."""
-    speeds = [point.speed for point in series if point.speed is not None]
-    return max(speeds, key=lambda speed: abs(speed.mean)) if speeds else None
+def _of_lively(series: Sequence[Point], found: Findings) -> Row:
+    """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
+    name = series[0].assumption
+    (drive,) = (one.scene.drive for one in found.assumptions if one.name == name)
+    lively = [one for one in series if one.plate_speed_mm_s > 0.999 * drive.peak_speed]
+    told = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
+    return _row("proportional", told, name, curves.proportionality(lively), 100.0)
 
 
-def _smallest(series: Sequence[Point], counting: str, kind: str) -> Value | None:
-    """Smallest share over tilts above 0: an upright walker slides backward as often as forward."""
-    shares = [
-        point.shares[counting, kind] for point in series if point.shares and point.tilt_deg > 0.0
-    ]
-    return min(shares, key=lambda share: share.mean) if shares else None
-
-
-def _impact_speed(series: Sequence[Point]) -> Value | None:
-    """Impact speed over the plate's peak speed: mean and standard error over the tilts."""
-    ratios = [
-        point.impact_speed.mean / point.plate_speed_mm_s
-        for point in series
-        if point.impact_speed is not None
-    ]
-    return mean(ratios) if len(ratios) > 1 else None
-
-
-def _drawn(series: Sequence[Point]) -> tuple[Array, Array]:
-    """Means of the known speeds, and random speeds within their errors, shape (DRAWS, points)."""
-    known = np.array([point.speed for point in series if point.speed is not None])
-    means, errors = known.reshape(-1, 2).T
-    normal = np.random.default_rng(SEED).normal(size=(DRAWS, len(means)))
-    return means, np.asarray(means + errors * normal)
-
-
-def _ratio(series: Sequence[Point], over: float, under: float) -> Value | None:
-    """Speed at one tilt over that at another, with the error that theirs give it."""
-    at = {point.tilt_deg: point.speed for point in series}
-    first, second = at.get(over), at.get(under)
-    if first is None or second is None or second.mean == 0.0:
-        return None
-    ratio = first.mean / second.mean
-    return Value(ratio, math.hypot(first.se, ratio * second.se) / abs(second.mean))
-
-
-def peak(series: Sequence[Point]) -> Peak | None:
-    """Top of the measured speeds, by a parabola through the largest and its two neighbours.
-
-    Its errors are those of the speeds and, for the tilt, also a grid's (the spacing over sqrt 12).
-    Tilts without a speed are left out; None where the largest speed lies at the first or last of
-    the others: the top may lie beyond.
-    """
-    tilts = np.array([point.tilt_deg for point in series if point.speed is not None])
-    means, drawn = _drawn(series)
-    if len(tilts) < 3 or int(means.argmax()) in (0, len(tilts) - 1):
-        return None
-    tops = np.array([_top(tilts, speeds) for speeds in drawn])
-    tilt, speed = _top(tilts, means)
-    at = int(means.argmax())
-    grid = float(tilts[at + 1] - tilts[at - 1]) / 2.0 / math.sqrt(12.0)
-    spread = tops.std(axis=0, ddof=1)
-    return Peak(Value(tilt, math.hypot(float(spread[0]), grid)), Value(speed, float(spread[1])))
-
-
-def _top(tilts: Array, speeds: Array) -> tuple[float, float]:
-    at = int(speeds.argmax())
-    if at in (0, len(tilts) - 1):
-        return float(tilts[at]), float(speeds[at])
-    a, b, c = np.polyfit(tilts[at - 1 : at + 2] - tilts[at], speeds[at - 1 : at + 2], 2)
-    return float(tilts[at] - b / (2.0 * a)), float(c - b * b / (4.0 * a))
-
-
-def through_zero(series: Sequence[Point]) -> Value | None:
-    """Slope of the least-squares line through zero of speed against plate speed."""
-    plate = np.array([point.plate_speed_mm_s for point in series if point.speed is not None])
-    if len(plate) < 2:
-        return None
-    means, drawn = _drawn(series)
-    slopes = drawn @ plate / (plate @ plate)
-    return Value(float(means @ plate / (plate @ plate)), float(slopes.std(ddof=1)))
-
-
-def proportionality(series: Sequence[Point]) -> Value | None:
-    """Rms distance from the line through zero over the mean |speed|; 0: proportional.
-
-    None with fewer than two speeds, or for a walker that always rests.
-    """
-    plate = np.array([point.plate_speed_mm_s for point in series if point.speed is not None])
-    means, drawn = _drawn(series)
-    if len(plate) < 2 or not means.any():
-        return None
-
-    def off(speeds: Array) -> Array:
-        slope = speeds @ plate / (plate @ plate)
-        rest = speeds - slope[:, None] * plate
-        return np.asarray(np.sqrt((rest**2).mean(axis=1)) / np.abs(speeds).mean(axis=1))
-
-    return Value(float(off(means[None])[0]), float(off(drawn).std(ddof=1)))
+def _of_plane(one: Runs) -> Iterator[Row]:
+    """Rows of figure 6's facts about a tilt."""
+    tilt, grown = f"{one.tilt_deg:g}", one.growth
+    about = {
+        f"ballistic at {tilt}": grown.smallest,
+        f"superdiffusive at {tilt}": grown.first,
+        f"diffusive at {tilt}": grown.late,
+        f"crossover at {tilt}": grown.crossover,
+    }
+    for fact, value in about.items():
+        if fact in FACTS:
+            yield _row(fact, "space", one.assumption, value)

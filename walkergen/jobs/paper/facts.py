@@ -67,6 +67,14 @@ FACTS = {
             0.25, 0.23, 0.27, "stated",
         ),
         Fact(
+            "restitution", 2,
+            "By directly observing structures bouncing and sliding on the surface we can estimate "
+            "both the restitution and dynamic friction coefficients and obtain e = 0.8 ± 0.1",
+            "text on figure 2, experiments",
+            "restitution with which the peak is 60 mm/s", "",
+            0.8, 0.7, 0.9, "stated",
+        ),
+        Fact(
             "peak tilt", 2,
             "flexible objects run with an average speed that shows a prominent peak at a tilt "
             "angle around 10°, in good agreement with theoretical predictions",
@@ -153,14 +161,47 @@ FACTS = {
             "rms distance from a line through zero over the mean speed", "%",
             10.0, -math.inf, 10.0, "our reading of 'good': 10 %",
         ),
+        Fact(
+            "ballistic at 10", 6,
+            "The fast and medium runner (φ = 10° and 15°) are practically always ballistic in the "
+            "accessible time window",
+            "text on figure 6, experiments",
+            "smallest local exponent of the MSD at 10 deg", "",
+            2.0, 1.8, 2.2, "our reading of 'practically': 10 %",
+        ),
+        Fact(
+            "ballistic at 15", 6,
+            "The fast and medium runner (φ = 10° and 15°) are practically always ballistic in the "
+            "accessible time window",
+            "text on figure 6, experiments",
+            "smallest local exponent of the MSD at 15 deg", "",
+            2.0, 1.8, 2.2, "our reading of 'practically': 10 %",
+        ),
+        Fact(
+            "superdiffusive at 35", 6,
+            "the slow one displays a transition from a superdiffusive to a diffusive regime",
+            "text on figure 6, experiments",
+            "local exponent of the MSD at 35 deg and 40 ms", "",
+            1.0, 1.0, math.inf, "stated ('superdiffusive')",
+        ),
+        Fact(
+            "diffusive at 35", 6,
+            "the slow one displays a transition from a superdiffusive to a diffusive regime at "
+            "t ~ 1.0 s",
+            "text on figure 6, experiments",
+            "exponent of the MSD at 35 deg beyond 1 s", "",
+            1.0, 0.8, 1.2, "our reading of 'diffusive': 0.2",
+        ),
+        Fact(
+            "crossover at 35", 6,
+            "the slow one displays a transition from a superdiffusive to a diffusive regime at "
+            "t ~ 1.0 s",
+            "text on figure 6, experiments",
+            "lag at which the exponent at 35 deg falls to 1.5", "s",
+            1.0, 10**-0.5, 10**0.5, "our reading of '~': half a decade",
+        ),
     )
 }  # fmt: skip
-
-NOT_YET = {
-    6: "Mean squared displacements, ballistic at 10 and 15 deg and diffusive beyond about 1 s at "
-    "35 deg, and the densities of displacements at 40 ms: not yet, they need motion in the plane."
-}
-"""Figures that walkergen cannot reproduce yet, and why."""
 
 Word = Literal["agrees", "agrees within", "differs by", "undecided", "not measured"]
 

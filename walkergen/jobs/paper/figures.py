@@ -1,4 +1,4 @@
-"""The paper's figures 2, 3 and 5 with our curves and its statements on the same axes."""
+"""The paper's figures 2, 3, 5, 6 with our curves and its statements on the same axes."""
 
 from collections.abc import Callable, Sequence
 from typing import Any
@@ -8,7 +8,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.jobs.paper.compare import FITTED, Findings, Theory, series_of, through_zero
+from walkergen.jobs.paper import figure6 as motion
+from walkergen.jobs.paper.compare import FITTED, Findings, Theory
+from walkergen.jobs.paper.curves import series_of, through_zero
 from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
 
@@ -16,7 +18,10 @@ from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
 MODELS = {
     "relaxed": ("#009E73", "-.", "^", "simulated, relaxed legs (the paper's)"),
     "compliant": ("#D55E00", "-", "o", "simulated, legs on springs"),
+    "space": ("#CC79A7", "-", "D", "simulated, in space"),
+    "space, noisy plate": ("#882255", "--", "v", "simulated, in space, noisy plate"),
     "rigid": ("#000000", ":", "s", "simulated, braced"),
+    "space, braced": ("#000000", "--", "x", "simulated, braced, in space"),
 }
 THEORY = {"coulomb": ("#0072B2", "-"), "paper": ("#56B4E9", "--")}
 # From dark to light in the order of TYPES; hatches where greys come close.
@@ -101,9 +106,9 @@ def figure3(found: Findings) -> Figure:
     Types II and III lie at the bottom, so that their common edge meets the paper's 95 %.
     """
     fitted = next(one for one in found.assumptions if one.name == FITTED)
-    models = ("relaxed", "compliant")
+    models = ("relaxed", "compliant", "space")
     with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(10.0, 5.4), layout="constrained")
+        figure = Figure(figsize=(10.0, 7.4), layout="constrained")
         grid = figure.subplots(len(models), len(COUNTINGS), sharex=True, sharey=True)
         for row, model in zip(grid, models, strict=True):
             series = [p for p in found.tilts if (p.assumption, p.model) == (fitted.name, model)]
@@ -186,4 +191,14 @@ def _mark_drive(axes: Axes, one: Assumption) -> None:
     )  # fmt: skip
 
 
-FIGURES: dict[int, Callable[[Findings], Figure]] = {2: figure2, 3: figure3, 5: figure5}
+def figure6(found: Findings) -> Figure:
+    """Draw motion on a plane: squared displacements with exponents, tracks, densities."""
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(10.0, 6.8), layout="constrained")
+        motion.draw(figure, found)
+    return figure
+
+
+FIGURES: dict[int, Callable[[Findings], Figure]] = {
+    2: figure2, 3: figure3, 5: figure5, 6: figure6,
+}  # fmt: skip

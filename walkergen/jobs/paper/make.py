@@ -1,20 +1,19 @@
-"""Reproduction of the paper: figures 2, 3 and 5 on our geometry, and a verdict on each fact."""
+"""Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen import prediction
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
-from walkergen.jobs.paper import compare, sweeps
+from walkergen.jobs.paper import compare, plane, sweeps
 from walkergen.jobs.paper import page as supplement
 from walkergen.jobs.paper import tables as comparison
 from walkergen.jobs.paper.compare import Findings, Row, Theory
-from walkergen.jobs.paper.sweeps import Assumption, Case
+from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
-from walkergen.simulation.effects.effect import ModelName
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design, Kind
 
@@ -28,12 +27,21 @@ TILT_OF_DRIVES = 15.0
 """Tilt of the walkers in figure 5, deg (stated)."""
 
 SECONDS, RUNS, FEWEST_RUNS = 8.0, 8, 8
-"""Length (s) and number of each ensemble's runs, and least number, since standard errors come from
-the spread of independent runs."""
+"""Length (s) and number of each planar ensemble's runs, and least number, since standard errors
+come from the spread of independent runs."""
+
+SHORTEST = 0.1
+"""Least length of runs, s: those of figure 6 then last for some displacements over 40 ms."""
+
+LABELS = (0.1, 0.2, 0.5)
+"""Restitutions in space beside those of the assumptions, to find that of the stated peak."""
+
+TILTS_OF_LABELS = (7.5, 10.0, 12.5, 15.0)
+"""Tilts about that peak, deg."""
 
 LOW_RESTITUTION = 0.3
-"""Restitution of the foot with which the compliant walker in its plane has the experiment's speeds:
-chosen for that, not measured."""
+"""Restitution of the foot with which compliant legs have about the experiment's speeds, in their
+plane and in space: chosen for that, not measured."""
 
 
 class Job(NamedTuple):
@@ -56,33 +64,75 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
     """
     check(job)
     assumptions = assumptions_of(job)
-    flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant"))
-    braced = _cases(job, assumptions, "braced", ("rigid",))
-    ahead = len(flexible) * len(job.tilts_deg), len(braced) * len(job.tilts_deg)
-    behind = len(flexible) * len(job.gammas)
-    steps = 100 * (sum(ahead) + behind)
-    progress("theory", 0, steps)
+    flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant", "space"))
+    braced = _cases(job, assumptions, "braced", ("rigid", "space, braced"))
+    labelled = _labelled(job, assumptions)
+    driven = [
+        case._replace(design=case.design.variant(tilt_deg=TILT_OF_DRIVES))
+        for case in flexible + _cases(job, assumptions, "flexible", ("space, noisy plate",))
+    ]
+    on_plane = [job.design.variant(tilt_deg=tilt, kind="flexible") for tilt in plane.TILTS]
+    counts = [
+        len(job.tilts_deg) * len(flexible + braced), len(TILTS_OF_LABELS) * len(labelled),
+        len(job.gammas) * len(driven), len(assumptions) * len(on_plane),
+    ]  # fmt: skip
+    parts = parts_of(counts, progress)
+    progress("theory", 0, 1)
     theories = _theories(job, assumptions)
     peaks = [compare.peak_range(job.design.variant(kind="flexible"), mode) for mode in MODES]
 
-    def told(start: int, count: int) -> Progress:
-        return lambda what, done, of: progress(what, 100 * start + 100 * count * done // of, steps)
-
-    tilts = sweeps.along_tilts(flexible, job.tilts_deg, told(0, ahead[0]))
-    tilts += sweeps.along_tilts(braced, job.tilts_deg, told(ahead[0], ahead[1]))
-    found = Findings(assumptions, theories, peaks, tilts, ())
-    _write_figures(found, job, folder, (2, 3))
-    upright = [
-        case._replace(design=case.design.variant(tilt_deg=TILT_OF_DRIVES)) for case in flexible
-    ]
-    drives = sweeps.along_drives(upright, job.gammas, told(sum(ahead), behind))
-    found = found._replace(drives=drives)
-    _write_figures(found, job, folder, (5,))
+    tilts = sweeps.along_tilts(flexible + braced, job.tilts_deg, parts[0])
+    found = Findings(assumptions, theories, peaks, tilts, {}, (), ())
+    _write_figures(found, folder, (2, 3))
+    found = found._replace(labels=_labels(found, labelled, parts[1]))
+    output.write(folder / "figure2_labels.csv", comparison.labels_to_csv(found.labels).encode())
+    found = found._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
+    _write_figures(found, folder, (5,))
+    found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
+    _write_figures(found, folder, (6,))
     rows = compare.rows(found)
     output.write(folder / "reproduce.csv", comparison.rows_to_csv(rows).encode())
     page = supplement.to_markdown(found, rows, job.design.name)
     output.write(folder / "reproduce.md", page.encode())
     return found, rows
+
+
+def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:
+    """Progress of each of several parts, which have so many ensembles, within the whole."""
+    steps = 100 * sum(counts)
+
+    def told(start: int, count: int) -> Progress:
+        return lambda what, done, of: progress(what, 100 * start + 100 * count * done // of, steps)
+
+    return [told(sum(counts[:number]), count) for number, count in enumerate(counts)]
+
+
+def _labelled(job: Job, assumptions: Sequence[Assumption]) -> list[Case]:
+    """Cases in space with the measured friction and the restitutions LABELS."""
+    measured = assumptions[0].scene
+    others = [
+        Assumption(f"e = {label:g}", measured.model_copy(
+            update={"contact": measured.contact.model_copy(update={"restitution": label})}
+        ))
+        for label in LABELS
+    ]  # fmt: skip
+    return _cases(job, others, "flexible", ("space",))
+
+
+def _labels(found: Findings, cases: Sequence[Case], progress: Progress) -> dict[float, list[Point]]:
+    """Ensembles in space by restitution, those of the assumptions with this friction included."""
+    measured = found.assumptions[0].scene.contact.friction
+    ready = {
+        one.scene.contact.restitution: [
+            point for point in found.tilts if (point.assumption, point.model) == (one.name, "space")
+        ]
+        for one in found.assumptions if one.scene.contact.friction == measured
+    }  # fmt: skip
+    points = sweeps.along_tilts(cases, TILTS_OF_LABELS, progress)
+    for case in cases:
+        own = [point for point in points if point.assumption == case.assumption.name]
+        ready.setdefault(case.assumption.scene.contact.restitution, own)
+    return dict(sorted(ready.items()))
 
 
 def check(job: Job) -> None:
@@ -94,12 +144,18 @@ def check(job: Job) -> None:
         if scene.contact.law != "poisson":
             told = "the paper's law is poisson, and so is eq. 15's; use a scene with it"
             raise InputError(f"{scene.name}: contact.law = {scene.contact.law!r}: {told}")
+        if scene.run.seconds < SHORTEST:
+            told = f"at least {SHORTEST:g}, for displacements over 40 ms"
+            raise InputError(f"--seconds {scene.run.seconds:g}: {told}")
     for flag, values, fewest in (("--tilt", job.tilts_deg, 3), ("--gamma", job.gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
             seen = ",".join(f"{value:g}" for value in values)
             told = "none negative, each above the last"
             raise InputError(f"{flag} {seen[:60]}: give {fewest} or more, {told}")
-    job.design.members([*job.tilts_deg, TILT_OF_DRIVES], ("flexible", "braced"))
+    tilts = [*job.tilts_deg, TILT_OF_DRIVES, *plane.TILTS, *TILTS_OF_LABELS]
+    job.design.members(tilts, ("flexible", "braced"))
+    for case in _cases(job, assumptions_of(job), "flexible", ("space", "space, noisy plate")):
+        sweeps.check(case)
 
 
 def assumptions_of(job: Job) -> list[Assumption]:
@@ -110,7 +166,7 @@ def assumptions_of(job: Job) -> list[Assumption]:
     return [
         Assumption("measured", scene),
         Assumption(compare.FITTED, job.fitted),
-        Assumption("low restitution", lower),
+        Assumption(compare.LOW, lower),
     ]
 
 
@@ -131,23 +187,29 @@ def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
 
 
 def _cases(
-    job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[ModelName]
+    job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[str]
 ) -> list[Case]:
     design = job.design.variant(kind=kind)
     return [Case(one, model, design) for one in assumptions for model in models]
 
 
-def _write_figures(found: Findings, job: Job, folder: Path, numbers: Sequence[int]) -> None:
+def _write_figures(found: Findings, folder: Path, numbers: Sequence[int]) -> None:
     from walkergen.files import figures as pictures
     from walkergen.jobs.paper import figures as reproduced
 
-    tables = {2: comparison.speeds_to_csv, 3: comparison.types_to_csv, 5: comparison.speeds_to_csv}
+    texts: dict[int, tuple[tuple[str, Callable[[Any], str], Sequence[Any]], ...]] = {
+        2: (("", comparison.speeds_to_csv, found.tilts),
+            ("_theory", comparison.theory_to_csv, found.theories)),
+        3: (("", comparison.types_to_csv, found.tilts),),
+        5: (("", comparison.speeds_to_csv, found.drives),),
+        6: (("", comparison.squares_to_csv, found.plane),
+            ("_exponents", comparison.exponents_to_csv, found.plane),
+            ("_densities", comparison.densities_to_csv, found.plane),
+            ("_tracks", comparison.tracks_to_csv, found.plane)),
+    }  # fmt: skip
     for number in numbers:
-        points = found.drives if number == 5 else found.tilts
+        for part, to_csv, rows in texts[number]:
+            output.write(folder / f"figure{number}{part}.csv", to_csv(rows).encode())
         figure = reproduced.FIGURES[number](found)
-        output.write(folder / f"figure{number}.csv", tables[number](points).encode())
         output.write(folder / f"figure{number}.png", pictures.png(figure))
         output.write(folder / f"figure{number}.pdf", pictures.pdf(figure))
-    if 2 in numbers:
-        theory = comparison.theory_to_csv(found.theories)
-        output.write(folder / "figure2_theory.csv", theory.encode())

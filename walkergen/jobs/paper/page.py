@@ -4,16 +4,11 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.paper.compare import (
-    FRICTIONS,
-    RESTITUTIONS,
-    Findings,
-    Row,
-    series_of,
-    through_zero,
-)
-from walkergen.jobs.paper.facts import FACTS, NOT_YET, judge
-from walkergen.jobs.paper.sweeps import QUIET, Point, Value
+from walkergen.jobs.paper.compare import FRICTIONS, RESTITUTIONS, Findings, Row
+from walkergen.jobs.paper.curves import peak, series_of, through_zero
+from walkergen.jobs.paper.facts import FACTS, judge
+from walkergen.jobs.paper.plane import LONGER, Runs
+from walkergen.jobs.paper.sweeps import NOISE_RATIO, QUIET, SHORTER, Point, Value
 from walkergen.jobs.paper.tables import name, number, to_table
 from walkergen.simulation.compliant.model import STEP_US
 
@@ -27,9 +22,12 @@ def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
 Statements of Koumakis, Gnoli, Maggi, Puglisi and Di Leonardo, *Mechanism of self-propulsion in
 3D-printed active granular particles* (2016), against walkergen's theory and simulations of its own
 printed geometry ({design}) on a plate shaken at {drive.frequency:g} Hz with {drive.peak_gamma:g} g
-({drive.peak_speed:.1f} mm/s). Each simulated number: {run.runs} runs of {run.seconds:g} s, after
-{run.discard_seconds:g} s discarded; seed {run.seed}; Poisson's law of restitution; compliant legs
-in steps of {run.step_us or STEP_US:g} µs.
+({drive.peak_speed:.1f} mm/s). Each simulated number: {run.runs} runs of {run.seconds:g} s, in space
+of {SHORTER * run.seconds:g} s ({LONGER * run.seconds:g} s for figure 6), after
+{run.discard_seconds:g} s discarded; seed {run.seed}; in a plane Poisson's law of restitution, with
+compliant legs in steps of {run.step_us or STEP_US:g} µs. In space walkers run on elastic feet
+({scene.feet.damping}), of whose damping e is the label, freely on an open plane, with speeds along
+their heading: this stands for a lane without walls.
 
 ## What comes out
 
@@ -53,8 +51,6 @@ between. The bias of the time steps is not in ± (`walkergen accuracy` measures 
 
 {_statements()}
 
-{_listed(f"Figure {figure}. {why}" for figure, why in NOT_YET.items())}
-
 ## Figures
 
 ![Figure 2](figure2.png)
@@ -67,15 +63,27 @@ errors.
 
 Figure 3. Types of impacts against tilt, with the fitted contact, counted in three ways: every
 impact, chatter included; landings, a foot's first impact after {1e3 * QUIET:g} ms without one;
-by normal impulse. As in the paper the foot's sliding speed I stays forward, II turns backward
-during restitution, III during compression, IV stays backward. From rest (exactly) is the limit of
-type III. The table takes the tilts above 0, for an upright walker slides either way.
+by normal impulse. In space an impact is a contact of a corner from the first force to the last, its
+impulse with the weight that it bears meanwhile. As in the paper the foot's sliding speed I stays
+forward, II turns backward during restitution, III during compression, IV stays backward. From rest
+(exactly) is the limit of type III. The table takes the tilts above 0, for an
+upright walker slides either way.
 
 ![Figure 5](figure5.png)
 
 Figure 5. Speed against the plate's peak speed at {found.drives[0].tilt_deg:g} deg and
 {drive.frequency:g} Hz, with least-squares lines through zero. The theory is proportional by
-construction. Slopes: {_slopes(found)}.
+construction. The noisy plate has noise of {NOISE_RATIO:g} x the drive's speed (rms), from
+{scene.plate.noise_low_hz:g} to {scene.plate.noise_high_hz:g} Hz: chosen, for the paper does not
+state its plate's. Slopes: {_slopes(found)}.
+
+![Figure 6](figure6.png)
+
+Figure 6. Motion on a plane in space, with the low restitution. (a) Mean squared displacement
+against lag, with guides, and its local exponents; star: the paper's crossover at 35 deg, with our
+margin. (b) Tracks of {LONGER * run.seconds:g} s from one start, each turned by its own angle, those
+of 35 deg magnified. (c) Densities of displacements along and across the heading over 40 ms; the
+paper states no number of them. Bars and bands are two standard errors.
 """
 
 
@@ -115,10 +123,39 @@ def _notes(found: Findings) -> Iterator[str]:
             f"μ = {FRICTIONS[0]:g} to {FRICTIONS[-1]:g} the maximum lies between {one.low_deg:g} "
             f"and {one.high_deg:g} deg; below {FACTS['maximum below'].value:g} deg: {verdict}."
         )
+    yield from _peaks(found)
     for series in series_of(found.drives):
         yield from _onset(series)
+    for runs in found.plane:
+        yield _moved(runs)
     for series in series_of((*found.tilts, *found.drives)):
         yield from _lost(series)
+
+
+def _peaks(found: Findings) -> Iterator[str]:
+    """Lines on the peak in space by restitution."""
+    tops = [
+        f"e = {label:g}: {number(*top.speed)} mm/s at {number(*top.tilt_deg)} deg"
+        for label, series in found.labels.items()
+        if (top := peak(series)) is not None
+    ]
+    if tops:
+        friction = found.assumptions[0].scene.contact.friction
+        yield f"Peak in space with μ = {friction:g}, by the feet's label: {'; '.join(tops)}."
+
+
+def _moved(runs: Runs) -> str:
+    """Line on the displacements over 40 ms on a plane."""
+    told = []
+    for way, axis in (("along", "parallel"), ("across", "orthogonal")):
+        mean, sd = (runs.motion.estimates[f"{axis}_{of}"] for of in ("mean", "sd"))
+        if mean.value is not None and sd.value is not None:
+            told.append(f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm")
+    lost = f"; {runs.lost} runs ended badly" if runs.lost else ""
+    return (
+        f"Figure 6, {runs.assumption}, {runs.tilt_deg:g} deg: {number(*runs.speed)} mm/s along the "
+        f"heading; displacements over 40 ms {', '.join(told) or 'too few to tell'}{lost}."
+    )
 
 
 def _lost(series: Sequence[Point]) -> Iterator[str]:

@@ -12,6 +12,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import points, record
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.ensemble import listed
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
@@ -33,12 +34,40 @@ SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"),
 
 COUNTINGS = ("every impact", "landings", "by impulse")
 """Ways to take a share: of all impacts, chatter included (of relaxed legs a cascade's geometric
-tail counts once); of landings, a foot's first impact after QUIET without any; or of the normal
-impulse, of relaxed legs that of a whole cascade under the type of its first impact."""
+tail counts once; in space every contact of a corner, from the first force to the last); of
+landings, a foot's first impact after QUIET without any; or of the normal impulse, of relaxed legs
+that of a whole cascade under the type of its first impact."""
 
 QUIET = 1e-3
 """Time without impacts before a landing, s; a flexible leg's contact takes some 0.4 ms, a period
 of the paper's drive 11 ms."""
+
+
+NOISE_RATIO = 0.5
+"""Noise of the noisy plate, rms velocity over the drive's peak speed, in the scene's band: chosen
+since with it the speed becomes proportional to the plate's; the paper does not state its plate's.
+"""
+
+SHORTER = 0.5
+"""Length of runs in space over that of planar runs: their speeds scatter less."""
+
+
+class Series(NamedTuple):
+    """What the ensembles of a series have in common."""
+
+    model: ModelName
+    noise_ratio: float = 0.0
+
+
+SERIES = {
+    "relaxed": Series("relaxed"),
+    "compliant": Series("compliant"),
+    "rigid": Series("rigid"),
+    "space": Series("space"),
+    "space, noisy plate": Series("space", NOISE_RATIO),
+    "space, braced": Series("space"),
+}
+"""Series of ensembles by their names in tables; the model in space runs on a plane."""
 
 
 class Assumption(NamedTuple):
@@ -66,7 +95,8 @@ class Point(NamedTuple):
     """Results of one ensemble."""
 
     assumption: str
-    model: ModelName
+    model: str
+    """One of SERIES."""
     tilt_deg: float
     plate_speed_mm_s: float
     """Peak speed of the plate."""
@@ -81,11 +111,24 @@ class Point(NamedTuple):
     outcomes: str
 
 
+def on_plane(scene: Scene, noise_ratio: float = 0.0) -> Scene:
+    """Scene of the model in space: the same drive and contact on an open plane, without walls."""
+    arena = scene.arena.model_copy(update={"kind": "plane", "gap_mm": None})
+    legs = scene.legs.model_copy(update={"model": "space"})
+    run = scene.run.model_copy(update={"method": "auto", "step_us": None})
+    plate = scene.plate
+    if noise_ratio:
+        plate = plate.model_copy(update={"noise_ratio": noise_ratio})
+    changes = {"arena": arena, "legs": legs, "run": run, "plate": plate}
+    return scene.model_copy(update=changes)
+
+
 class Case(NamedTuple):
     """Contact, model and walker to simulate."""
 
     assumption: Assumption
-    model: ModelName
+    model: str
+    """One of SERIES."""
     design: Design
 
 
@@ -130,16 +173,28 @@ def _measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
 
 
 def _asked(case: Case) -> tuple[Scene, Design, MassProperties]:
-    scene = case.assumption.scene
-    scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": case.model})})
+    scene, series = case.assumption.scene, SERIES[case.model]
+    if series.model == "space":
+        scene = on_plane(scene, series.noise_ratio)
+        shorter = {"seconds": SHORTER * scene.run.seconds}
+        scene = scene.model_copy(update={"run": scene.run.model_copy(update=shorter)})
+    else:
+        legs = scene.legs.model_copy(update={"model": series.model})
+        scene = scene.model_copy(update={"legs": legs})
     return scene, case.design, solids.mass_of(case.design)
+
+
+def check(case: Case) -> None:
+    """Refuse a case that cannot be simulated. Raises InputError."""
+    prepare(*_asked(case))
 
 
 def _point(case: Case, point: points.Point) -> Point:
     """What a simulated point says of a case, with its impacts."""
     results = point.results
     good = [result for result in results if result.outcome in ENDED_WELL]
-    impacts = [_impacts(result) for result in good]
+    corners = 2 if point.model == "space" else 1
+    impacts = [_impacts(result, corners) for result in good]
     speeds = [float(one.speed[one.landing].mean()) for one in impacts if one.landing.any()]
     return Point(
         case.assumption.name,
@@ -169,11 +224,13 @@ class _Impacts(NamedTuple):
     landing: npt.NDArray[np.bool_]
 
 
-def _impacts(result: RunResult) -> _Impacts:
+def _impacts(result: RunResult, corners: int = 1) -> _Impacts:
+    """Impacts of a run whose events count so many corners to a foot."""
     rows = impacts_of(result)
     landing = np.zeros(len(rows), dtype=bool)
     for foot in (0, 1):
-        (own,) = np.nonzero(rows[:, 1] == foot)
+        (own,) = np.nonzero(rows[:, 1] // corners == foot)
+        own = own[np.argsort(rows[own, 0], kind="stable")]  # in space in the order of their ends
         landing[own] = np.diff(rows[own, 0], prepend=-math.inf) > QUIET
     return _Impacts(rows[:, 6].astype(np.int64), rows[:, 3], -rows[:, 5], landing)
 

@@ -1,15 +1,18 @@
 """Tables of the reproduction: CSV with every digit, a page and a console table to read."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 
 from rich import box
 from rich.table import Table
 
+from walkergen.analysis.motion import Curve
 from walkergen.files.tables import csv_text
 from walkergen.jobs.paper.compare import Row, Theory
 from walkergen.jobs.paper.facts import FACTS
+from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, SUMS, TYPES, Assumption, Point
 
+ON_PLANE = ("contact", "tilt_deg")
 POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")
 
 
@@ -45,6 +48,62 @@ def theory_to_csv(theories: Sequence[Theory]) -> str:
         for *numbers, sticks in zip(*theory.curve, strict=True)
     )
     columns = ("contact", "mode", "tilt_deg", "speed_mm_s", "speed_sd_mm_s", "a_foot_can_stick")
+    return csv_text(columns, rows)
+
+
+def labels_to_csv(labels: Mapping[float, Sequence[Point]]) -> str:
+    """Format as CSV the speeds in space, a line per restitution and tilt."""
+    rows = (
+        [label, point.tilt_deg, *(point.speed or ("", "")), point.outcomes]
+        for label, series in labels.items()
+        for point in series
+    )
+    return csv_text(("restitution", "tilt_deg", "speed_mm_s", "speed_se_mm_s", "outcomes"), rows)
+
+
+def squares_to_csv(plane: Sequence[Runs]) -> str:
+    """Format as CSV, a line for each tilt and lag: mean squared displacement on a plane."""
+    columns = (*ON_PLANE, "lag_s", "msd_mm2", "msd_se_mm2")
+    return csv_text(columns, _curves(plane, lambda one: {"": one.motion.msd}))
+
+
+def exponents_to_csv(plane: Sequence[Runs]) -> str:
+    """Format as CSV, a line for each tilt and lag: local exponent of the squared displacement."""
+    columns = (*ON_PLANE, "lag_s", "exponent", "exponent_se")
+    return csv_text(columns, _curves(plane, lambda one: {"": one.growth.exponents}))
+
+
+def densities_to_csv(plane: Sequence[Runs]) -> str:
+    """Format as CSV, a line for each bin: densities of displacements along and across."""
+    columns = (*ON_PLANE, "direction", "displacement_mm", "density_per_mm", "density_se_per_mm")
+
+    def both(one: Runs) -> dict[str, Curve]:
+        return {"along": one.motion.parallel, "across": one.motion.orthogonal}
+
+    return csv_text(columns, _curves(plane, both))
+
+
+def _curves(
+    plane: Sequence[Runs], of: Callable[[Runs], dict[str, Curve]]
+) -> Iterator[list[object]]:
+    """Rows of curves, with the curve's name where it has one."""
+    for one in plane:
+        for name, curve in of(one).items():
+            start = [one.assumption, one.tilt_deg, *([name] if name else [])]
+            for numbers in zip(*curve, strict=True):
+                yield [*start, *map(float, numbers)]
+
+
+def tracks_to_csv(plane: Sequence[Runs]) -> str:
+    """Format as CSV the tracks on a plane, every 40 ms: y to the left of x."""
+    columns = (*ON_PLANE, "particle", "t_s", "x_mm", "y_mm", "theta_rad")
+    rows = (
+        [one.assumption, one.tilt_deg, track.particle, float(at * one.tracks.interval),
+         *map(float, track.position[at]), float(track.heading[at])]
+        for one in plane
+        for track in one.tracks.tracks if track.heading is not None
+        for at in range(0, len(track.position), round(one.motion.lag_s / one.tracks.interval))
+    )  # fmt: skip
     return csv_text(columns, rows)
 
 

@@ -1,0 +1,146 @@
+"""The paper's figure 6, motion on a plane: squared displacements, tracks, densities at 40 ms."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure
+
+from walkergen.analysis.motion import Curve
+from walkergen.jobs.paper.compare import LOW, Findings
+from walkergen.jobs.paper.facts import FACTS
+from walkergen.jobs.paper.plane import HALFWAY, SHORTEST, TILTS, Runs
+
+# Okabe and Ito's colours for the tilts, of three greys, each with its own line and marker.
+STYLES = dict(
+    zip(TILTS, (("#0072B2", "-", "o"), ("#E69F00", "--", "s"), ("#000000", ":", "^")), strict=True)
+)
+
+GREY: Any = {"color": "0.55", "linewidth": 1.0, "zorder": 0}
+
+MOST_TRACKS = 8
+"""Largest number of tracks drawn for a tilt."""
+
+
+def draw(figure: Figure, found: Findings) -> None:
+    """Draw what is known of the walkers with the low restitution into an empty figure."""
+    shown = [one for one in found.plane if one.assumption == LOW]
+    (low,) = (one for one in found.assumptions if one.name == LOW)
+    grid = figure.add_gridspec(2, 4)
+    squares, slopes = (figure.add_subplot(grid[0, 2 * n : 2 * n + 2]) for n in range(2))
+    fast, slow, along, across = (figure.add_subplot(grid[1, n]) for n in range(4))
+    _squares(squares, shown)
+    _slopes(slopes, shown)
+    _tracks(fast, [one for one in shown if one.tilt_deg != TILTS[-1]])
+    _tracks(slow, [one for one in shown if one.tilt_deg == TILTS[-1]])
+    for axes, name in ((along, "parallel"), (across, "orthogonal")):
+        _densities(axes, shown, name)
+    for axes, letter in zip((squares, fast, along), "abc", strict=True):
+        axes.set_title(f"({letter})", loc="left", fontsize=9)
+    figure.suptitle(f"Motion on a plane, {low.label}", fontsize=10)
+    figure.legend(
+        *squares.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False,
+        fontsize=8,
+    )  # fmt: skip
+
+
+def _curve(axes: Axes, curve: Curve, tilt: float, **more: Any) -> None:
+    colour, line, marker = STYLES[tilt]
+    errors = 2.0 * np.nan_to_num(curve.se)
+    axes.errorbar(
+        curve.at, curve.value, errors, fmt=marker, linestyle=line, color=colour, markersize=3.5,
+        markerfacecolor="white", linewidth=0.9, elinewidth=0.8, **more,
+    )  # fmt: skip
+
+
+def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
+    """Draw mean squared displacements, and guides of slopes 2 and 1 through one point."""
+    for one in shown:
+        known = one.motion.msd.value > 0.0
+        curve = Curve(*(column[known] for column in one.motion.msd))
+        _curve(axes, curve, one.tilt_deg, label=f"{one.tilt_deg:g} deg")
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    limits = axes.get_xlim(), axes.get_ylim()
+    time = np.geomspace(SHORTEST, limits[0][1], 2)
+    slow = shown[-1].motion.msd if shown else None
+    if slow is not None and (slow.value > 0.0).any():
+        # Of the slow walker at the paper's crossover: both guides then show which way it turns.
+        crossing = FACTS["crossover at 35"].value
+        height = 2.5 * float(np.interp(crossing, slow.at, slow.value))
+        for power, line in ((2, "--"), (1, "-.")):
+            axes.plot(time, height * (time / crossing) ** power, line, **GREY,
+                      label=f"∝ t{'²' if power == 2 else ''}")  # fmt: skip
+    axes.set_xlim(limits[0])
+    axes.set_ylim(limits[1])
+    axes.set_xlabel("lag t (s)")
+    axes.set_ylabel("mean squared displacement (mm²)")
+
+
+def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
+    """Draw local exponents, and the paper's crossover of the slow walker."""
+    for one in shown:
+        _curve(axes, one.growth.exponents, one.tilt_deg)
+    for power, line in ((2.0, "--"), (1.0, "-.")):
+        axes.axhline(power, linestyle=line, **GREY)
+    fact = FACTS["crossover at 35"]
+    axes.errorbar(
+        [fact.value], [HALFWAY], xerr=[[fact.value - fact.low], [fact.high - fact.value]],
+        fmt="*", color="black", markersize=10, elinewidth=1.0,
+    )  # fmt: skip
+    axes.annotate(
+        "the paper's crossover, 35 deg", (fact.value, HALFWAY), (0, 8),
+        textcoords="offset points", ha="center", fontsize=8,
+    )  # fmt: skip
+    axes.set_xscale("log")
+    axes.set_ylim(0.8, 2.1)
+    axes.set_xlabel("lag t (s)")
+    axes.set_ylabel("local exponent of the MSD")
+
+
+def _tracks(axes: Axes, shown: Sequence[Runs]) -> None:
+    """Draw tracks from one start, each turned by its own angle."""
+    for one in shown:
+        _star(axes, one)
+    axes.plot(0.0, 0.0, "+", color="0.4", markersize=6)
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.set_xlabel("x (mm)")
+    axes.set_ylabel("y (mm)")
+
+
+def _star(axes: Axes, one: Runs) -> None:
+    colour, _, _ = STYLES[one.tilt_deg]
+    paths = [_path(one, number) for number in range(min(len(one.tracks.tracks), MOST_TRACKS))]
+    for number, path in enumerate(paths):
+        turned = path * np.exp(2j * math.pi * (number + TILTS.index(one.tilt_deg) / 3) / len(paths))
+        axes.plot(turned.real, turned.imag, color=colour, linewidth=0.9)
+
+
+def _path(one: Runs, number: int) -> npt.NDArray[np.complex128]:
+    """Track x + i y (mm) from its start, its heading there along x, every 40 ms."""
+    track = one.tracks.tracks[number]
+    assert track.heading is not None
+    place = track.position @ np.array([1.0, 1.0j])
+    stride = round(one.motion.lag_s / one.tracks.interval)
+    path: npt.NDArray[np.complex128] = (place - place[0]) * np.exp(-1j * track.heading[0])
+    return path[::stride]
+
+
+def _densities(axes: Axes, shown: Sequence[Runs], name: str) -> None:
+    """Draw densities of displacements along or across the heading over 40 ms."""
+    for one in shown:
+        curve: Curve = getattr(one.motion, name)
+        colour, line, _ = STYLES[one.tilt_deg]
+        axes.plot(curve.at, curve.value, line, color=colour, drawstyle="steps-mid", linewidth=1.1)
+        errors = 2.0 * np.nan_to_num(curve.se)
+        axes.fill_between(
+            curve.at, np.maximum(curve.value - errors, 0.0), curve.value + errors, step="mid",
+            color=colour, alpha=0.2, linewidth=0,
+        )  # fmt: skip
+    way = {"parallel": "along", "orthogonal": "across"}[name]
+    axes.set_xlabel(f"{way} the heading (mm)")
+    axes.set_ylabel("density over 40 ms (1/mm)")
+    axes.set_ylim(bottom=0.0)
