@@ -61,7 +61,9 @@ Runs = Annotated[int | None, typer.Option("--runs", help="Number of simulated ru
 Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' random starts.")]
 Model = Annotated[
     str | None,
-    typer.Option("--model", metavar="MODEL", help="Model: rigid, relaxed, compliant or auto."),
+    typer.Option(
+        "--model", metavar="MODEL", help="Model: rigid, relaxed, compliant, space or auto."
+    ),
 ]
 Method = Annotated[
     str | None, typer.Option("--method", metavar="METHOD", help="Method: event, step or auto.")

@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from walkergen.jobs.movie.canvas import INK, PLATE, SMALL, Canvas
-from walkergen.jobs.movie.footage import Footage, feet
+from walkergen.jobs.movie.footage import Footage, Struck, feet
 from walkergen.theory.impact import Kind
 
 
@@ -94,6 +94,6 @@ def _mark(axes: Axes, footage: Footage) -> None:
         )  # fmt: skip
 
 
-def largest_impulse(footage: Footage) -> float:
+def largest_impulse(footage: Struck) -> float:
     """Largest impulse of all impacts, g mm/s; 1 when there are none."""
     return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)
