@@ -7,12 +7,13 @@ from itertools import pairwise
 import numpy as np
 import pytest
 from PIL import Image
+from scipy.spatial import ConvexHull
 from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.movie import above, shot
+from walkergen.jobs.movie import above, footage, impacts, perspective, raster, shot
 from walkergen.jobs.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation import poses
@@ -20,6 +21,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 PLANE = templates.load("plane-90hz", "scenes", Scene)
@@ -182,6 +184,17 @@ def test_a_movie_has_equal_bytes_for_equal_input(tmp_path):
         assert image.n_frames == 4
 
 
+def test_a_movie_in_perspective_has_equal_bytes_for_equal_input(tmp_path):
+    choice = {"periods": 0.5, "slow": 180, "fps": 10, "view": "perspective"}
+    job = movie.plan([PAPER], lasting(PLANE, 1.0), **choice)
+    one, two = (movie.make(job, tmp_path / f"{k}.gif", silent) for k in "ab")
+    assert one.gif.read_bytes() == two.gif.read_bytes()
+    with Image.open(one.gif) as image:
+        assert image.n_frames == job.frames
+        assert image.size == (perspective.WIDTH, perspective.HEIGHT)
+    assert movie.file_name(job).endswith("_plane-90hz_perspective.gif")
+
+
 def test_several_tilts_run_in_an_arena_each(tmp_path):
     members = PAPER.members([5.0, 35.0], ["flexible"])
     job = movie.plan(members, lasting(PLANE, 1.0), seconds=0.2, fps=10)
@@ -192,6 +205,135 @@ def test_several_tilts_run_in_an_arena_each(tmp_path):
     with Image.open(made.gif) as image:
         assert image.size[0] == above.WIDTH
         assert image.size[1] <= above.HEAD + above.TALLEST + 2 * (above.TITLE + 1) + above.FOOT + 1
+
+
+def in_perspective(one, job):
+    return perspective.draw_perspective(one, movie.FINE, job.slow, "settings")
+
+
+def coloured(frame, colour, view):
+    """Pixels of a view that are close to a colour."""
+    left, bottom, width, height = (int(value) for value in view)
+    top = perspective.HEIGHT - bottom - height
+    shown = frame[top : top + height, left : left + width].astype(int)
+    wanted = [int(colour[i : i + 2], 16) for i in (1, 3, 5)]
+    return int((np.abs(shown - wanted).max(axis=-1) < 8).sum())
+
+
+@pytest.mark.parametrize("view", [perspective.MAIN, perspective.CLOSE])
+def test_corners_flash_from_their_landing_on(view):
+    job, one = slow()
+    glow = perspective.AFTERGLOW_S / job.slow
+    first = one.impacts[0]
+    # That landing alone, so that no other hides the end of its flash.
+    one = one._replace(impacts=(first,))
+    draw = in_perspective(one, job)
+    colour = impacts.style_of(first.kind).colour
+    begin = int(np.ceil(first.time * job.fps * job.slow))
+    over = int(np.ceil((first.time + glow) * job.fps * job.slow))
+    lit = [coloured(draw(frame), colour, view) for frame in (begin - 1, begin, over)]
+    assert lit[1] > 30
+    assert lit[0] == lit[2] == 0
+
+
+def test_every_flash_is_that_of_a_landing_at_its_corner():
+    job, one = slow()
+    glow = perspective.AFTERGLOW_S / job.slow
+    for at in range(0, len(one.times), 4 * movie.FINE):
+        for corner in range(4):
+            shown = footage.strongest(one, one.times[at], glow, corner)
+            recent = [
+                hit for hit in one.impacts
+                if hit.foot == corner and 0 <= one.times[at] - hit.time < glow
+            ]  # fmt: skip
+            assert (shown is not None) == bool(recent)
+            assert shown is None or shown[0] in recent
+
+
+def test_corners_that_press_are_dotted():
+    job, one = slow()
+    draw = in_perspective(one._replace(impacts=()), job)
+    closed = one.poses.closed[:: movie.FINE].any(axis=1)
+    pressing, free = int(np.argmax(closed)), int(np.argmin(closed))
+    dark = [coloured(draw(frame), "#222222", perspective.CLOSE) for frame in (pressing, free)]
+    shown = one._replace(poses=one.poses._replace(closed=np.zeros_like(one.poses.closed)))
+    without = in_perspective(shown._replace(impacts=()), job)
+    assert dark[0] > coloured(without(pressing), "#222222", perspective.CLOSE) + 8
+    assert dark[1] == coloured(without(free), "#222222", perspective.CLOSE)
+
+
+def test_drawing_in_perspective_does_not_depend_on_frames_before():
+    job, one = slow()
+    draw = in_perspective(one, job)
+    frame = draw(30)
+    assert (draw(3) != frame).any()
+    assert np.array_equal(draw(30), frame)
+
+
+def test_a_long_run_is_followed():
+    job, one = slow()
+    far = np.outer(np.linspace(0, 1e3, len(one.times)), (1.0, 0.0, -0.5))
+    moved = one.poses._replace(
+        places=one.poses.places + far, corners=one.poses.corners + far[:, None]
+    )
+    draw = in_perspective(one._replace(poses=moved), job)
+    seen = [coloured(draw(frame), "#9AB4CA", perspective.MAIN) for frame in (0, job.frames - 1)]
+    assert seen[0] > 5_000
+    assert seen[1] == pytest.approx(seen[0], rel=0.05)
+
+
+def box():
+    """Mesh of the box |x| < 1, |y| < 2, |z| < 3."""
+    import manifold3d
+
+    raw = manifold3d.Manifold.cube((2.0, 4.0, 6.0), True).to_mesh64()
+    return Mesh(np.asarray(raw.vert_properties)[:, :3], np.asarray(raw.tri_verts, np.int64))
+
+
+def test_a_camera_sees_what_it_is_made_for():
+    points = box().vertices
+    camera = raster.camera_for(points, (300, 200))
+    seen = camera.project(points)
+    assert seen[:, :2].min() > -1e-9
+    assert (seen[:, :2].max(axis=0) <= np.array((300, 200)) + 1e-9).all()
+    nearest = np.argmin(np.linalg.norm(points - camera.eye, axis=1))
+    assert np.argmax(seen[:, 2]) == nearest
+    up, right = camera.project(np.array([(0, 1, 0), (1, 0, 0)])) - camera.project(np.zeros(3))
+    assert up[0] == pytest.approx(0.0, abs=1e-9)
+    assert up[1] > 0
+    assert right[0] > 0
+
+
+def test_a_box_covers_the_hull_of_its_corners():
+    mesh = box()
+    camera = raster.camera_for(mesh.vertices, (300, 200))
+    model = raster.model_of(mesh)
+    assert len(model.edges) == 12
+    picture, left, low = raster.render(model, np.eye(3), np.zeros(3), camera, "#ffffff", "#000000")
+    hull = ConvexHull(camera.project(mesh.vertices)[:, :2]).volume
+    covered = (picture[..., 3] / 255.0).sum()
+    # The outline is a pixel wide, half of it outside: 0.3 of a hull's perimeter of 800 pixels.
+    assert covered == pytest.approx(hull, abs=400)
+    assert (left, low) == tuple(
+        np.floor(camera.project(mesh.vertices)[:, :2].min(axis=0)).astype(int) - 1
+    )
+    # Three faces are seen, each with its own shade, and the ink.
+    shades = {tuple(one) for one in picture[picture[..., 3] == 255][:, :3].tolist()}
+    often = [one for one in shades if (picture[..., :3] == one).all(axis=-1).sum() > 500]
+    assert len(set(often) - {(0, 0, 0)}) == 3
+
+
+def test_nearer_faces_hide_those_behind_whatever_their_order():
+    one, other = (
+        np.array([(0.0, 0.0, near), (40.0, 0.0, near), (0.0, 40.0, near)]) for near in (0.1, 0.2)
+    )
+    for order in ((one, other), (other, one)):
+        number, near = np.full((50, 50), -1, np.int32), np.zeros((50, 50))
+        for value, corners in enumerate(order):
+            raster._fill(number, near, corners, value)
+        assert number.max() == number[10, 10] == (0 if order[0] is other else 1)
+        assert (near > 0).sum() == pytest.approx(800, abs=40)
+        assert near.max() == pytest.approx(0.2)
 
 
 @pytest.fixture

@@ -113,9 +113,9 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
 @kernel
 def _points(world, states, points, plate):
     """Fill the points of contact of every state (x, y, z, gap, mm) and the plate's heights."""
-    work = work_for(world.walker)
     for i in range(len(states)):
         state = states[i].copy()
+        work = work_for(world.walker, state)
         place(world, state, work)
         locate(world, state, work)
         plate[i] = plate_height(world, state)

@@ -76,6 +76,14 @@ class Struck(Protocol):
     def impacts(self) -> tuple[Impact, ...]:
         """Impacts in the order of their times."""
 
+    @property
+    def times(self) -> Array:
+        """Times of the poses, shape (n,), s."""
+
+    @property
+    def plate(self) -> Array:
+        """Heights of the plate, shape (n,), mm."""
+
 
 def pace(slow: float) -> str:
     """Pace of a movie in words; `slow` seconds of it show one second of the run."""

@@ -42,6 +42,11 @@ class Shot(NamedTuple):
         return self.poses.times
 
     @property
+    def plate(self) -> Array:
+        """Height of the plate over its mean, shape (n,), mm."""
+        return self.poses.plate
+
+    @property
     def ended(self) -> str:
         """Reason why the run ended early; '' when it did not."""
         outcome = self.poses.outcome
