@@ -54,7 +54,7 @@ def still(design, model, pitch):
     state = plan.start(0.1, pitch, 1.0)
     tally = record.new(len(state), 0.0, 1.0, 1)
     tally.samples.rows[0, 1:], tally.samples.cursor[0] = state, 1
-    run = RunResult(0, Outcome.OK, 0.0, 0.0, 0.0, np.zeros(0), 0.0, tally, 0.0)
+    run = RunResult(0, Outcome.OK, 0.0, 0.0, 0.0, np.zeros(0), 0.0, tally, 0.0, np.zeros((1, 3)))
     return movie.footage_of(design, mass, plan, run)
 
 
@@ -277,13 +277,13 @@ def test_a_run_that_ends_early_is_shown_to_its_end(tmp_path):
     job = movie.plan([PAPER], leaving(4.0, 0.0), periods=16, slow=10, fps=20)
     made = movie.make(job, tmp_path / "a.gif", silent)
     (shot,) = made.footage
-    assert shot.ended == "left the lane"
+    assert shot.ended == "left the ground"
     assert 2 <= made.frames < job.frames
 
 
 def test_a_run_that_ends_at_once_is_refused():
     job = movie.plan([PAPER], leaving(1e-3, 0.1), fps=10)
-    with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the lane"):
+    with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the ground"):
         movie.film(job, PAPER, movie.FINE)
 
 

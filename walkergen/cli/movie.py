@@ -28,6 +28,12 @@ def movie(
         float | None,
         typer.Option("--slow", metavar="N", help="Play N times slower than real time."),
     ] = None,
+    view: Annotated[
+        str | None,
+        typer.Option(
+            "--view", metavar="VIEW", help="How to see a walker in space: above or perspective."
+        ),
+    ] = None,
     fps: Annotated[int, typer.Option("--fps", help="Frames per second: 10, 20, 25 or 50.")] = 25,
     model: opt.Model = None,
     method: opt.Method = None,
@@ -45,7 +51,11 @@ def movie(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Film a walker in slow motion, or several tilts running side by side (GIF, and MP4)."""
+    """Film a walker in slow motion, or several tilts running (GIF, and MP4).
+
+    Walkers in space, as on a plane, are seen from above as they run; one of them in slow motion
+    with --view perspective.
+    """
     from walkergen.jobs.movie import make as movies
 
     if out is not None and out.suffix.lower() != ".gif":
@@ -56,7 +66,9 @@ def movie(
     resolved = opt.scene_of(scene, changes)
     chosen = opt.design_of(design)
     members = opt.members_of(chosen, tilt, legs, whole=False)
-    job = movies.plan(members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps)
+    job = movies.plan(
+        members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view
+    )
     path = out or Path("out") / chosen.name / movies.file_name(job)
     with show.progress("movie", wanted=not quiet) as progress:
         made = movies.make(job, path, progress)
@@ -69,9 +81,10 @@ def movie(
                 "frames": made.frames,
                 "fps": job.fps,
                 "slow": job.slow,
+                "view": job.view,
                 "walkers": [
                     {"name": one.name, "model": one.model, "seconds": one.times[-1],
-                     "distance_mm": one.places[-1, 0], "impacts": len(one.impacts),
+                     "distance_mm": one.distance, "impacts": len(one.impacts),
                      "ended": one.ended}
                     for one in made.footage
                 ],
@@ -85,7 +98,7 @@ def _show(job: "Job", made: "Made") -> None:
     from walkergen.jobs.movie.footage import pace
 
     for one in made.footage:
-        seconds, distance = one.times[-1], one.places[-1, 0]
+        seconds, distance = one.times[-1], one.distance
         ended = f"; {one.ended}" if one.ended else ""
         print(f"{one.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
               f"{len(one.impacts)} impacts{ended}")  # fmt: skip

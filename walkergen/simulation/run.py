@@ -92,6 +92,19 @@ def compile_kernels(plan: Plan, sampled: bool = False, impacts: bool = False) ->
     return time.perf_counter() - started
 
 
+def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
+    """Plan of one run, with its own print and its own plate, and the state in which it is let go.
+
+    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll.
+    """
+    rng = np.random.default_rng([plan.scene.run.seed, number])
+    low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
+    clearance, pitch, phase, roll = rng.uniform(low, high)
+    plan = plan.drawn(rng)
+    height = plan.world.drive.amplitude * clearance
+    return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
+
+
 def simulate(
     plan: Plan,
     number: int,
@@ -102,16 +115,11 @@ def simulate(
 ) -> RunResult:
     """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
-    The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll;
     `stopped()` ends it. Samples hold the leading `sample_size` entries of a state, or all of them.
     """
     started = time.thread_time()
-    run, drive = plan.scene.run, plan.world.drive
-    rng = np.random.default_rng([run.seed, number])
-    low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
-    clearance, pitch, phase, roll = rng.uniform(low, high)
-    plan = plan.drawn(rng)
-    state = plan.start(drive.amplitude * clearance, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
+    run = plan.scene.run
+    plan, state = dropped(plan, number)
     size = len(state) if sample_size is None else sample_size
     tally = record.new(size, run.seconds, sample_interval, event_room)
     outcome = Outcome.OK
@@ -119,7 +127,7 @@ def simulate(
         outcome = _advancer(plan, state, record.without_room(tally))(run.discard_seconds)
 
     advance = _advancer(plan, state, tally)
-    blocks = round(run.seconds / (PERIODS_PER_BLOCK * drive.period))
+    blocks = round(run.seconds / (PERIODS_PER_BLOCK * plan.world.drive.period))
     blocks = min(max(blocks, 1), MOST_BLOCKS)
     block = run.seconds / blocks
     places = np.empty((blocks + 1, 3))

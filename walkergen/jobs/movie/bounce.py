@@ -23,7 +23,7 @@ from walkergen.jobs.movie.footage import (
     polygons,
     strongest,
 )
-from walkergen.jobs.movie.impacts import FEET, largest_impulse, legend, strip, style_of
+from walkergen.jobs.movie.impacts import FEET, Course, largest_impulse, legend, strip, style_of
 
 WIDTH, HEIGHT = 800, 620
 Place = tuple[float, float, float, float]
@@ -71,7 +71,8 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
     main, scale = _main(canvas, footage, cameras)
     zoom = _zoom(footage, scale)
     insets = [_inset(canvas, footage, side, scale, zoom) for side in (BACK, FRONT)]
-    now = strip(canvas, STRIP, footage)
+    courses = [Course(*FEET[side], at_feet[:, side, 1]) for side in (BACK, FRONT)]
+    now = strip(canvas, STRIP, footage, courses)
     canvas.text(STRIP[0] - 34, STRIP[1] + STRIP[3] + 8, "heights, µm", fontsize=SMALL)
     legend(canvas, 20, 255)
     canvas.move(readout)

@@ -1,6 +1,6 @@
 """Footage of one run for a movie: the walker's outline, its poses, the plate and the impacts."""
 
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
@@ -63,6 +63,27 @@ class Footage(NamedTuple):
     ended: str
     """Reason why the run ended early; '' when it did not."""
 
+    @property
+    def distance(self) -> float:
+        """Distance run, mm."""
+        return float(self.places[-1, 0])
+
+
+class Struck(Protocol):
+    """Footage or shot: whatever has impacts."""
+
+    @property
+    def impacts(self) -> tuple[Impact, ...]:
+        """Impacts in the order of their times."""
+
+    @property
+    def times(self) -> Array:
+        """Times of the poses, shape (n,), s."""
+
+    @property
+    def plate(self) -> Array:
+        """Heights of the plate, shape (n,), mm."""
+
 
 def pace(slow: float) -> str:
     """Pace of a movie in words; `slow` seconds of it show one second of the run."""
@@ -95,7 +116,7 @@ def feet(footage: Footage, relaxed: bool = False) -> Array:
 
 
 def strongest(
-    footage: Footage, time: float, afterglow: float, side: int
+    footage: Struck, time: float, afterglow: float, side: int
 ) -> tuple[Impact, float] | None:
     """Impact that a foot shows at `time`, and the share of its flash that is left (1 down to 0).
 

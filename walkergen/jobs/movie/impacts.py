@@ -7,8 +7,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
 from walkergen.jobs.movie.canvas import INK, PLATE, SMALL, Canvas
-from walkergen.jobs.movie.footage import Footage, feet
+from walkergen.jobs.movie.footage import Array, Struck
 from walkergen.theory.impact import Kind
+
+Dashes = str | tuple[float, tuple[float, ...]]
+"""Style of a line, as matplotlib has it."""
 
 
 class Style(NamedTuple):
@@ -28,7 +31,10 @@ STYLES = {
     Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
 }
 
-FEET = (("back foot", "#222222", "-"), ("front foot", "#AA4499", (0, (4, 1.5))))
+FEET: tuple[tuple[str, str, Dashes], ...] = (
+    ("back foot", "#222222", "-"),
+    ("front foot", "#AA4499", (0, (4, 1.5))),
+)
 """Name, colour and line of either foot."""
 
 COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET))
@@ -56,19 +62,34 @@ def legend(canvas: Canvas, x: float, y: float) -> None:
     canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
 
 
-def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Footage) -> Line2D:
-    """Draw heights of plate and feet in time, with impacts; returns the line that marks now."""
+class Course(NamedTuple):
+    """Heights of something in time, with its look."""
+
+    name: str
+    colour: str
+    line: Dashes
+    heights: Array
+    """Heights at the times of the footage, shape (n,), mm."""
+
+
+def strip(
+    canvas: Canvas, place: tuple[float, float, float, float], footage: Struck, feet: list[Course]
+) -> Line2D:
+    """Draw heights of plate and feet in time, with impacts; returns the line that marks now.
+
+    `feet`: in the order of their numbers in the impacts.
+    """
     axes = canvas.axes(*place)
-    times, heights = 1e3 * footage.times, 1e3 * feet(footage)[:, :, 1]
+    times, heights = 1e3 * footage.times, 1e3 * np.array([one.heights for one in feet])
     plate = 1e3 * footage.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)
     axes.set_ylim(low - margin, high + margin)
     axes.set_xlim(0.0, times[-1])
     axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
-    for side, (name, colour, line) in enumerate(FEET):
-        axes.plot(times, heights[:, side], color=colour, linestyle=line, linewidth=1.2, label=name)
-    _mark(axes, footage)
+    for (name, colour, line, _), height in zip(feet, heights, strict=True):
+        axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name)
+    _mark(axes, footage, feet)
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=2, frameon=False, fontsize=SMALL,
         handlelength=1.8, columnspacing=1.0, borderaxespad=0.1,
@@ -81,19 +102,19 @@ def strip(canvas: Canvas, place: tuple[float, float, float, float], footage: Foo
     return now
 
 
-def _mark(axes: Axes, footage: Footage) -> None:
+def _mark(axes: Axes, footage: Struck, feet: list[Course]) -> None:
     """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
     largest = largest_impulse(footage)
     for hit in footage.impacts:
         style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
         height = 1e3 * np.interp(hit.time, footage.times, footage.plate)
-        edge = FEET[hit.foot][1]
+        edge = feet[hit.foot].colour
         axes.plot(
             [1e3 * hit.time], [height], style.marker, color=style.colour, markeredgecolor=edge,
             markeredgewidth=0.6, markersize=2.0 + 4.0 * size, zorder=3,
         )  # fmt: skip
 
 
-def largest_impulse(footage: Footage) -> float:
+def largest_impulse(footage: Struck) -> float:
     """Largest impulse of all impacts, g mm/s; 1 when there are none."""
     return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)

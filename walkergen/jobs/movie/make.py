@@ -1,8 +1,8 @@
-"""Movies: one walker bouncing in slow motion, or several running side by side."""
+"""Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 import numpy as np
 
@@ -10,8 +10,13 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.jobs.movie.footage import Footage, Impact, Shape, pace
+from walkergen.jobs.movie.shot import Shot, shot_of
 from walkergen.scene import Scene
+from walkergen.simulation import poses
 from walkergen.simulation.drive import height
+from walkergen.simulation.effects import walls
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
@@ -19,6 +24,14 @@ from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, as_rigid
+
+if TYPE_CHECKING:
+    from walkergen.jobs.movie.animation import Draw
+
+View = Literal["side", "above", "perspective"]
+"""Ways to see a walker: in the plane that the planar models move in, or in space."""
+
+IN_SPACE: tuple[View, ...] = ("above", "perspective")
 
 FPS = (1, 2, 4, 5, 10, 20, 25, 50)
 """Frames per second that a GIF can have: it counts in hundredths of a second."""
@@ -34,12 +47,15 @@ FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
 FINE = 8
 """Poses for each frame in slow motion: the curves show what happens between frames."""
 
+TRAIL = 4
+"""Poses for each frame from above: the trail bends between frames."""
+
 HOLD_S = 1.5
 """Time for which the last frame stays before the GIF starts again, s."""
 
 
 class Job(NamedTuple):
-    """Choice of what to film: one member in slow motion, or several side by side."""
+    """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
 
     members: Sequence[Design]
     scene: Scene
@@ -48,6 +64,7 @@ class Job(NamedTuple):
     slow: float
     """Seconds of the movie for each second of the run."""
     fps: int
+    view: View = "side"
 
     @property
     def frames(self) -> int:
@@ -59,7 +76,8 @@ def file_name(job: Job) -> str:
     """Default name of the GIF: the walker's name or the number of lanes, and the scene's name."""
     single = len(job.members) == 1
     what = names.part(job.members[0]) if single else f"race_of_{len(job.members)}"
-    return f"{what}_{job.scene.name}.gif"
+    seen = "_perspective" if job.view == "perspective" else ""
+    return f"{what}_{job.scene.name}{seen}.gif"
 
 
 class Made(NamedTuple):
@@ -70,7 +88,7 @@ class Made(NamedTuple):
     without_mp4: str
     """Reason why there is no MP4; '' when there is an MP4."""
     frames: int
-    footage: Sequence[Footage]
+    footage: Sequence[Footage | Shot]
 
 
 def plan(
@@ -81,6 +99,7 @@ def plan(
     periods: float | None = None,
     slow: float | None = None,
     fps: int = 25,
+    view: str | None = None,
 ) -> Job:
     """Make a job, with defaults for all that is None. Raises InputError."""
     if fps not in FPS:
@@ -93,14 +112,15 @@ def plan(
         raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
     if seconds is not None and periods is not None:
         raise InputError("--seconds and --periods: both say how long; leave one of them out")
-    single = len(members) == 1
+    seen = _view(members, scene, view)
+    single = len(members) == 1 and seen != "above"
     if periods is not None:
         seconds = periods / scene.drive.frequency
     elif seconds is None:
         seconds = PERIODS / scene.drive.frequency if single else RACE_S
     if slow is None:
         slow = max(1.0, float(f"{PLAYING_S / seconds:.2g}")) if single else 1.0
-    job = Job(members, scene, seconds, slow, fps)
+    job = Job(members, scene, seconds, slow, fps, seen)
     if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
         raise InputError(
             f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
@@ -109,25 +129,34 @@ def plan(
     return job
 
 
+def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
+    """How the members are seen; the models decide unless it is said. Raises InputError."""
+    models = [resolve(scene, one, solids.mass_of(one)).model for one in members]
+    if wanted is None:
+        return "above" if "space" in models else "side"
+    found = next((view for view in IN_SPACE if view == wanted), None)
+    if found is None:
+        raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(IN_SPACE)}")
+    if "space" not in models:
+        raise InputError(
+            f"--view {wanted}: the model '{models[0]}' moves in a plane, which is seen from its "
+            "side: leave --view out, or choose --model space or a scene with a plane to run on"
+        )
+    if found == "perspective" and len(members) > 1:
+        raise InputError(f"--view perspective: shows one walker, seen {len(members)}")
+    return found
+
+
 def make(job: Job, path: Path, progress: Progress) -> Made:
     """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
 
     Both files are written whole at the end. Raises InputError when a run ends before two frames.
     """
-    from walkergen.jobs.movie import animation, bounce, impacts, race
+    from walkergen.jobs.movie import animation, impacts
 
-    single = len(job.members) == 1
-    every = FINE if single else 1
-    footage = []
-    for number, design in enumerate(job.members):
-        progress(f"simulating {title(design)}", number, len(job.members))
-        footage.append(film(job, design, every))
-    frames = 1 + max(len(one.times) - 1 for one in footage) // every
-    settings = _settings(job.scene, footage)
-    if single:
-        draw = bounce.draw_bounce(footage[0], every, job.slow, settings)
-    else:
-        draw = race.draw_race(footage, job.slow, settings)
+    draw, frames, footage = (
+        _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
+    )
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, impacts.COLOURS, progress)
     output.write(path, encoded.gif)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
@@ -136,22 +165,76 @@ def make(job: Job, path: Path, progress: Progress) -> Made:
     return Made(path, mp4, encoded.without_mp4, frames, footage)
 
 
+def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Footage]]:
+    """Movie of planar models: what draws its frames, their number, and what they show."""
+    from walkergen.jobs.movie import bounce, race
+
+    every = FINE if len(job.members) == 1 else 1
+    footage = [film(job, one, every) for one in _counted(job, progress)]
+    frames = 1 + max(len(one.times) - 1 for one in footage) // every
+    words = settings(job.scene, list(dict.fromkeys(one.model for one in footage)))
+    if len(footage) == 1:
+        return bounce.draw_bounce(footage[0], every, job.slow, words), frames, footage
+    return race.draw_race(footage, job.slow, words), frames, footage
+
+
+def _in_space(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+    """Movie of walkers in space, as `_in_plane`."""
+    from walkergen.jobs.movie import above
+
+    every = TRAIL if job.view == "above" else FINE
+    shots = [shoot(job, one, every) for one in _counted(job, progress)]
+    frames = 1 + max(len(one.times) - 1 for one in shots) // every
+    words, lane = settings(job.scene, ["space"]), job.scene.arena.kind == "lane"
+    if job.view == "perspective":
+        from walkergen.jobs.movie import perspective
+
+        return perspective.draw_perspective(shots[0], every, job.slow, words), frames, shots
+    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]), "space")
+    gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
+    return above.draw_above(shots, every, job.slow, words, period, gap), frames, shots
+
+
+def _counted(job: Job, progress: Progress) -> Iterator[Design]:
+    for number, design in enumerate(job.members):
+        progress(f"simulating {title(design)}", number, len(job.members))
+        yield design
+
+
 def film(job: Job, design: Design, every: int) -> Footage:
     """Simulate the ensemble's first run, with `every` poses for a frame, and its impacts."""
+    mass, prepared, interval = _prepared(job, design, every)
+    result = with_impacts(prepared, 0, sample_interval=interval)
+    footage = footage_of(design, mass, prepared, result)
+    _check(design, len(footage.times), every, result.outcome)
+    return footage
+
+
+def shoot(job: Job, design: Design, every: int) -> Shot:
+    """Simulate the ensemble's first run in space, with `every` poses for a frame."""
+    mass, prepared, interval = _prepared(job, design, every)
+    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
+    _check(design, len(shot.times), every, shot.poses.outcome)
+    return shot
+
+
+def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Plan, float]:
+    """Masses, plan of a run as long as the movie, and time between its poses, s."""
     interval = 1.0 / (job.fps * job.slow * every)
     # Half an interval more, so that rounding cannot lose the last pose.
     seconds = ((job.frames - 1) * every + 0.5) * interval
     run = job.scene.run.model_copy(update={"seconds": seconds})
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
-    prepared = prepare(scene, design, mass)
-    result = with_impacts(prepared, 0, sample_interval=interval)
-    footage = footage_of(design, mass, prepared, result)
-    if len(footage.times) <= every:
+    return mass, prepare(scene, design, mass), interval
+
+
+def _check(design: Design, found: int, every: int, outcome: Outcome) -> None:
+    """Raise InputError when a run ended before its second frame."""
+    if found <= every:
         raise InputError(
-            f"{title(design)}: the run ended before the second frame ({result.outcome.value})"
+            f"{title(design)}: the run ended before the second frame ({outcome.value})"
         )
-    return footage
 
 
 def title(design: Design) -> str:
@@ -195,13 +278,16 @@ def _shape(design: Design, mass: MassProperties) -> Shape:
     return Shape(outline.body - O, outline.limb, anchors, np.array(design.anchor_to_foot))
 
 
-def _settings(scene: Scene, footage: Sequence[Footage]) -> str:
+def settings(scene: Scene, models: Sequence[str]) -> str:
+    """Line that says what was simulated."""
     drive, contact = scene.drive, scene.contact
-    models = ", ".join(dict.fromkeys(one.model for one in footage))
+    law = f"({contact.law})"
+    if "space" in models:
+        law = f"(label of {scene.feet.damping} feet)"
     slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
     return (
         f"{scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± "
-        f"{1e3 * drive.amplitude:.3g} µm; simulated: {models}, restitution "
-        f"{contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
+        f"{1e3 * drive.amplitude:.3g} µm; simulated: {', '.join(models)}, restitution "
+        f"{contact.restitution:g} {law}, friction {contact.friction:g}"
         + (slope if scene.plate.slope_deg else "")
     )

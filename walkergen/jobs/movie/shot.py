@@ -1,0 +1,105 @@
+"""Shot of one run in space for a movie: the printed mesh, its poses and the landings."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.jobs.movie.footage import Impact
+from walkergen.simulation.poses import Poses
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.impact import Kind
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, Mesh
+
+Array = npt.NDArray[np.float64]
+
+
+class Shot(NamedTuple):
+    """One simulated run in space, with the walker that ran."""
+
+    name: str
+    """Name of the walker, as the picture shows it."""
+    mesh: Mesh
+    """Printed part about the point O that the poses follow, mm."""
+    base: Array
+    """Middle of the body's rectangle from O, along it and across, shape (2,), mm."""
+    size: Array
+    """Length and depth of the body, shape (2,), mm."""
+    poses: Poses
+    impacts: tuple[Impact, ...]
+    """Landings in the order of their times; feet are the numbers of the corners."""
+
+    @property
+    def model(self) -> str:
+        """Model of the walker in the simulation."""
+        return "space"
+
+    @property
+    def times(self) -> Array:
+        """Times of the poses, shape (n,), s, from 0."""
+        return self.poses.times
+
+    @property
+    def plate(self) -> Array:
+        """Height of the plate over its mean, shape (n,), mm."""
+        return self.poses.plate
+
+    @property
+    def ended(self) -> str:
+        """Reason why the run ended early; '' when it did not."""
+        outcome = self.poses.outcome
+        return "" if outcome in ENDED_WELL else outcome.value
+
+    @property
+    def track(self) -> Array:
+        """Places of O seen from above: along the first axis and to the left of it, (n, 2), mm."""
+        return self.poses.places[:, [0, 2]] * (1.0, -1.0)
+
+    @property
+    def advance(self) -> Array:
+        """Distance run along the heading of each moment, from 0, shape (n,), mm."""
+        heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
+        ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+        return np.append(0.0, np.cumsum((np.diff(self.track, axis=0) * ahead).sum(axis=1)))
+
+    @property
+    def distance(self) -> float:
+        """Distance run along the heading, mm."""
+        return float(self.advance[-1])
+
+
+def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+    """What a run in space shows, in the terms of the picture."""
+    mesh = solids.build(design).walker
+    O = np.array([*(np.array(design.anchors[0]) - mass.a), 0.5 * design.body.depth_mm])  # noqa: E741
+    return Shot(
+        name=name,
+        mesh=Mesh(mesh.vertices - O, mesh.triangles),
+        base=np.array([-O[0], 0.0]),
+        size=np.array([design.body.length_mm, design.body.depth_mm]),
+        poses=poses,
+        impacts=tuple(
+            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in poses.landings
+        ),
+    )
+
+
+def outline(shot: Shot, at: int) -> Array:
+    """Rectangle of the body seen from above at pose `at`, shape (4, 2), mm."""
+    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+    place: Array = shot.track[at]
+    return place + turned(shot.base + 0.5 * signs * shot.size, shot.poses.heading[at])
+
+
+def feet(shot: Shot, at: int) -> Array:
+    """Edges of back and front foot seen from above, two ends each, shape (2, 2, 2), mm."""
+    ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
+    return ends.reshape(2, 2, 2)
+
+
+def turned(points: Array, angle: float) -> Array:
+    """Turn points (..., 2) counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))
