@@ -97,7 +97,18 @@ def made_runs(runs, blocks, rng):
     """Runs of independent block speeds with mean 10 and standard deviation 2."""
     speeds = rng.normal(10.0, 2.0, (runs, blocks))
     return [
-        RunResult(k, Outcome.OK, 0.1 * blocks, row.mean(), 0.1, row, 0.0, record.new(3), 0.0)
+        RunResult(
+            k,
+            Outcome.OK,
+            0.1 * blocks,
+            row.mean(),
+            0.1,
+            row,
+            np.zeros((0, 3)),
+            0.0,
+            record.new(3),
+            0.0,
+        )  # fmt: skip
         for k, row in enumerate(speeds)
     ]
 
