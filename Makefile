@@ -20,4 +20,5 @@ bench:
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
+	$(PYTHON) benchmarks/space.py --cold
 	$(PYTHON) benchmarks/rivals.py --seconds 1

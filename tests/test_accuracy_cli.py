@@ -40,7 +40,7 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
     result = run("accuracy", *words, "--only", "models,steps", "--budget", "1s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
-    assert set(found["ladders"]) == {"models", "steps-short", "steps-long"}
+    assert set(found["ladders"]) == {"models", "steps-short", "steps-long", "frames"}
     folder = tmp_path / found["folder"]
     for name in found["ladders"]:
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -49,14 +49,14 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
             assert len(list(csv.DictReader(file))) == len(found["ladders"][name])
     assert "--error 5%" in (folder / "accuracy.md").read_text()
     assert (folder / "choice.png").exists()
-    # The most expensive model is its own truth; the relaxed one is not (64 and 35 mm/s).
+    # The most expensive model is its own truth; a rigid walker stays where it is.
     biases = {rung["series"]: rung["error"] for rung in found["ladders"]["models"]}
-    assert biases["compliant, step"] < 0.15 < biases["relaxed, event"]
+    assert biases["space, step"] < 0.3 < biases["rigid, event"]
 
     result = run("simulate", *words, "--error", "20%", "--json")
     met = json.loads(result.stdout)["chosen"]
     assert 0 < met["error_mm_s"] <= met["allowed_mm_s"]
-    assert met["setting"].startswith("--model compliant --method step")
+    assert met["setting"].startswith("--model space --method step")
     told = run("simulate", *words, "--error", "20%").stdout
     assert "on record" in told
     assert "within the" in told

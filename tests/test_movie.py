@@ -26,7 +26,8 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
-SCENE = templates.load("lane-90hz", "scenes", Scene)
+LANE = templates.load("lane-90hz", "scenes", Scene)
+SCENE = LANE.model_copy(update={"legs": LANE.legs.model_copy(update={"model": "compliant"})})
 WITHOUT_FFMPEG = shutil.which("ffmpeg") is None and os.environ.get("CI") != "true"
 
 
@@ -75,7 +76,7 @@ def test_poses_put_the_foot_where_each_model_has_it(kind, model, foot, pitch):
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
 def test_the_outline_drawn_is_that_of_the_printed_mesh(kind, foot):
     design = with_foot(foot, kind, 20.0)
-    shot = still(design, "auto", 0.0)
+    shot = still(design, "compliant", 0.0)
     limbs, body = footage.polygons(shot, 0)
     middle = body.mean(axis=0)  # the design's origin
     drawn = manifold3d.CrossSection(
@@ -298,7 +299,8 @@ FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")
 
 def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
     monkeypatch.setattr(shutil, "which", lambda name: None)
-    result = run("koumakis2016", "--scene", "lane-90hz", "--tilt", "10", *FEW)
+    words = ("--scene", "lane-90hz", "--tilt", "10", "--model", "compliant", *FEW)
+    result = run("koumakis2016", *words)
     assert result.exit_code == 0, result.output
     name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz.gif"
     assert "koumakis2016, 10°, flexible: " in result.stdout
@@ -308,9 +310,8 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
 
 
 def test_json_names_the_files_and_the_runs(run):
-    found = json.loads(
-        run("--tilt", "5,10", "--seconds", "0.1", "--slow", "0.5", "--fps", "50", "--json").stdout
-    )
+    words = ("--tilt", "5,10", "--model", "compliant", "--seconds", "0.1", "--slow", "0.5")
+    found = json.loads(run(*words, "--fps", "50", "--json").stdout)
     assert found["gif"] == "out/koumakis2016/race_of_2_lane-90hz.gif"
     assert (found["frames"], found["slow"]) == (3, 0.5)
     assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]

@@ -28,7 +28,7 @@ def accuracy(
     ] = "models,steps,statistics,shape",
     budget: Annotated[
         str, typer.Option("--budget", metavar="TIME", help="Time for simulating: 60s, 5min, 1h.")
-    ] = "100s",
+    ] = "60s",
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,

@@ -8,7 +8,7 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.accuracy import choose, kept, models, shape, statistics, steps
+from walkergen.jobs.accuracy import choose, elastic, kept, models, shape, statistics, steps
 from walkergen.jobs.accuracy import tables as ladders
 from walkergen.jobs.accuracy.ladder import Ladder, machine
 from walkergen.jobs.accuracy.speeds import Survey
@@ -42,7 +42,7 @@ class Study(NamedTuple):
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "models": (models.ladder,),
-    "steps": (steps.short, steps.long),
+    "steps": (steps.short, steps.long, elastic.frames),
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
@@ -61,6 +61,8 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     done: list[Ladder] = []
     for place, name in enumerate(job.only):
         for measure in LADDERS[name]:
+            if measure is elastic.frames and survey.complete != "space":
+                continue
             done.append(measure(survey, part(progress, place, len(job.only))))
             _write(done[-1], folder)
         if survey.known:
@@ -99,7 +101,8 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
     formulas = models.formulas(survey, reference)
-    figure = precision.choice_figure(survey, found, reference, formulas, title)
+    others = [survey.known[one] for one in survey.simpler if one in survey.known]
+    figure = precision.choice_figure(survey, [*found, *others], reference, formulas, title)
     output.write(folder / "choice.png", pictures.png(figure))
     table = as_markdown(ladders.answers_table(answers, markdown=True))
     page = (

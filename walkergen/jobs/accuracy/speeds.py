@@ -3,11 +3,12 @@
 import math
 import os
 from collections.abc import Sequence
+from functools import cached_property
 from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
-from walkergen.scene import Scene
+from walkergen.scene import Arena, Scene
 from walkergen.simulation import points
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import MethodName
@@ -22,8 +23,12 @@ from walkergen.walker.mass import MassProperties
 STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
 """Numbers of steps per period of the drive at which the time-stepping method is measured."""
 
-EVENT_SHARE, FINEST_SHARE = 0.3, 0.15
-"""Shares of the CPU budget for the two methods that certify the reference."""
+STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.5, 2.0)
+"""Steps over that which resolves the feet, at which the model in space is measured."""
+
+CERTIFYING_SHARE, FINEST_SHARE = 0.3, 0.15
+"""Shares of the CPU budget for the two settings that certify the reference: events, or the step
+next to the finest, and the finest step. In space the two change places: the finest costs most."""
 
 EVENT_RUNS, STEP_RUNS = 8, 16
 """Independent runs of a measurement, by events and by steps: few, because each start is dear."""
@@ -34,7 +39,7 @@ CLEAR = 10.0
 
 
 class Setting(NamedTuple):
-    """Choices of how to simulate."""
+    """Choice of how to simulate."""
 
     model: ModelName
     method: MethodName
@@ -52,6 +57,14 @@ class Setting(NamedTuple):
         """Options of the command line that select the setting."""
         step = "" if self.step_us is None else f" --step {self.step_us:g}"
         return f"--model {self.model} --method {self.method}{step}"
+
+
+PLANAR = (
+    Setting("rigid", "event", None),
+    Setting("relaxed", "event", None),
+    Setting("compliant", "step", None),
+)
+"""Settings of the models in a plane, with a law of impact; braced walkers have the first."""
 
 
 class Measured(NamedTuple):
@@ -124,31 +137,50 @@ class Survey:
         self.cores = os.cpu_count() or 1
         self.budget_s = budget_s * self.cores
         self.known: dict[Setting, Measured] = {}
-        self.complete: ModelName = "rigid" if design.braced else "compliant"
+        self.complete = _complete(scene, design)
 
     @property
-    def events(self) -> Setting:
-        """Setting of the complete model by events, the method that certifies the reference."""
-        return Setting(self.complete, "event", None)
+    def events(self) -> list[Setting]:
+        """Setting of the complete model by events, which elastic feet do not have."""
+        return [] if self.complete == "space" else [Setting(self.complete, "event", None)]
+
+    @property
+    def certifying(self) -> Setting:
+        """Setting that certifies the reference: events, or the step next to the finest."""
+        return [*self.events, *self.steps[1:]][0]
 
     @property
     def steps(self) -> list[Setting]:
         """Settings of the complete model by steps, finest first; the finest is the reference."""
-        found = (_round(1e6 / self.scene.drive.frequency / part) for part in STEPS_PER_PERIOD)
+        if self.complete == "space":
+            found = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
+        else:
+            period = 1e6 / self.scene.drive.frequency
+            found = [_round(period / part) for part in STEPS_PER_PERIOD]
         inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in found)
         return [Setting(self.complete, "step", step) for step in inside]
+
+    @cached_property
+    def resolving_us(self) -> float:
+        """Step that resolves elastic feet, us: the default of the model in space."""
+        run = self.scene.run.model_copy(update={"step_us": None})
+        scene = self.scene.model_copy(update={"run": run})
+        plan = prepare(_as(scene, Setting("space", "step", None)), self.design, self.mass)
+        return float(1e6 * plan.world.options.step)
 
     @property
     def own(self) -> Setting:
         """Setting of the complete model by steps, with the scene's own step."""
-        return Setting(self.complete, "step", self.scene.run.step_us)
+        step = self.scene.run.step_us
+        if step is None and self.complete == "space":
+            step = _round(self.resolving_us)
+        return Setting(self.complete, "step", step)
 
     @property
     def simpler(self) -> list[Setting]:
         """Settings of the models that leave something out."""
-        if self.design.braced:
-            return []
-        return [Setting("rigid", "event", None), Setting("relaxed", "event", None)]
+        planar = PLANAR[:1] if self.design.braced else PLANAR
+        return [one for one in planar if one.model != self.complete]
 
     def plan(self, setting: Setting) -> Plan:
         """The plan of a setting."""
@@ -227,19 +259,15 @@ class Survey:
         return max(sizes, default=0.0)
 
     def _share(self, setting: Setting) -> float:
-        if setting == self.events:
-            return EVENT_SHARE
-        if setting == self.steps[0]:
-            return FINEST_SHARE
-        others = len(self.steps) - 1 + len(self.simpler)
-        return (1.0 - EVENT_SHARE - FINEST_SHARE) / others
+        shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
+        if self.complete == "space":
+            shares = {self.certifying: FINEST_SHARE, self.steps[0]: CERTIFYING_SHARE}
+        others = {*self.steps, *self.simpler} - shares.keys()
+        return shares.get(setting, (1.0 - sum(shares.values())) / len(others))
 
     def scene_of(self, setting: Setting, **run: float) -> Scene:
         """Scene with a setting, and with other values of its [run]."""
-        step = {} if setting.step_us is None else {"step_us": setting.step_us}
-        changed = self.scene.run.model_copy(update={"method": setting.method, **step, **run})
-        legs = self.scene.legs.model_copy(update={"model": setting.model})
-        return self.scene.model_copy(update={"run": changed, "legs": legs})
+        return _as(self.scene, setting, **run)
 
     def _run(self, setting: Setting, runs: int, seconds: float, progress: Progress) -> Point:
         scene = self.scene_of(setting, seconds=seconds, runs=runs)
@@ -274,6 +302,34 @@ class Survey:
             summary.correlation_time_s,
             listed(summary.outcomes),
         )
+
+
+def _complete(scene: Scene, design: Design) -> ModelName:
+    """Model that counts as the truth: that of the scene, or what `auto` takes at no error."""
+    if scene.legs.model == "compliant":
+        return "compliant"
+    spatial = scene.legs.model == "space" or scene.arena.kind == "plane"
+    return "space" if spatial or not design.braced else "rigid"
+
+
+def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
+    """Scene with a setting, and with other values of its [run].
+
+    Planar models run in a lane, without what only the model in space knows.
+    """
+    step: dict[str, float | None] = {"step_us": setting.step_us} if setting.step_us else {}
+    if setting.step_us is None and setting.model != scene.legs.model:
+        step = {"step_us": None}
+    changed = scene.run.model_copy(update={"method": setting.method, **step, **run})
+    legs = scene.legs.model_copy(update={"model": setting.model})
+    if setting.model == "space":
+        return scene.model_copy(update={"run": changed, "legs": legs})
+    off = {"plate_noise": False, "plate_roughness": False, "unevenness": False}
+    planar = {
+        "arena": Arena(length_mm=scene.arena.length_mm),
+        "effects": scene.effects.model_copy(update=off),
+    }
+    return scene.model_copy(update={"run": changed, "legs": legs, **planar})
 
 
 def _round(value: float) -> float:

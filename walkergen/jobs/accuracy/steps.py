@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
+from walkergen.jobs.accuracy import elastic
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.models import Details, certificate, rung_of
 from walkergen.jobs.accuracy.speeds import Survey
@@ -49,6 +50,8 @@ SHORTS = (Short("first landing", 4.0, 0.5), Short("two periods", 4.0, 2.0))
 
 def short(survey: Survey, progress: Progress) -> Ladder:
     """Measure the error of the final state against step and tolerance, before chaos sets in."""
+    if survey.complete == "space":
+        return elastic.short(survey, progress)
     rungs: list[Rung] = []
     certified = []
     for number, scene in enumerate(SHORTS):
@@ -101,7 +104,7 @@ def long(survey: Survey, progress: Progress) -> Ladder:
 
 
 def _by_events(survey: Survey, tolerance: float) -> Plan:
-    plan = survey.plan(survey.events)
+    plan = survey.plan(survey.events[0])
     if survey.design.braced:
         return plan
     return _with_options(plan, events.Options(tolerance, SNAP, 0.1 * plan.world.drive.period))
