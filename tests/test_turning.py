@@ -39,9 +39,10 @@ def test_drift_turning_and_scatter_are_those_put_in():
         assert 0 < one.se < 0.5 * expected, name
     assert any("rates of their own" in doubt for doubt in found.doubts)
     # What the group loses by turning apart is no diffusion: an exponential alone has 1.3 per s.
-    rate = motion.analyse(wanderers(1)).estimates["persistence_rate"]
-    assert abs(rate.value - D_R) < 3.5 * rate.se
-    assert rate.se < 2 * D_R
+    for name, expected in (("persistence_time", 1 / D_R), ("persistence_length", SPEED / D_R)):
+        one = found.estimates[name]
+        assert abs(one.value - expected) < 3.5 * one.se, (name, one)
+        assert one.se < 0.3 * expected, name
 
 
 def test_a_walker_that_turns_steadily_does_not_drift_sideways():
