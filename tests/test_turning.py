@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from walkergen.analysis import motion, turning
+from walkergen.analysis import motion, turning, walks
 from walkergen.analysis.tracks import Track, Tracks
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
@@ -39,9 +39,10 @@ def test_drift_turning_and_scatter_are_those_put_in():
         assert 0 < one.se < 0.5 * expected, name
     assert any("rates of their own" in doubt for doubt in found.doubts)
     # What the group loses by turning apart is no diffusion: an exponential alone has 1.3 per s.
-    rate = motion.analyse(wanderers(1)).estimates["persistence_rate"]
-    assert abs(rate.value - D_R) < 3.5 * rate.se
-    assert rate.se < 2 * D_R
+    for name, expected in (("persistence_time", 1 / D_R), ("persistence_length", SPEED / D_R)):
+        one = found.estimates[name]
+        assert abs(one.value - expected) < 3.5 * one.se, (name, one)
+        assert one.se < 0.3 * expected, name
 
 
 def test_a_walker_that_turns_steadily_does_not_drift_sideways():
@@ -117,8 +118,14 @@ def test_local_exponents_fall_from_ballistic_to_diffusive_as_the_walk_says():
     assert np.array_equal(at, found.msd.at)
 
 
-def _exact_exponent(lag):
-    from walkergen.analysis import walks
+def test_local_exponents_follow_the_curvature():
+    lags = np.unique(np.rint(np.geomspace(1, 300, 60)).astype(int))
+    found = motion._exponents(lags, walks.squared(0.02 * lags, 1.0, 2.0, 0.0, TURN))
+    known = ~np.isnan(found)
+    # Lines through the same lags, which lie unevenly on the scale of logarithms, are 0.02 off.
+    np.testing.assert_allclose(found[known], _exact_exponent(0.02 * lags)[known], atol=0.01)
 
+
+def _exact_exponent(lag):
     up, down = (walks.squared(lag * f, 1.0, 2.0, 0.0, TURN) for f in (1.001, 1 / 1.001))
     return np.log(up / down) / (2 * np.log(1.001))

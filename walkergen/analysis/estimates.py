@@ -41,8 +41,8 @@ UNITS = {
 mean square of the part of the velocity that persists for longer than the lag of displacements.
 `sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
 deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
-walker's own mean turning. `persistence_rate` is the decay of all walkers' correlation, without
-what a resolved scatter of their turning rates makes of it.
+walker's own mean turning. `persistence_rate` is the decay of the correlation of all walkers, or
+D_r where a scatter of their turning rates is resolved.
 """
 
 HEADED = (

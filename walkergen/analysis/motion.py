@@ -154,6 +154,8 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         judged["rotational_diffusion"] = turning.diffusion(
             tracks.tracks, tracks.interval, values["heading_noise"]
         )
+        if apart.value is not None:
+            judged |= turning.persistence(judged["rotational_diffusion"], judged["speed"])
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,

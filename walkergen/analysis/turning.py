@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import special
 
-from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
+from walkergen.analysis.estimates import FEWEST_SAMPLES, SIGNIFICANT, Estimate
 from walkergen.analysis.tracks import Track
 from walkergen.numerics import statistics
 
@@ -65,6 +65,26 @@ def diffusion(tracks: Sequence[Track], interval: float, noise: float) -> Estimat
     if not math.isfinite(noise):
         return Estimate(None, None, "the noise of the headings is unknown: film for longer")
     return Estimate(spread - noise**2 / lasting, spread * math.sqrt(2.0 / free))
+
+
+def persistence(diffused: Estimate, speed: Estimate) -> dict[str, Estimate]:
+    """Persistence of walkers that turn at rates of their own, from rotational diffusion and speed.
+
+    Their correlation falls by the scatter of these rates, and tells next to nothing of diffusion.
+    """
+    found = {"persistence_rate": diffused}
+    rate, error = diffused.value, diffused.se
+    if rate is None or error is None or not rate > SIGNIFICANT * error:
+        told = diffused.reason or "rotational diffusion is not resolved: film for longer"
+        return found | dict.fromkeys(
+            ("persistence_time", "persistence_length"), Estimate(None, None, told)
+        )
+    found["persistence_time"] = Estimate(1.0 / rate, error / rate**2)
+    length = Estimate(None, None, speed.reason)
+    if speed.value is not None and speed.se is not None:
+        way = abs(speed.value) / rate
+        length = Estimate(way, math.hypot(way * error, speed.se) / rate)
+    return found | {"persistence_length": length}
 
 
 def _size(tracks: Sequence[Track]) -> int:

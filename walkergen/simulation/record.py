@@ -143,5 +143,6 @@ def take_sample(samples, t, state):
     if samples is not None:
         row = samples.cursor[0]
         samples.rows[row, 0] = t
-        samples.rows[row, 1:] = state[: samples.rows.shape[1] - 1]
+        for i in range(1, samples.rows.shape[1]):  # a slice would need memory, which space has not
+            samples.rows[row, i] = state[i - 1]
         samples.cursor[0] = row + 1

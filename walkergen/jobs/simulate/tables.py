@@ -58,7 +58,10 @@ def motion_rows(found: Simulated) -> Iterator[tuple[str, str]]:
             continue  # the summary's mean speed
         if one.reason != IN_A_LANE and (one.value is not None or one.reason != before):
             value = with_error(one)
-            yield title, value if one.value is None else f"{value} {unit}"
+            told = f"{value} {unit}"
+            if name == "rotational_diffusion" and one.value:
+                told += f" (1/D_r = {1.0 / one.value:.3g} s)"
+            yield title, value if one.value is None else told
         before = one.reason
     yield "msd exponent", _exponents(found.motion)
     for note in (found.motion.method, *found.motion.doubts):
