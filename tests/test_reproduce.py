@@ -239,7 +239,7 @@ def test_a_plate_too_weak_to_lift_anything_is_told_not_crashed_on(run, tmp_path)
     result = run(*words)
     assert result.exit_code == 0, result.exception
     rows = [row for row in json.loads(result.stdout)["rows"] if row["fact"] == "proportional"]
-    assert len(rows) == 3 * 4  # the line in space from the scene's own drive up included
+    assert len(rows) == 3 * 5  # contacts x (series, and space from the scene's own drive up)
     told = {row["verdict"]["word"] for row in rows}
     assert told <= {"not measured", "undecided", "differs by"}
 

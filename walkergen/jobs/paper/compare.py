@@ -227,7 +227,7 @@ def _of_lively(series: Sequence[Point], found: Findings) -> Row:
     """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
     name = series[0].assumption
     (drive,) = (one.scene.drive for one in found.assumptions if one.name == name)
-    lively = [one for one in series if one.plate_speed_mm_s > 0.999 * drive.peak_speed]
+    lively = curves.lively(series, drive.peak_speed)
     told = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
     return _row("proportional", told, name, curves.proportionality(lively), 100.0)
 

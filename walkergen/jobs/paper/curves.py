@@ -99,6 +99,11 @@ def _top(tilts: Array, speeds: Array) -> tuple[float, float]:
     return float(tilts[at] - b / (2.0 * a)), float(c - b * b / (4.0 * a))
 
 
+def lively(series: Sequence[Point], plate_speed: float) -> list[Point]:
+    """Points at this speed of the plate (mm/s) and above, where walkers in space run."""
+    return [point for point in series if point.plate_speed_mm_s > 0.999 * plate_speed]
+
+
 def through_zero(series: Sequence[Point]) -> Value | None:
     """Slope of the least-squares line through zero of speed against plate speed."""
     plate = np.array([point.plate_speed_mm_s for point in series if point.speed is not None])

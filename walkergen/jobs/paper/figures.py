@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from walkergen.jobs.paper import figure6 as motion
 from walkergen.jobs.paper.compare import FITTED, Findings, Theory
-from walkergen.jobs.paper.curves import series_of, through_zero
+from walkergen.jobs.paper.curves import lively, series_of, through_zero
 from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
 
@@ -147,7 +147,7 @@ def figure5(found: Findings) -> Figure:
         panels = figure.subplots(1, len(found.assumptions), sharey=True)
         for axes, one in zip(panels, found.assumptions, strict=True):
             points = [point for point in found.drives if point.assumption == one.name]
-            _draw_lines(axes, points)
+            _draw_lines(axes, points, one)
             for theory in found.theories:
                 if theory.assumption == one.name and theory.mode == "coulomb":
                     _draw_theory_line(axes, theory, one, points)
@@ -162,13 +162,18 @@ def figure5(found: Findings) -> Figure:
     return figure
 
 
-def _draw_lines(axes: Axes, points: Sequence[Point]) -> None:
+def _draw_lines(axes: Axes, points: Sequence[Point], one: Assumption) -> None:
+    """Draw lines through zero, of walkers in space through the points from figure 2's drive up."""
     end = 1.05 * max(point.plate_speed_mm_s for point in points)
     for series in series_of(points):
-        slope = through_zero(series)
+        colour, line, _, label = MODELS[series[0].model]
+        name = label.removeprefix("simulated, ").removesuffix(" (the paper's)")
+        fitted = series
+        if series[0].model == "space":
+            fitted = lively(series, one.scene.drive.peak_speed)
+            name += f", from {one.scene.drive.peak_gamma:.2g} g"
+        slope = through_zero(fitted)
         if slope is not None:
-            colour, line, _, label = MODELS[series[0].model]
-            name = label.removeprefix("simulated, ").removesuffix(" (the paper's)")
             axes.plot([0.0, end], [0.0, slope.mean * end], line, color=colour, alpha=0.5,
                       linewidth=2.2, label=f"line through zero, {name}")  # fmt: skip
 

@@ -72,10 +72,11 @@ upright walker slides either way.
 ![Figure 5](figure5.png)
 
 Figure 5. Speed against the plate's peak speed at {found.drives[0].tilt_deg:g} deg and
-{drive.frequency:g} Hz, with least-squares lines through zero. The theory is proportional by
-construction. The noisy plate has noise of {NOISE_RATIO:g} x the drive's speed (rms), from
-{scene.plate.noise_low_hz:g} to {scene.plate.noise_high_hz:g} Hz: chosen, for the paper does not
-state its plate's. Slopes: {_slopes(found)}.
+{drive.frequency:g} Hz, with least-squares lines through zero; that of walkers in space is drawn for
+the points from figure 2's drive up. The theory is proportional by construction. The noisy plate has
+noise of {NOISE_RATIO:g} x the drive's speed (rms), from {scene.plate.noise_low_hz:g} to
+{scene.plate.noise_high_hz:g} Hz: chosen, for the paper does not state its plate's. Slopes over all
+points: {_slopes(found)}.
 
 ![Figure 6](figure6.png)
 
