@@ -8,6 +8,8 @@ from walkergen.jobs.selftest import (
     impacts,
     landings,
     space,
+    space_contact,
+    space_rest,
     symmetries,
 )
 from walkergen.jobs.selftest.case import Case
@@ -20,7 +22,8 @@ def _place(case: Case) -> tuple[int, ...]:
 
 
 _MODULES = (
-    impacts, friction, bounces, landings, symmetries, extremes, space, geometry,
+    impacts, friction, bounces, landings, symmetries, extremes,
+    space, space_contact, space_rest, geometry,
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = tuple(

@@ -55,7 +55,9 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
     size = np.array([body.length_mm, body.thickness_mm, body.depth_mm])
     box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
     along = c / np.hypot(*c)
-    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length_mm**2 + np.diag([0, 0, size[2] ** 2])
+    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length_mm**2 + np.diag(
+        [0, 0, size[2] ** 2]
+    )
     strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
     spatial = Spatial(0.0, box, strip)
     return MassProperties(M, J, m, m * limb.length_mm**2 / 12.0, a, b, c, c, design.braced, spatial)

@@ -6,7 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, prepare, scene_of, shaken
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, scene_of, shaken
 from walkergen.jobs.selftest.scenes import masses as masses_of
 from walkergen.jobs.selftest.space_scenes import (
     SPACE,
@@ -17,20 +17,9 @@ from walkergen.jobs.selftest.space_scenes import (
     thrown,
 )
 from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
-from walkergen.simulation.space.state import (
-    C_Z,
-    HEADING,
-    PITCH,
-    Q_0,
-    Q_Z,
-    ROLL,
-    SHOWN_X,
-    SHOWN_Y,
-    V_X,
-    W_X,
-    W_Z,
-)
+from walkergen.simulation.space.state import C_Z, HEADING, Q_0, Q_Z, ROLL, SHOWN_Y, V_X, W_X, W_Z
 from walkergen.walker.design import Design
 
 LANDED = 5e-3
@@ -107,7 +96,7 @@ def _tiny_roll(model: str, method: str) -> Iterator[Check]:
 
 
 def _top(model: str, method: str) -> Iterator[Check]:
-    """Check a braced walker that falls while it spins about an axis near that of its largest inertia."""
+    """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
     plan = prepare(
         scene_of("space", "step", drive=STILL, arena={"kind": "plane"}), design, masses_of(design)
