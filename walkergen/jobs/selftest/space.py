@@ -25,6 +25,10 @@ from walkergen.walker.design import Design
 LANDED = 5e-3
 """Time (s) after which the first corners of a drop from 0.05 mm have landed, on the way down."""
 
+IMAGED = 6e-3
+"""Time (s) after which images are compared: overdamped feet that change between sticking and
+sliding amplify rounding by nine powers of ten in one more millisecond."""
+
 GROWN = "rounding, grown six times by each landing of a corner"
 
 CONTACTS = (
@@ -47,9 +51,9 @@ def _images(model: str, method: str) -> Iterator[Check]:
         for name, image_of in (("mirror image", reflected), ("quarter turn", quarter_turned)):
             one = thrown(plan)
             other = image_of(one)
-            advance(plan, one, 2.0 * LANDED)
-            advance(plan, other, 2.0 * LANDED)
-            yield Check(f"{about}: {name}, mm", apart(image_of(one), other), 1e-6, GROWN)
+            advance(plan, one, IMAGED)
+            advance(plan, other, IMAGED)
+            yield Check(f"{about}: {name}, mm", apart(image_of(one), other), 1e-9, GROWN)
 
 
 def _held(model: str, method: str) -> Iterator[Check]:

@@ -60,7 +60,7 @@ def _spin(model: str, method: str) -> Iterator[Check]:
         yield Check(
             f"{about}: turn against that of Coulomb's torque, relative",
             abs((state[HEADING] - start[HEADING]) / turn - 1.0),
-            0.05,
+            5e-3,
             "corners of tilted legs are not on a circle about C; springs wind up first",
         )
         yield Check(
