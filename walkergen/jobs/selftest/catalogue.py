@@ -7,6 +7,9 @@ from walkergen.jobs.selftest import (
     geometry,
     impacts,
     landings,
+    space,
+    space_contact,
+    space_rest,
     symmetries,
 )
 from walkergen.jobs.selftest.case import Case
@@ -18,7 +21,10 @@ def _place(case: Case) -> tuple[int, ...]:
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
 
-_MODULES = (impacts, friction, bounces, landings, symmetries, extremes, geometry)
+_MODULES = (
+    impacts, friction, bounces, landings, symmetries, extremes,
+    space, space_contact, space_rest, geometry,
+)  # fmt: skip
 
 CASES: tuple[Case, ...] = tuple(
     sorted((case for module in _MODULES for case in module.CASES), key=_place)

@@ -17,7 +17,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDS, Outcome
 from walkergen.simulation.world import OK, Y
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import MassProperties, Spatial
 
 Array = npt.NDArray[np.float64]
 
@@ -40,7 +40,10 @@ def design_of(model: str, tilt_deg: float) -> Design:
 
 
 def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
-    """Masses of a box on two thin uniform legs; a braced walker's legs weigh nothing."""
+    """Masses of a box on two thin uniform legs; a braced walker's legs weigh nothing.
+
+    The inertia across the run is that of the same box and of strips without thickness.
+    """
     body, limb = design.body, design.legs
     density = 1e-3 * design.material.density_g_cm3
     M = density * body.length_mm * body.depth_mm * body.thickness_mm
@@ -49,7 +52,15 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
     m = 0.0 if design.braced else (m if leg_mass is None else leg_mass)
     c = 0.5 * np.array(design.anchor_to_foot)
     a, b = (np.array(anchor) for anchor in design.anchors)
-    return MassProperties(M, J, m, m * limb.length_mm**2 / 12.0, a, b, c, c, design.braced)
+    size = np.array([body.length_mm, body.thickness_mm, body.depth_mm])
+    box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
+    along = c / np.hypot(*c)
+    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length_mm**2 + np.diag(
+        [0, 0, size[2] ** 2]
+    )
+    strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
+    spatial = Spatial(0.0, box, strip)
+    return MassProperties(M, J, m, m * limb.length_mm**2 / 12.0, a, b, c, c, design.braced, spatial)
 
 
 def scene_of(model: str, method: str, **tables: dict[str, Any]) -> Scene:

@@ -31,12 +31,27 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
+    _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design))
     _check_law(scene, case.model)
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
     return Resolved(case.model, _method(scene, case.model, on[air_drag.NAME]), effects, acts)
+
+
+def _check_room(scene: Scene, design: Design) -> None:
+    """Raise InputError for a plane that is smaller than the walker."""
+    arena, body = scene.arena, design.body
+    for key, size, needed, extent in (
+        ("length_mm", arena.length_mm, body.length_mm, "long"),
+        ("width_mm", arena.width_mm, body.depth_mm, "deep"),
+    ):
+        if arena.kind == "plane" and size is not None and size < needed:
+            raise InputError(
+                f"arena.{key} = {size:g}: must be at least {needed:g}, since the walker is "
+                f"{needed:g} mm {extent}; take a larger plane, or leave the key out (endless)"
+            )
 
 
 def _model(scene: Scene, design: Design) -> ModelName:

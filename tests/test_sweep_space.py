@@ -1,0 +1,218 @@
+"""Any walker in space, drive and contact: refused in one clear line, or a lawful motion.
+
+Each example is a whole walker on a whole plate, drawn within the allowed ranges and a little
+beyond. In CI noise and roughness of the plate are left out, so that one kernel serves all examples;
+the nightly sweep draws them as well.
+"""
+
+import math
+
+import numpy as np
+import pytest
+from hypothesis import event, given, settings
+from hypothesis import strategies as st
+from test_sweep import ENDINGS, check_refusal, decades
+
+from walkergen.errors import InputError
+from walkergen.files import config
+from walkergen.scene import GRAVITY, Scene
+from walkergen.simulation import record
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, simulate
+from walkergen.simulation.space.pose import locate, place
+from walkergen.simulation.space.state import GAP_OF, LEGS, PHASE, V_X, W_X, work_for
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+MOST_EVENTS = 50_000
+
+MOST_STEPS = 100_000
+"""Steps of one example: feet of 1 MHz are followed for less time than those of 10 kHz."""
+
+BALANCE = 0.05
+"""Share of the exchanged energy that may be unaccounted for, as scenes have it: steps are of second
+order, but a walker may bounce a hundred times between two samples of the plate's work."""
+
+FINER = 4.0
+"""By how much smaller a step has to end an energy error."""
+
+
+@st.composite
+def walkers(draw, plates):
+    """Design and scene tables, keyed by table; `plates`: strategy of "is the plate uneven?"."""
+    scale = draw(st.sampled_from([1.0, 1.0, 1.0, 0.1, 10.0]))
+    length = scale * draw(st.floats(15.0, 60.0))
+    leg = length * draw(st.floats(0.1, 0.5))
+    thickness = leg * draw(st.floats(0.02, 0.3))
+    tilt = draw(st.one_of(st.sampled_from([0.0, 10.0, -10.0, 35.0]), st.floats(-50.0, 50.0)))
+    room = length - 2.0 * abs(leg * math.sin(math.radians(tilt))) - thickness
+    depth = scale * draw(st.floats(1.0, 20.0))
+    period = 1.0 / draw(st.floats(20.0, 500.0))
+    flexible = draw(st.sampled_from([True, True, True, False]))
+    lane = draw(st.booleans())
+    tables = {
+        "body": {
+            "length_mm": length, "depth_mm": depth, "thickness_mm": scale * draw(st.floats(0.5, 8))
+        },
+        "legs": {
+            "kind": "flexible" if flexible else "braced",
+            "tilt_deg": tilt,
+            "length_mm": leg,
+            "contact_spacing_mm": max(room, 0.2 * length) * draw(st.floats(0.3, 1.02)),
+            "flexible_thickness_mm": thickness,
+            "braced_thickness_mm": thickness,
+            "brace_thickness_mm": thickness * draw(st.floats(0.3, 1.0)),
+        },
+        "material": {"youngs_modulus_gpa": 3.0 * draw(decades(-2, 2))},
+        "weighed": {},
+        "drive": {
+            "frequency_hz": 1.0 / period,
+            "gamma": draw(st.one_of(st.just(1.0), st.floats(0.2, 10.0))),
+        },
+        "contact": {
+            "restitution": draw(st.one_of(st.sampled_from([0.02, 1.0, 0.0]), st.floats(0.02, 1.0))),
+            "friction": draw(st.one_of(st.just(0.0), st.floats(0.0, 1.0), decades(-3, 3))),
+        },
+        "plate": {"slope_deg": draw(st.one_of(st.just(0.0), st.floats(-20.0, 20.0)))},
+        "arena": {"kind": "lane" if lane else "plane"},
+        "scene_legs": {
+            "model": "space",
+            "damping_ratio": draw(st.one_of(st.sampled_from([0.0, 0.05]), st.floats(0.0, 2.0))),
+        },
+        "feet": {
+            "damping": draw(st.sampled_from(["viscous", "hysteretic"])),
+            "stiffness_ratio": draw(st.one_of(st.just(1.0), decades(-3, 3))),
+            "tangential_ratio": draw(st.one_of(st.just(0.8), decades(-2, 1))),
+            "unevenness_um": draw(st.one_of(st.just(0.0), st.floats(0.0, 100.0))),
+        },
+        "effects": {
+            "roll_and_yaw": draw(st.sampled_from([True, True, True, False])),
+            "plate_slope": True,  # also at 0: a kernel for all examples
+        },
+        "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
+    }  # fmt: skip
+    if lane:
+        tables["arena"] |= {
+            "gap_mm": depth * draw(st.floats(0.99, 1.5)),
+            "wall_friction": draw(st.floats(0.0, 1.0)),
+            "wall_restitution": draw(st.floats(0.02, 1.0)),
+        }
+    if draw(st.integers(0, 2)) == 0:
+        body = scale**3 * draw(decades(-1, 1))
+        tables["weighed"] = {"body_mass_g": body, "leg_mass_g": body * draw(decades(-4, 1))}
+    if draw(plates):
+        tables["plate"] |= {
+            "noise_ratio": draw(st.floats(0.0, 1.0)),
+            "roughness_um": draw(st.floats(0.0, 20.0)),
+        }
+        tables["effects"] |= {"plate_noise": True, "plate_roughness": True}
+    return tables
+
+
+def built(tables):
+    """Plan of an example, with as many steps as it may take, or raises InputError."""
+    design = config.validate(
+        {key: tables[key] for key in ("body", "legs", "material", "weighed")}, Design, "sweep"
+    )
+    keys = ("drive", "contact", "plate", "arena", "feet", "effects", "run")
+    scene = config.validate(
+        {key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep"
+    )
+    plan = prepare(scene, design, solids.mass_of(design))
+    seconds = min(scene.run.seconds, MOST_STEPS * plan.world.options.step)
+    return plan.lasting(seconds=seconds)
+
+
+def gaps_of(world, state):
+    """Gap (mm) of every contact of a state."""
+    work, copy = work_for(world.walker, state), state.copy()
+    place(world, copy, work)
+    locate(world, copy, work)
+    return work.points[:, GAP_OF]
+
+
+def liveliest(plan, rows):
+    """Largest kinetic energy over the plate's own speed, g mm^2/s^2, as a speed of the walker."""
+    walker = plan.world.walker
+    n = len(walker.stiffness)
+    v, w = rows[:, V_X : V_X + 3], rows[:, W_X : W_X + 3]
+    rates = rows[:, LEGS + n : LEGS + 2 * n]
+    twice = walker.mass * (v**2).sum(axis=1) + np.einsum("ti,ij,tj->t", w, walker.inertia, w)
+    twice = twice + np.einsum("ti,ij,tj->t", rates, walker.hinge_inertia, rates)
+    twice = twice + (walker.stiffness * rows[:, LEGS : LEGS + n] ** 2).sum(axis=1)
+    return math.sqrt(twice.max() / walker.mass)
+
+
+def check_motion(plan, result):
+    """Laws of any motion in space."""
+    assert result.outcome in ENDINGS, (result.outcome, result.energy_error)
+    sums, samples = result.tally.sums, result.tally.samples
+    rows = samples.rows[: samples.cursor[0], 1:]
+    assert np.isfinite(rows).all()
+    assert np.isfinite(result.places).all()
+    assert np.isfinite(sums).all()
+    assert result.energy_error <= BALANCE, result.energy_error
+
+    # A foot's spring takes at most the whole walker's energy, and its weight on a rising plate.
+    walker, drive = plan.world.walker, plan.scene.drive
+    fast = liveliest(plan, rows) + drive.peak_speed
+    drive_force = walker.mass * (GRAVITY + drive.peak_speed * drive.omega)
+    heights = 6e-3 * plan.scene.feet.unevenness_um
+    for k in range(len(walker.leg)):
+        sag = drive_force / walker.spring[k, 0]
+        allowed = sag + math.sqrt(sag**2 + walker.mass / walker.spring[k, 0] * (2.0 * fast) ** 2)
+        deepest = -min(gaps_of(plan.world, row)[k] for row in rows)
+        assert deepest <= allowed + heights, (k, deepest, allowed)
+
+    # Forces never pull, and stay inside their cones.
+    events = result.tally.events
+    _, corner, along, normal, *_ = events.rows[: events.cursor[0]].T
+    assert (normal >= 0.0).all()
+    limit = walker.friction[corner.astype(int)] * normal
+    assert (np.abs(along) - limit <= 1e-9 * (limit + normal)).all()
+
+    # Losses are losses, to the accuracy of the balance.
+    whole = abs(plan.energy(rows[0]))
+    allowed = BALANCE * max(np.abs(sums[record.PLATE_WORK :]).max(), whole)
+    for loss in (record.IMPACT_LOSS, record.FRICTION_LOSS, record.DAMPING_LOSS):
+        assert sums[loss] >= -allowed, (loss, sums)
+    assert (rows[:, PHASE] >= 0.0).all()
+
+
+def check(tables):
+    """How an example ends; fails where it is neither refused by name nor lawful."""
+    try:
+        plan = built(tables)
+    except InputError as error:
+        check_refusal(error, tables)
+        return "refused: " + type(error).__name__
+    interval = plan.scene.run.seconds / 100.0
+    result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
+    if result.outcome is Outcome.ENERGY:
+        # The outcome tells the user to take a smaller step, which then has to do.
+        step_us = max(1e6 * plan.world.options.step / FINER, 0.01)
+        finer = tables | {"run": tables["run"] | {"step_us": step_us}}
+        plan = built(finer)
+        result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
+        event("finer steps")
+    check_motion(plan, result)
+    return result.outcome.value
+
+
+def sweep(plates, **examples):
+    @settings(deadline=None, database=None, **examples)
+    @given(walkers(plates))
+    def any_walker(tables):
+        event(check(tables))
+
+    any_walker()
+
+
+@pytest.mark.slow
+def test_any_walker_in_space_is_refused_or_lawful():
+    sweep(st.just(False), max_examples=40, derandomize=True)
+
+
+@pytest.mark.nightly
+def test_two_thousand_walkers_in_space_are_refused_or_lawful():
+    sweep(st.booleans(), max_examples=2000, print_blob=True)
