@@ -11,7 +11,7 @@ from walkergen.cli import app
 from walkergen.errors import WalkergenError
 
 KEYS = {
-    "model", "method", "law", "speed_mm_s", "speed_se_mm_s", "runs", "simulated_s", "cpu_s",
+    "model", "method", "speed_mm_s", "speed_se_mm_s", "runs", "simulated_s", "cpu_s",
     "wall_s",
     "impacts_per_s", "type_fractions", "contact_fraction", "max_pitch_deg", "energy_error",
     "outcomes",
@@ -36,7 +36,8 @@ def test_json_has_the_named_keys(run):
     )
     found = json.loads(result.stdout)
     assert set(found) >= KEYS
-    assert (found["model"], found["method"], found["law"]) == ("space", "step", "poisson")
+    assert (found["model"], found["method"], found["feet"]) == ("space", "step", "viscous")
+    assert "law" not in found  # elastic feet know no law of impact
     assert found["runs"] == 2
     assert found["simulated_s"] == pytest.approx(1.0)
     assert sum(found["type_fractions"].values()) - found["type_fractions"]["sticking"] == (
