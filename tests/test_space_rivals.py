@@ -40,8 +40,8 @@ def test_corner_at_its_physical_stiffness_lands_as_by_an_independent_integration
         _, events, found = land(plan, velocity, 2e-5 * pitch, 2e-5 * roll, clearance=1e-4)
         corner = int(events[0, 1])
         expected = rival.landing(
-            corner, walker.spring[corner] * rubs, walker.damper[corner] * rubs, walker.stiffness,
-            velocity,
+            corner, walker.spring[corner] * rubs, np.array([walker.damper[corner], 0.0]),
+            walker.stiffness, velocity,
         )  # fmt: skip
         # 1e-3: the corner's inverse mass changes by 2e-4 with a pose of 2e-5 rad, and the steps are
         # 0.3 % of the contact's time; the twist of slanted legs at 35 deg, 3e-4 (test_space_limits)

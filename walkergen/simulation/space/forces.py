@@ -1,7 +1,7 @@
 """Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
 
-Each contact has a normal spring with a damper, never adhesive, and a tangential spring with a
-damper whose force a Coulomb slider cuts at friction times the normal force. In the middle of the
+Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
+a Coulomb slider cuts at friction times the normal force. In the middle of the
 step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
 f / b + h H f / 2 = -k x / b - u_free, b = c + h k / 2: one linear system for given modes, which are
 corrected until each contact's force agrees with its mode. No order of contacts, no iteration
@@ -15,7 +15,6 @@ from walkergen.simulation.space.state import (
     B_N,
     B_T,
     C_N,
-    C_T,
     FORCE,
     FREE,
     FRICTION,
@@ -51,10 +50,8 @@ friction presses a foot on faster than the step, and the foot is taken to stick.
 def resist(contacts, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
     contacts[i, STIFF], contacts[i, OFFSET] = k_n, 0.0
-    contacts[i, B_N], contacts[i, B_T] = (
-        contacts[i, C_N] + 0.5 * h * k_n,
-        contacts[i, C_T] + 0.5 * h * contacts[i, K_T],
-    )
+    contacts[i, B_N] = contacts[i, C_N] + 0.5 * h * k_n
+    contacts[i, B_T] = 0.5 * h * contacts[i, K_T]
 
 
 @lean

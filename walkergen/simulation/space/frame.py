@@ -16,7 +16,6 @@ from walkergen.simulation.space.pose import locate, normal_of, place, turn
 from walkergen.simulation.space.state import (
     ACTING,
     C_N,
-    C_T,
     C_X,
     CARRIED,
     DRIFT,
@@ -195,7 +194,7 @@ def _directions(world, state, work, contacts, lifted, h, t, m):
             contacts[i, DRIFT + p] = bent - upright * lifting
         contacts[i, FRICTION] = friction[k]
         contacts[i, K_N], contacts[i, K_T] = spring[k, 0], spring[k, 1]
-        contacts[i, C_N], contacts[i, C_T] = damper[k, 0], damper[k, 1]
+        contacts[i, C_N] = damper[k]
         resist(contacts, i, h, contacts[i, K_N])
     _move_by(J, work.MJ, work.legs, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 

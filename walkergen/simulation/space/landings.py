@@ -10,9 +10,7 @@ from walkergen.simulation import record
 from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,
-    B_T,
     C_N,
-    C_T,
     FORCE,
     GAP,
     IN_COMPRESSION,
@@ -122,21 +120,16 @@ def _pressed(contacts, i, unloading, lasting):
 
 @lean
 def _rub(contacts, i, h):
-    """Move the tangential springs of a contact; returns the energy that damper and slider take."""
+    """Move the tangential springs of a contact; returns the energy that the slider takes."""
     taken = 0.0
     for axis in (1, 2):
-        stretch, u, force = (
-            contacts[i, GAP + axis],
-            contacts[i, MIDDLE + axis],
-            contacts[i, FORCE + axis],
-        )
+        stretch, u = contacts[i, GAP + axis], contacts[i, MIDDLE + axis]
         if contacts[i, TRIED] == STICK:
             contacts[i, GAP + axis] = stretch + h * u
-            taken += h * contacts[i, C_T] * u * u
         else:
-            # Spring and damper carry the slider's force in the middle of the step
-            rate = -(force + contacts[i, K_T] * stretch) / contacts[i, B_T]
-            moved = stretch + 0.5 * h * rate
+            # The spring carries the slider's force
+            force = contacts[i, FORCE + axis]
+            moved = -force / contacts[i, K_T]
             taken -= h * force * u + 0.5 * contacts[i, K_T] * (moved * moved - stretch * stretch)
             contacts[i, GAP + axis] = moved
     return taken

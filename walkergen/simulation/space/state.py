@@ -93,7 +93,7 @@ class Walker(NamedTuple):
     spring: Array
     """Stiffness of the contacts: normal, tangential, shape (k, 2), g/s^2."""
     damper: Array
-    """Damping of the contacts: normal, tangential, shape (k, 2), g/s; 0 for hysteretic feet."""
+    """Normal damping of the contacts, shape (k,), g/s; 0 for hysteretic feet."""
     unloading: float
     """Stiffness in unloading over that in loading, 1 for viscous feet."""
     corners: Array
@@ -114,15 +114,15 @@ class Options(NamedTuple):
 
 # Columns of `Work.contacts`, a row for each contact near its surface in a frame; triples are
 # normal, along, across. Its number among all points, then its mode, and what does not change:
-NUMBER, TRIED, FRICTION, K_N, K_T, C_N, C_T = range(7)
+NUMBER, TRIED, FRICTION, K_N, K_T, C_N = range(6)
 # stiffness and lasting compression of the branch it is on (loading, unloading), its resistances
 # c + h k / 2, the direction of its sliding, and its first unknown in the equations:
-STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, UNKNOWN = range(7, 14)
+STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, UNKNOWN = range(6, 13)
 # gap and stretches (mm), velocities over the surface (mm/s), the same in the middle of a step
 # without and with contact forces, forces (g mm/s^2), accelerations by all but contacts and legs,
 # impulses since the frame began (g mm/s) and their integrals (g mm):
-GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(14, 38, 3)
-COLUMNS_OF_CONTACT = 38
+GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(13, 37, 3)
+COLUMNS_OF_CONTACT = 37
 
 
 class Work(NamedTuple):

@@ -39,6 +39,7 @@ from walkergen.simulation.space.state import (
     GAP,
     GAP_OF,
     IMPULSE,
+    LANDED,
     LEGS,
     MIDDLE,
     MODE,
@@ -291,6 +292,9 @@ def _advance(world, state, work, duration, tally):
     """Advance as `advance` does, without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t, gentle = sums[record.ELAPSED], 0.0, strongest_throw(world) < across(world.acting)
+    if begin == 0.0:  # landings under way count from the record's beginning
+        for k in range(len(walker.leg)):
+            state[first_row(walker) + ROW * k + LANDED] = 0.0
     while True:
         _turn_stretches(walker, state, place(world, state, work))
         sums[record.ELAPSED] = begin + t

@@ -79,7 +79,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         upward=np.where(points["place"] > 0.0, 2, 0),
         friction=np.where(points["place"] > 0.0, scene.arena.wall_friction, scene.contact.friction),
         spring=np.zeros((0, 2)),
-        damper=np.zeros((0, 2)),
+        damper=np.zeros(0),
         unloading=1.0,
         corners=_corners(design, mass, centre),
         flights=np.zeros((0, n, n)),
@@ -186,11 +186,11 @@ def _with_feet(walker: Walker, case: Case, local: bool) -> tuple[Walker, Options
     H = mobility(walker)
     wall = walker.place > 0.0
     label = case.scene.arena.wall_restitution
-    ratio = np.where(wall, feet.damping_ratio(label), foot.damping_ratio)[:, None]
+    ratio = np.where(wall, feet.damping_ratio(label), foot.damping_ratio)
     spring = np.tile([foot.normal, foot.tangential], (n_points, 1))
-    # Each direction of a corner alone has the damping ratio of the label
-    own = np.column_stack([np.diag(H)[0::3], np.diag(H)[1::3]])
-    damper = 2.0 * ratio * np.sqrt(spring / np.where(own > 0.0, own, np.inf))
+    # The label is that of a frictionless impact: there is no tangential damper
+    own = np.diag(H)[0::3]
+    damper = 2.0 * ratio * np.sqrt(foot.normal / np.where(own > 0.0, own, np.inf))
     on_plate = np.flatnonzero(~wall)
     block = H[np.ix_(3 * on_plate, 3 * on_plate)]
     fastest = math.sqrt(foot.normal * foot.unloading * float(np.linalg.eigvalsh(block)[-1]))
