@@ -93,6 +93,21 @@ def test_corners_press_where_they_are_below_the_plate_only():
     assert gaps.max() > 0.01
 
 
+def test_poses_are_of_the_print_and_the_plate_that_ran():
+    scene = templates.load("plane-noisy", "scenes", Scene)
+    rough = {"noise_ratio": 0.5, "roughness_um": 5.0}
+    scene = scene.model_copy(
+        update={
+            "feet": scene.feet.model_copy(update={"unevenness_um": 20.0}),
+            "plate": scene.plate.model_copy(update=rough),
+        }
+    )
+    found = poses.sample(prepare(lasting(scene, 0.1), PAPER, solids.mass_of(PAPER)), 5e-5)
+    assert found.closed.mean() > 0.02
+    assert found.gaps[found.closed].max() < 1e-3
+    assert found.gaps[~found.closed].min() > -1e-3
+
+
 def test_corners_press_at_their_landings():
     _, one = slow()
     interval = one.times[1]

@@ -164,7 +164,8 @@ def test_nothing_was_fetched_and_nothing_complained(browser, page):
         if message["method"] == "Network.requestWillBeSent"
     ]
     assert page.as_uri() in asked
-    own = (page.as_uri(), "data:", "chrome://")  # chrome: the empty tab that the browser opens with
+    # chrome: the empty tab that the browser opens with
+    own = (page.as_uri(), "data:", "chrome://", "chrome-untrusted://")
     assert [url for url in asked if not url.startswith(own)] == []
 
 

@@ -11,9 +11,11 @@ import {
   LineBasicMaterial,
   LineSegments,
   Mesh,
+  MeshBasicMaterial,
   MeshLambertMaterial,
   PerspectiveCamera,
   Scene,
+  SphereGeometry,
   Spherical,
   Vector3,
   WebGLRenderer,
@@ -23,6 +25,7 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 const FIELD_OF_VIEW = 30; // degrees
 const EDGE_ANGLE = 25; // degrees between faces from which their edge is drawn
 const KEY_STEP = Math.PI / 24;
+const LIGHT_SIZE = 0.035; // radius of a corner's light at its brightest, over the part's size
 
 // Directions from the part to the camera.
 const VIEWS = {
@@ -49,7 +52,7 @@ function geometryOf(positions) {
 
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
- * triangles' corners, nine numbers a triangle. Returns { show, look, spacing }.
+ * triangles' corners, nine numbers a triangle. Returns { show, look, stand, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
@@ -66,7 +69,7 @@ export function create(canvas, parts) {
   const scene = new Scene();
   const step = spacing(size.x);
   const lines = 2 * Math.ceil((0.8 * size.x) / step);
-  const plate = new GridHelper(lines * step, lines, 0xb8bec4, 0xd9dde1);
+  const plate = new GridHelper(lines * step, lines, 0xd3d8dc, 0xd3d8dc);
   plate.position.set(centre.x, 0, centre.z);
   const sun = new DirectionalLight(0xffffff, 2.6);
   scene.add(plate, new AmbientLight(0xffffff, 1.5));
@@ -83,6 +86,12 @@ export function create(canvas, parts) {
   const edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x22282d }));
   const part = body.add(edges);
   scene.add(part);
+
+  // Lights at the corners of the feet, seen through the part.
+  const glow = new MeshBasicMaterial({ color: 0xe8590c, opacity: 0.85 });
+  Object.assign(glow, { transparent: true, depthTest: false });
+  const sphere = new SphereGeometry(LIGHT_SIZE * size.length(), 20, 12);
+  const lights = [];
 
   const controls = new OrbitControls(camera, canvas);
   controls.enablePan = false;
@@ -107,7 +116,7 @@ export function create(canvas, parts) {
   function look(name) {
     const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * Math.min(1, camera.aspect);
     const distance = (1.02 * radius) / half;
-    camera.position.fromArray(VIEWS[name]).setLength(distance).add(centre);
+    camera.position.fromArray(VIEWS[name]).setLength(distance).add(controls.target);
     controls.update();
     draw();
   }
@@ -119,7 +128,40 @@ export function create(canvas, parts) {
     body.geometry = geometryOf(parts[index]);
     edges.geometry = new EdgesGeometry(body.geometry, EDGE_ANGLE);
     material.color.setStyle(colour);
-    part.position.y = -body.geometry.boundingBox.min.y;
+    part.position.set(0, -body.geometry.boundingBox.min.y, 0);
+    part.quaternion.identity();
+    for (const light of lights) light.visible = false;
+    follow(0, 0);
+    draw();
+  }
+
+  // Move the view along the plate, so that it has followed a part by x and z; the lines stand still.
+  function follow(x, z) {
+    const move = new Vector3(centre.x + x, centre.y, centre.z + z).sub(controls.target);
+    camera.position.add(move);
+    controls.target.add(move);
+    const whole = (distance) => step * Math.round(distance / step);
+    plate.position.set(centre.x + whole(x), 0, centre.z + whole(z));
+  }
+
+  /**
+   * Put the part that is shown where a run has it: shifted (mm) after a turn by a quaternion (x, y,
+   * z, w). `corners`: places in the part that are lit by `brightness`, 0..1 each.
+   */
+  function stand(shift, quaternion, corners, brightness) {
+    part.position.fromArray(shift);
+    part.quaternion.fromArray(quaternion).normalize();
+    while (lights.length < corners.length) {
+      lights.push(new Mesh(sphere, glow));
+      part.add(lights.at(-1));
+    }
+    lights.forEach((light, k) => {
+      light.position.fromArray(corners[k]);
+      light.visible = brightness[k] > 0;
+      light.scale.setScalar(Math.max(brightness[k], 1e-3));
+    });
+    const moved = centre.clone().applyQuaternion(part.quaternion).add(part.position).sub(centre);
+    follow(moved.x, moved.z);
     draw();
   }
 
@@ -129,10 +171,10 @@ export function create(canvas, parts) {
       [];
     if (azimuth === undefined) return;
     event.preventDefault();
-    const from = new Spherical().setFromVector3(camera.position.clone().sub(centre));
+    const from = new Spherical().setFromVector3(camera.position.clone().sub(controls.target));
     from.theta += azimuth * KEY_STEP;
     from.phi += polar * KEY_STEP;
-    camera.position.setFromSpherical(from.makeSafe()).add(centre);
+    camera.position.setFromSpherical(from.makeSafe()).add(controls.target);
     controls.update();
     draw();
   }
@@ -145,5 +187,5 @@ export function create(canvas, parts) {
   new ResizeObserver(resize).observe(canvas);
   resize();
   look('angle');
-  return { show, look, spacing: step };
+  return { show, look, stand, spacing: step };
 }

@@ -1,7 +1,7 @@
 """The command `report`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -19,9 +19,21 @@ def report(
         Path | None,
         typer.Option("--out", metavar="FILE", help="Page to write; FOLDER/report.html by default."),
     ] = None,
+    run: Annotated[
+        str | None,
+        typer.Option(
+            "--run", metavar="SCENE", help="Simulate a second of one member there, to be played."
+        ),
+    ] = None,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
     json: opt.AsJson = False,
 ) -> None:
-    """Show a family on one self-contained HTML page that opens offline."""
+    """Show a family on one self-contained HTML page that opens offline.
+
+    With --run SCENE the page plays a second of a member's run, chosen by --tilt and --legs, in a
+    scene in which walkers move in space, such as plane-90hz.
+    """
     from walkergen import __version__
     from walkergen.files import output
     from walkergen.jobs.page import contents
@@ -32,8 +44,23 @@ def report(
     sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
     if target.resolve() in [path.resolve() for path in sources]:
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
-    output.write(target, page.render(found, __version__))
+    if run is None and not (tilt is None and legs is None):
+        raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")
+    played = None if run is None else _played(found, run, tilt, legs)
+    output.write(target, page.render(found, __version__, played))
     _show_page(target, found, json)
+
+
+def _played(
+    found: "Contents", scene: str, tilt: float | None, legs: str | None
+) -> "dict[str, Any]":
+    """Simulate the member that the command line asks for."""
+    from walkergen.jobs.page import play
+
+    kinds = [None] if legs is None else opt.parse_kinds(legs)
+    if len(kinds) != 1:
+        raise InputError(f"--legs {legs!r}: one kind at a time")
+    return play.simulate(found.manifest, opt.scene_of(scene, opt.Changes()), tilt, kinds[0])
 
 
 def _show_page(path: Path, found: "Contents", json: bool) -> None:

@@ -77,16 +77,15 @@ class Poses(NamedTuple):
 
 def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     """Simulate one run of a plan in space; its poses every `interval` seconds, every landing."""
-    plan, _ = run.dropped(plan, number)
-    # The run draws its print and its plate by itself, equally.
     result = run.with_impacts(plan, number, sample_interval=interval)
+    world = run.dropped(plan, number)[0].world
     samples = result.tally.samples
     assert samples is not None
     rows = samples.rows[: samples.cursor[0]]
     states = np.ascontiguousarray(rows[:, 1:])
-    walker = plan.world.walker
+    walker = world.walker
     points, plate = np.empty((len(rows), len(walker.leg), 4)), np.empty(len(rows))
-    _points(plan.world, states, points, plate)
+    _points(world, states, points, plate)
     first, modes = first_row(walker), slice(MODE, None, ROW)
     on_plate = np.flatnonzero(walker.place == 0.0)
     # A run that ended before its first pose has none

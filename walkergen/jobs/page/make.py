@@ -55,8 +55,8 @@ class Table(NamedTuple):
     """Notes on rows; note k is marked [k]."""
 
 
-def render(contents: Contents, version: str) -> bytes:
-    """Page as UTF-8; equal folders give equal bytes.
+def render(contents: Contents, version: str, run: Mapping[str, Any] | None = None) -> bytes:
+    """Page as UTF-8, with a run to be played (see `play`), if any; equal input gives equal bytes.
 
     Raises InputError when a table or an STL file of the folder is not as `family` writes it.
     """
@@ -82,7 +82,9 @@ def render(contents: Contents, version: str) -> bytes:
             {member.row["law"] for member in made},
             {method for member in made if (method := member.row.get("sim_method"))},
             list(manifest.files),
+            played=run is not None,
         ),
+        "run": run,
     }
     scripts = {name: _asset(f"{name}.js") for name in ("viewer.min", "page")}
     values |= {

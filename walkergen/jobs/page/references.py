@@ -84,15 +84,15 @@ REFERENCES: dict[Subject, Reference] = {
 
 
 def cited(
-    laws: Collection[str], methods: Collection[str], files: Collection[str]
+    laws: Collection[str], methods: Collection[str], files: Collection[str], played: bool = False
 ) -> list[Reference]:
     """List the references of a family's run, by its table's laws and methods and its files.
 
     `laws`: of restitution; `methods`: of simulation ("event", "step"), none when nothing was
-    simulated; `files`: their names in the manifest.
+    simulated; `files`: their names in the manifest; `played`: whether the page plays a run.
     """
     used: set[str] = {"walkers", "numpy", "manifold3d", "three.js", *laws, *methods}
-    if methods:
+    if methods or played:
         used.add("numba")
     if any(name.endswith(".png") for name in files):
         used.add("matplotlib")

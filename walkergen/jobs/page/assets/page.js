@@ -9,9 +9,13 @@
   const slider = byId('tilt');
   let viewer = null;
   let chosen = null;
+  let player = null; // of the run that the page holds, if any
 
-  function corners(base64) {
-    const bytes = Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+  const bytesOf = (base64) =>
+    Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
+
+  function floats(base64) {
+    const bytes = bytesOf(base64);
     const view = new DataView(bytes.buffer);
     return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
   }
@@ -30,6 +34,7 @@
   }
 
   function choose(member) {
+    player?.pause();
     chosen = member;
     const part = parts[member];
     const row = members(part.legs);
@@ -69,7 +74,7 @@
       return;
     }
     byId('viewer').hidden = false;
-    viewer = walkergenViewer.create(byId('canvas'), shown.map((m) => corners(parts[m].corners)));
+    viewer = walkergenViewer.create(byId('canvas'), shown.map((m) => floats(parts[m].corners)));
     if (!viewer) {
       byId('viewer').hidden = true;
       byId('no-viewer-reason').textContent =
@@ -80,6 +85,82 @@
     byId('spacing').textContent = viewer.spacing;
     for (const button of byId('views').children)
       button.addEventListener('click', () => viewer.look(button.dataset.view));
+  }
+
+  // Plays the run: poses between samples are blended, landings glow for as long as a person sees.
+  function playerOf(run) {
+    const GLOW_S = 0.25;
+    const [poses, landings] = [floats(run.poses), floats(run.landings)];
+    const closed = bytesOf(run.closed);
+    const count = poses.length / 7;
+    const last = (count - 1) * run.interval;
+    const [button, slider, pace] = ['play', 'time', 'pace'].map(byId);
+    let [time, before, frame] = [0, null, null];
+
+    function poseAt(at) {
+      const low = Math.min(Math.floor(at / run.interval), count - 2);
+      const share = Math.min(Math.max(at / run.interval - low, 0), 1);
+      return Array.from({ length: 7 }, (_, i) => {
+        const [a, b] = [poses[7 * low + i], poses[7 * (low + 1) + i]];
+        return a + share * (b - a);
+      });
+    }
+
+    // How brightly each corner is lit, 0..1.
+    function lights(at) {
+      const glow = GLOW_S / Number(pace.value);
+      const mask = closed[Math.min(Math.round(at / run.interval), count - 1)];
+      const lit = run.corners.map((_, corner) => (mask & (128 >> corner) ? 0.2 : 0));
+      for (let i = 0; i < landings.length && landings[i] <= at; i += 3) {
+        const left = 1 - (at - landings[i]) / glow;
+        const corner = landings[i + 1];
+        if (left > 0)
+          lit[corner] = Math.max(lit[corner], left * (0.25 + 0.75 * Math.sqrt(landings[i + 2])));
+      }
+      return lit;
+    }
+
+    function showAt(at) {
+      if (chosen !== run.member) choose(run.member);
+      time = Math.min(Math.max(at, 0), last);
+      slider.value = time;
+      byId('time-shown').textContent = `${(1e3 * time).toFixed(1)} ms`;
+      const pose = poseAt(time);
+      viewer.stand(pose.slice(0, 3), pose.slice(3), run.corners, lights(time));
+    }
+
+    function step(now) {
+      showAt(time + (now - (before ?? now)) / 1e3 / Number(pace.value));
+      before = now;
+      if (time < last) frame = requestAnimationFrame(step);
+      else pause();
+    }
+
+    function pause() {
+      cancelAnimationFrame(frame);
+      [frame, before] = [null, null];
+      button.textContent = 'play';
+    }
+
+    function play() {
+      if (frame !== null) return pause();
+      showAt(time < last ? time : 0);
+      button.textContent = 'pause';
+      frame = requestAnimationFrame(step);
+    }
+
+    slider.max = last;
+    button.addEventListener('click', play);
+    slider.addEventListener('input', () => showAt(Number(slider.value)));
+    byId('time-shown').textContent = '0.0 ms';
+    return { pause, showAt };
+  }
+
+  function startPlayer() {
+    if (!byId('run-data')) return;
+    const run = JSON.parse(byId('run-data').textContent);
+    if (!viewer || !shown.includes(run.member)) byId('run').hidden = true;
+    else player = playerOf(run);
   }
 
   // Numbers by size, words by the alphabet, empty cells last whichever way.
@@ -125,5 +206,7 @@
   addKinds();
   startViewer();
   listen();
-  if (shown.length) choose(shown[Math.floor(members(parts[shown[0]].legs).length / 4)]);
+  startPlayer();
+  if (player) player.showAt(0);
+  else if (shown.length) choose(shown[Math.floor(members(parts[shown[0]].legs).length / 4)]);
 })();

@@ -1,0 +1,231 @@
+"""A run on the report page: what is played is what was simulated; and in a real browser."""
+
+import base64
+import json
+import os
+import re
+import time
+
+import numpy as np
+import pytest
+from report_folder import folder_of
+from selenium.webdriver.common.by import By
+from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import WalkergenError
+from walkergen.files import templates
+from walkergen.jobs.page import contents, play
+from walkergen.jobs.page import make as page
+from walkergen.scene import Scene
+from walkergen.simulation import poses
+from walkergen.simulation.plan import prepare
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+PLANE = templates.load("plane-90hz", "scenes", Scene)
+
+in_a_browser = [
+    pytest.mark.slow,
+    pytest.mark.programs,
+    pytest.mark.skipif(not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED),
+]
+
+
+def floats(text, width):
+    return np.frombuffer(base64.b64decode(text), "<f4").reshape(-1, width).astype(float)
+
+
+@pytest.fixture(scope="module")
+def folder(tmp_path_factory):
+    return folder_of(tmp_path_factory.mktemp("family") / "mine", (10.0, 35.0))
+
+
+@pytest.fixture(scope="module")
+def found(folder):
+    return contents.read(folder)
+
+
+@pytest.fixture(scope="module")
+def run(found):
+    return play.simulate(found.manifest, PLANE, 35.0, None)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    (design,) = templates.load("koumakis2016", "walkers", Design).members([35.0], ["flexible"])
+    changed = PLANE.run.model_copy(update={"seconds": play.SECONDS})
+    scene = PLANE.model_copy(update={"run": changed})
+    return poses.sample(prepare(scene, design, solids.mass_of(design)), 1.0 / play.RATE)
+
+
+def test_the_part_stands_where_the_run_has_it(run, truth):
+    rows, corners = floats(run["poses"], 7), np.array(run["corners"])
+    assert len(rows) == len(truth.times) == 2001
+    assert np.linalg.norm(rows[:, 3:], axis=1) == pytest.approx(1.0, abs=1e-6)
+    for at in range(0, len(rows), 50):
+        v, w = rows[at, 3:6], rows[at, 6]
+        turned = corners + 2 * np.cross(v, np.cross(v, corners) + w * corners)
+        # The mesh is rigid, legs bend by up to some hundredths of a millimetre.
+        assert turned + rows[at, :3] == pytest.approx(truth.corners[at], abs=0.1)
+
+
+def test_corners_are_those_of_the_part(run, found):
+    mesh = next(
+        part["corners"]
+        for part in (page._part(one) for one in page.members.of(found))
+        if part["name"] == "walker_t35.0_flexible_s0.40"
+    )
+    points = floats(mesh, 3)
+    half = 0.2 / np.cos(np.radians(35.0))  # of a flat foot's width
+    for corner in run["corners"]:
+        assert np.linalg.norm(points - corner, axis=1).min() == pytest.approx(half, abs=0.05)
+
+
+def test_lights_are_those_of_the_landings(run, truth):
+    landings = floats(run["landings"], 3)
+    assert len(landings) == len(truth.landings) > 100
+    assert landings[:, 0] == pytest.approx(truth.landings[:, 0], abs=1e-6)
+    assert (landings[:, 1] == truth.landings[:, 1]).all()
+    assert landings[:, 2].max() == pytest.approx(1.0, abs=1e-6)
+    strongest = np.argmax(np.hypot(truth.landings[:, 2], truth.landings[:, 3]))
+    assert np.argmax(landings[:, 2]) == strongest
+    masks = np.frombuffer(base64.b64decode(run["closed"]), np.uint8)
+    assert (np.unpackbits(masks[:, None], axis=1)[:, :4] == truth.closed).all()
+
+
+def test_pages_are_equal_for_equal_input_and_a_run_is_small(found, run):
+    plain, one, two = (page.render(found, "0", played) for played in (None, run, run))
+    assert one == two
+    assert len(one) - len(plain) < 300_000
+    assert b"run-data" in one
+    assert b'id="run-data"' not in plain
+    assert b'id="run"' not in plain
+    assert b"Numba" in one
+
+
+@pytest.fixture
+def report(folder, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    return lambda *words: CliRunner().invoke(app, ["report", str(folder), *words])
+
+
+def test_the_command_plays_the_member_asked_for(report, tmp_path):
+    result = report("--run", "plane-90hz", "--tilt", "35", "--legs", "braced", "--out", "a.html")
+    assert result.exit_code == 0, result.output
+    text = (tmp_path / "a.html").read_text(encoding="utf-8")
+    data = json.loads(re.search(r'id="run-data">(.*?)</script>', text, re.DOTALL)[1])
+    assert data["words"].startswith("walker_t35.0_braced_s1.00 in plane-90hz: 90 Hz, 1.8 g")
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--run", "plane-90hz", "--tilt", "11"), "the family has no walker_t11.0_flexible"),
+        (("--run", "lane-90hz"), "the walker moves in a plane"),
+        (("--run", "nowhere"), "nowhere"),
+        (("--run", "plane-90hz", "--legs", "flexible,braced"), "one kind at a time"),
+        (("--run", "plane-90hz", "--legs", "<script>"), "must be one of"),
+        (("--run", "plane-90hz", "--tilt", "nan"), "nan"),
+        (("--tilt", "10"), "choose the member that --run SCENE simulates"),
+    ],
+)
+def test_bad_requests_are_one_line(report, words, told):
+    result = report(*words)
+    assert isinstance(result.exception, WalkergenError)
+    assert told in str(result.exception)
+    assert "\n" not in str(result.exception)
+
+
+@pytest.fixture(scope="module")
+def browser(found, run, tmp_path_factory):
+    path = tmp_path_factory.mktemp("page") / "report.html"
+    path.write_bytes(page.render(found, "0", run))
+    browser = browser_at(path, tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.quit()
+
+
+def move_to(browser, seconds):
+    browser.execute_script(
+        "const s = document.getElementById('time'); s.value = arguments[0];"
+        "s.dispatchEvent(new Event('input'));",
+        seconds,
+    )
+
+
+def orange(image):
+    """Number of pixels in the colour of the lights."""
+    red, green, blue = np.moveaxis(image, 2, 0)
+    return int(((red > 0.75) & (green < 0.6) & (blue < 0.4)).sum())
+
+
+class TestInABrowser:
+    pytestmark = in_a_browser
+
+    def test_the_slider_moves_the_part_along_its_run(self, browser):
+        assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_flexible")
+        browser.find_element(By.CSS_SELECTOR, "[data-view=above]").click()
+        move_to(browser, 0.0)
+        start = pixels(browser)
+        move_to(browser, 0.9)
+        assert browser.find_element(By.ID, "time-shown").text == "900.0 ms"
+        assert np.abs(pixels(browser) - start).max() > 0.3
+        move_to(browser, 0.0)
+        assert np.abs(pixels(browser) - start).max() < 0.02
+        browser.find_element(By.CSS_SELECTOR, "[data-view=angle]").click()
+
+    def test_corners_are_lit_when_they_land(self, browser, truth):
+        browser.execute_script("document.getElementById('pace').value = '100'")
+        quiet = np.ones(len(truth.times), bool)
+        for landed in truth.landings[:, 0]:
+            quiet &= (truth.times < landed - 1e-3) | (truth.times > landed + 0.25 / 100 + 1e-3)
+        quiet &= ~truth.closed.any(axis=1)
+        dark = float(truth.times[np.argmax(quiet)])
+        strongest = np.argmax(np.hypot(truth.landings[:, 2], truth.landings[:, 3]))
+        move_to(browser, dark)
+        assert orange(pixels(browser)) == 0
+        move_to(browser, float(truth.landings[strongest, 0]) + 1e-5)
+        assert orange(pixels(browser)) > 50
+
+    def test_it_plays_at_its_pace_and_pauses(self, browser):
+        browser.execute_script("document.getElementById('pace').value = '3'")
+        move_to(browser, 0.0)
+        button = browser.find_element(By.ID, "play")
+        button.click()
+        assert button.text == "pause"
+        time.sleep(0.6)
+        button.click()
+        assert button.text == "play"
+        reached = float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms"))
+        assert 20.0 < reached < 1000.0
+        time.sleep(0.2)
+        assert browser.find_element(By.ID, "time-shown").text == f"{reached:.1f} ms"
+
+    def test_it_stops_at_the_end_and_starts_over(self, browser):
+        browser.execute_script("document.getElementById('pace').value = '1'")
+        move_to(browser, 0.95)
+        button = browser.find_element(By.ID, "play")
+        button.click()
+        time.sleep(1.0)
+        assert button.text == "play"
+        assert browser.find_element(By.ID, "time-shown").text == "1000.0 ms"
+        browser.execute_script("document.getElementById('pace').value = '100'")
+        button.click()
+        time.sleep(0.3)
+        button.click()
+        assert float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms")) < 100.0
+
+    def test_another_part_stands_still_and_the_run_returns(self, browser):
+        move_to(browser, 0.5)
+        running = pixels(browser)
+        browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+        assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_braced")
+        assert np.abs(pixels(browser) - running).max() > 0.3
+        move_to(browser, 0.5)
+        assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_flexible")
+        assert np.abs(pixels(browser) - running).max() < 0.02
+
+    def test_nothing_complained(self, browser):
+        assert [one for one in browser.get_log("browser") if one["level"] != "INFO"] == []
