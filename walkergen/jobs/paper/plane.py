@@ -1,9 +1,7 @@
 """Motion on a plane: tracks of runs in space, and how their squared displacement grows."""
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -16,9 +14,9 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.paper.sweeps import Assumption, Value, mean, on_plane
 from walkergen.numerics import statistics
 from walkergen.scene import Scene
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
-from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels, simulate
+from walkergen.simulation import points
+from walkergen.simulation.run import ENDED_WELL, RunResult
+from walkergen.simulation.trajectory import sampled
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -76,42 +74,29 @@ class Runs(NamedTuple):
     """Number of runs that ended badly."""
 
 
-def asked(one: Assumption, design: Design) -> tuple[Scene, Design]:
-    """Scene and design of the runs of a walker on a plane, with the contact of an assumption."""
-    scene = on_plane(one.scene)
-    longer = {"seconds": LONGER * scene.run.seconds}
-    return scene.model_copy(update={"run": scene.run.model_copy(update=longer)}), design
-
-
 def along_tilts(
     assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress
 ) -> list[Runs]:
     """Simulate walkers on a plane under every assumption; ensembles without two good runs lack."""
-    cases = [(one, design) for one in assumptions for design in designs]
-    found = []
-    for number, (one, design) in enumerate(cases):
-        tilt = design.legs.tilt_deg
-        progress(f"{one.name}, on a plane, {tilt:g} deg", number, len(cases))
-        results = _simulated(prepare(*asked(one, design), solids.mass_of(design)))
-        found.append(measured(one.name, tilt, results))
+    cases = [(one.name, on_plane(one.scene), design) for one in assumptions for design in designs]
+    asked = [
+        points.Asked(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
+        for _, scene, design in cases
+    ]
+    tilts = [design.legs.tilt_deg for *_, design in cases]
+    names = [name for name, *_ in cases]
+    titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
+    simulated = points.each(asked, titles, progress, None)
+    found = [
+        measured(name, tilt, point.results)
+        for name, tilt, point in zip(names, tilts, simulated, strict=True)
+    ]
     return [one for one in found if one is not None]
 
 
-def _simulated(plan: Plan) -> list[RunResult]:
-    """Runs of a plan, each with its samples; Ctrl-C stops them all."""
-    compile_kernels(plan)
-    stop: list[bool] = []
-
-    def one(number: int) -> RunResult:
-        return simulate(plan, number, lambda: bool(stop), INTERVAL)
-
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        try:
-            return list(pool.map(one, range(plan.scene.run.runs)))
-        except KeyboardInterrupt:
-            stop.append(True)
-            pool.shutdown(cancel_futures=True)
-            raise
+def _longer(scene: Scene) -> Scene:
+    run = scene.run.model_copy(update={"seconds": LONGER * scene.run.seconds})
+    return scene.model_copy(update={"run": run})
 
 
 def measured(assumption: str, tilt_deg: float, results: Sequence[RunResult]) -> Runs | None:
@@ -132,9 +117,7 @@ def measured(assumption: str, tilt_deg: float, results: Sequence[RunResult]) -> 
 
 
 def _track(result: RunResult) -> Track:
-    samples = result.tally.samples
-    assert samples is not None
-    rows = samples.rows[: samples.cursor[0]]
+    rows = sampled(result)
     return Track(result.number, rows[:, 1:3].copy(), rows[:, 3].copy())
 
 
