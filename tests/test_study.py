@@ -108,7 +108,7 @@ def made_runs(runs, blocks, rng):
             0.0,
             record.new(3),
             0.0,
-        )  # fmt: skip
+        )
         for k, row in enumerate(speeds)
     ]
 
