@@ -36,7 +36,7 @@ from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.compliant.state import walker_of
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.run import FIRST_PITCH, Outcome
+from walkergen.simulation.run import FIRST_TURN, Outcome
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -157,7 +157,7 @@ def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str
     for number in range(runs):
         rng = np.random.default_rng([scene.run.seed, number])
         clearance, pitch, phase = rng.uniform((0.5, -1.0, 0.0), (1.5, 1.0, 2.0 * np.pi))
-        starts.append((drive.amplitude * clearance, FIRST_PITCH * pitch, phase))
+        starts.append((drive.amplitude * clearance, FIRST_TURN * pitch, phase))
     return {
         "walker": walker._asdict() | {"legs": limbs},
         "amplitude": drive.amplitude, "omega": drive.omega, "gravity": GRAVITY,
