@@ -85,7 +85,7 @@ def compile_kernels(plan: Plan, sampled: bool = False, impacts: bool = False) ->
     Kernels that keep samples, or every impact, are others than those that keep neither.
     """
     started = time.perf_counter()
-    state = plan.start(plan.world.drive.amplitude, 0.0, 0.0)
+    plan, state = dropped(plan, 0)  # the noise and bumps that a run draws are types of its kernels
     tally = record.new(0, 0.0, 1.0 if sampled else None, 0 if impacts else None)
     plan.advance(state, 1e-9, record.without_room(tally))
     plan.energy(state)
