@@ -93,6 +93,7 @@ def test_corners_press_where_they_are_below_the_plate_only():
     assert gaps.max() > 0.01
 
 
+@pytest.mark.slow
 def test_poses_are_of_the_print_and_the_plate_that_ran():
     scene = templates.load("plane-noisy", "scenes", Scene)
     rough = {"noise_ratio": 0.5, "roughness_um": 5.0}
@@ -366,11 +367,25 @@ def test_the_command_films_a_plane_from_above(run):
     assert found["walkers"][0]["distance_mm"] > 2.0
 
 
+def test_views_follow_from_where_walkers_run():
+    def seen(scene, members):
+        job = movie.plan(members, scene, seconds=0.2)
+        return job.view, job.scene.legs.model
+
+    both = PAPER.members([10.0], ["flexible", "braced"])
+    assert seen(PLANE, [PAPER]) == ("above", "space")
+    assert seen(LANE, [PAPER]) == ("perspective", "space")
+    assert seen(LANE, both) == ("above", "space")
+    assert seen(LANE, both[1:]) == ("side", "auto")
+    planar = LANE.legs.model_copy(update={"model": "compliant"})
+    assert seen(LANE.model_copy(update={"legs": planar}), [PAPER]) == ("side", "compliant")
+
+
 @pytest.mark.parametrize(
     ("words", "told"),
     [
         (("--view", "below", "--scene", "plane-90hz"), "--view 'below': must be one of above, per"),
-        (("--view", "above"), "the model 'compliant' moves in a plane"),
+        (("--view", "above", "--model", "compliant"), "the model 'compliant' moves in a plane"),
         (("--view", "side", "--scene", "plane-90hz"), "must be one of above, perspective"),
         (("--view", "perspective", "--scene", "plane-90hz", "--tilt", "5,10"), "seen 2"),
         (("--model", "rigid", "--scene", "plane-90hz"), "cannot turn on a plane"),
@@ -386,7 +401,8 @@ def test_bad_requests_are_one_line(run, words, told):
 
 
 def test_a_run_that_ends_at_once_is_refused():
-    arena = PLANE.arena.model_copy(update={"length_mm": 1e-3, "width_mm": 1e-3})
-    job = movie.plan([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.1), fps=10)
+    # It runs at some 70 mm/s, and is off a plane of its own length before anything is measured.
+    arena = PLANE.arena.model_copy(update={"length_mm": 28.0})
+    job = movie.plan([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the"):
         movie.shoot(job, PAPER, movie.TRAIL)

@@ -123,7 +123,7 @@ def test_the_command_plays_the_member_asked_for(report, tmp_path):
     ("words", "told"),
     [
         (("--run", "plane-90hz", "--tilt", "11"), "the family has no walker_t11.0_flexible"),
-        (("--run", "lane-90hz"), "the walker moves in a plane"),
+        (("--run", "lane-90hz", "--legs", "braced"), "the walker moves in a plane"),
         (("--run", "nowhere"), "nowhere"),
         (("--run", "plane-90hz", "--legs", "flexible,braced"), "one kind at a time"),
         (("--run", "plane-90hz", "--legs", "<script>"), "must be one of"),

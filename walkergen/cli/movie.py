@@ -53,8 +53,8 @@ def movie(
 ) -> None:
     """Film a walker in slow motion, or several tilts running (GIF, and MP4).
 
-    Walkers in space, as on a plane, are seen from above as they run; one of them in slow motion
-    with --view perspective.
+    A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane,
+    as are several; --view above or --view perspective says otherwise.
     """
     from walkergen.jobs.movie import make as movies
 

@@ -113,6 +113,8 @@ def plan(
     if seconds is not None and periods is not None:
         raise InputError("--seconds and --periods: both say how long; leave one of them out")
     seen = _view(members, scene, view)
+    if seen != "side":  # also braced walkers, for which a lane calls for less
+        scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": "space"})})
     single = len(members) == 1 and seen != "above"
     if periods is not None:
         seconds = periods / scene.drive.frequency
@@ -132,8 +134,10 @@ def plan(
 def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     """How the members are seen; the models decide unless it is said. Raises InputError."""
     models = [resolve(scene, one, solids.mass_of(one)).model for one in members]
+    if wanted is None and "space" not in models:
+        return "side"
     if wanted is None:
-        return "above" if "space" in models else "side"
+        return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
     found = next((view for view in IN_SPACE if view == wanted), None)
     if found is None:
         raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(IN_SPACE)}")
