@@ -3,7 +3,8 @@
 Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
 equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact acts in a step
 when its gap in the middle of the step is negative: landings and departures inside a step are not
-located, and err by first order in the mean, sliding and flight by second. While no contact can close, the walker flies (flight.py).
+located, and err by first order in the mean, sliding and flight by second. While no contact can
+close, the walker flies (flight.py).
 """
 
 import math
