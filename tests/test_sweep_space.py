@@ -31,7 +31,7 @@ MOST_STEPS = 100_000
 
 BALANCE = 0.05
 """Share of the exchanged energy that may be unaccounted for, as scenes have it. Steps are of second
-order with 0.6 rad of the fastest foot each: the worst of 400 examples came to 0.015, with a median
+order with 0.6 rad of the fastest foot each: the worst of 700 examples came to 0.029, with a median
 of 4e-5."""
 
 FINER = 4.0
@@ -124,6 +124,13 @@ def built(tables):
     return plan.lasting(seconds=seconds)
 
 
+def drawn(plan):
+    """Plan of run 0 with its own print and plate, drawn as `simulate` draws them."""
+    rng = np.random.default_rng([plan.scene.run.seed, 0])
+    rng.uniform(size=4)  # the drop
+    return plan.drawn(rng)
+
+
 def gaps_of(world, state):
     """Gap (mm) of every contact of a state."""
     work, copy = work_for(world.walker, state), state.copy()
@@ -155,15 +162,17 @@ def check_motion(plan, result):
     assert result.energy_error <= BALANCE, result.energy_error
 
     # A foot's spring takes at most the whole walker's energy, and its weight on a rising plate.
-    walker, drive = plan.world.walker, plan.scene.drive
-    fast = liveliest(plan, rows) + drive.peak_speed
-    drive_force = walker.mass * (GRAVITY + drive.peak_speed * drive.omega)
-    heights = 6e-3 * plan.scene.feet.unevenness_um
+    drive = plan.scene.drive
+    world = drawn(plan).world
+    walker, noise = world.walker, world.acting.noise
+    shaken = drive.peak_speed * drive.omega + (0.0 if noise is None else noise.strongest)
+    fast = liveliest(plan, rows) + drive.peak_speed + (0.0 if noise is None else noise.fastest)
+    drive_force = walker.mass * (GRAVITY + shaken)
     for k in range(len(walker.leg)):
         sag = drive_force / walker.spring[k, 0]
         allowed = sag + math.sqrt(sag**2 + walker.mass / walker.spring[k, 0] * (2.0 * fast) ** 2)
-        deepest = -min(gaps_of(plan.world, row)[k] for row in rows)
-        assert deepest <= allowed + heights, (k, deepest, allowed)
+        deepest = -min(gaps_of(world, row)[k] for row in rows)
+        assert deepest <= allowed, (k, deepest, allowed)
 
     # Forces never pull, and stay inside their cones.
     events = result.tally.events
@@ -207,6 +216,17 @@ def sweep(plates, **examples):
         event(check(tables))
 
     any_walker()
+
+
+def test_a_call_for_less_than_a_billionth_of_a_step_stays_finite():
+    tables = {"arena": {"kind": "plane"}, "legs": {"model": "space"}}
+    design = Design.model_validate({})
+    plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
+    state = plan.start(-1e-6, 0.0, 0.0)
+    tally = record.new(len(state))
+    plan.advance(state, 1e-9 * plan.world.options.step / 2.0, tally)
+    assert np.isfinite(state).all()
+    assert np.isfinite(tally.sums).all()
 
 
 @pytest.mark.slow

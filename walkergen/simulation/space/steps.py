@@ -323,11 +323,11 @@ def _advance(world, state, work, duration, tally):
             fly(world, state, work, passed, level, sums)
         else:
             passed = min(longest, world.options.frame * step)
-            count = math.ceil(passed / step - 1e-9)
+            count = max(math.ceil(passed / step - 1e-9), 1)
             _frame(world, state, work, begin + t, passed / count, count, tally)
             if gentle:
                 _doze(world, state, passed)
-        t = duration if duration - t - passed < 1e-15 else t + passed
+        t = duration if duration - t - passed < INSTANT else t + passed
 
 
 @kernel
