@@ -108,7 +108,7 @@ RUNS = {
     "friction 1e6": {"contact": {"friction": 1e6}},
     "no friction": {"contact": {"friction": 0.0}},
     "corners of a tenth of a leg": {"feet": {"unevenness_um": 750.0}},
-    "noise up to 20 kHz": {"plate": {"noise_ratio": 0.3, "noise_high_hz": 20_000.0}},
+    "noise up to 5 kHz": {"plate": {"noise_ratio": 0.3, "noise_high_hz": 5_000.0}},
     "noise of 100 times the drive": {"plate": {"noise_ratio": 100.0}},
     "a plane as large as the walker": {"arena": {"length_mm": 28.0, "width_mm": 8.0}},
     "a lane too narrow to turn in": {

@@ -115,7 +115,7 @@ class Plate(Section):
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
     """Root mean square of the plate's random velocity over the drive's peak speed."""
     noise_low_hz: Positive = 20.0
-    noise_high_hz: Annotated[float, Field(gt=0, le=20_000)] = 400.0
+    noise_high_hz: Annotated[float, Field(gt=0, le=5_000)] = 400.0
     """Band of the noise, in which its velocity has an even spectrum."""
     roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Root mean square height of the plate's bumps."""
