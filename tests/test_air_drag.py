@@ -116,7 +116,7 @@ def test_no_air_is_the_limit_of_thin_air():
 
 
 def test_drag_is_against_the_motion_of_a_turned_body():
-    air = air_drag.Air(1e-5, 1e-4)
+    air = air_drag.Air(1e-5, 1e-4, 1e-5)
     for pitch in np.linspace(-1.5, 1.5, 7):
         for v in ((30.0, 0.0), (-10.0, 20.0), (3.0, -40.0)):
             f = np.array(air_drag.force(air, pitch, *v))

@@ -8,7 +8,8 @@ import pytest
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record
 from walkergen.simulation.drive import Drive
-from walkergen.simulation.model import Model, Plan
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.model import Model, Plan, same
 from walkergen.simulation.run import Outcome, RunResult, simulate
 from walkergen.simulation.world import OK, TOPPLED, World
 
@@ -22,14 +23,17 @@ def scene_of(**run):
 def fake_plan(advance, scene=None):
     """A plan whose state is (x, y, pitch, first drop) and whose motion is a plain function."""
     model = Model(
-        start=lambda world, clearance, pitch, phase: np.array([0.0, 0.0, 0.0, clearance + phase]),
+        start=lambda world, clearance, pitch, phase, roll: np.array(
+            [0.0, 0.0, 0.0, clearance + phase]
+        ),
         advance=lambda world, state, duration, tally: advance(state, duration, tally),
         energy=lambda world, state: 0.0, feet=None, momentum=None, mirrored=None,
         pose=lambda state: (float(state[0]), 0.0, 0.0), coarser=None, resting=None,
-        columns=("x_mm", "y_mm", "pitch_rad", "seed"),
+        columns=("x_mm", "y_mm", "pitch_rad", "seed"), drawn=same,
     )  # fmt: skip
     world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD, None), None, None, None)
-    return Plan(scene or scene_of(), None, model, world)
+    case = Case(scene or scene_of(), None, None, "rigid")
+    return Plan(case, None, model, world)
 
 
 def steady(state, duration, tally):
@@ -48,7 +52,16 @@ def noise_result(number, speeds, block_s=4 * PERIOD):
     tally = record.new(4)
     measured = block_s * len(speeds)
     return RunResult(
-        number, Outcome.OK, measured, float(speeds.mean()), block_s, speeds, 0.0, tally, 0.1
+        number,
+        Outcome.OK,
+        measured,
+        float(speeds.mean()),
+        block_s,
+        speeds,
+        0.0,
+        tally,
+        0.1,
+        np.zeros((len(speeds) + 1, 3)),
     )
 
 

@@ -93,7 +93,8 @@ def test_a_mirrored_film_turns_the_other_way():
     left, right = (motion.analyse(x).estimates for x in (one, mirrored))
     assert left["turning_bias"].value == pytest.approx(-right["turning_bias"].value)
     for name in ("speed", "persistence_time", "diffusivity"):
-        assert left[name].value == pytest.approx(right[name].value, rel=1e-6)
+        # 1e-5: where the least squares stop
+        assert left[name].value == pytest.approx(right[name].value, rel=1e-5)
 
 
 def test_persistence_beyond_the_film_is_refused_with_a_bound():

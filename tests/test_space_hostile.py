@@ -67,7 +67,7 @@ REFUSED = {
     ),
     "a lane as narrow as the walker": (
         {"arena": {"kind": "lane", "gap_mm": 8.0}, "legs": {"model": "space"}},
-        r"arena.gap_mm = 8: the walker is 8 mm deep; widen the lane",
+        r"arena.gap_mm = 8: the walker is 8 mm deep and needs 8.042 mm; widen the lane",
     ),
     "a plane between walls": ({"arena": {"gap_mm": 8.5}}, "gap_mm = 8.5 has no meaning on a plane"),
     "corners as high as legs": (
@@ -88,7 +88,7 @@ REFUSED = {
         {"plate": {"roughness_um": 100.0, "roughness_length_mm": 0.1}}, "plate.roughness_um = 100",
     ),
     "steps over contacts": (
-        {"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 11.*leave the key out",
+        {"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 7.*leave the key out",
     ),
     "instants of impact": ({"run": {"method": "event"}}, "run.method = 'event'"),
     "a plane for a planar model": ({"legs": {"model": "compliant"}}, "arena.kind = 'plane'"),
@@ -112,7 +112,7 @@ RUNS = {
     "noise of 100 times the drive": {"plate": {"noise_ratio": 100.0}},
     "a plane as large as the walker": {"arena": {"length_mm": 28.0, "width_mm": 8.0}},
     "a lane too narrow to turn in": {
-        "arena": {"kind": "lane", "gap_mm": 8.0001}, "legs": {"model": "space"}
+        "arena": {"kind": "lane", "gap_mm": 8.05}, "legs": {"model": "space"}
     },
     "a lane without end across": {
         "arena": {"kind": "lane", "gap_mm": 1e6}, "legs": {"model": "space"}
@@ -122,7 +122,7 @@ RUNS = {
     "a plate of 1 uHz": {"drive": {"frequency_hz": 1e-6, "gamma": 1.8}},
     "legs undamped": {"legs": {"damping_ratio": 0.0}},
     "legs overdamped": {"legs": {"damping_ratio": 10.0}},
-    "the coarsest step": {"run": {"step_us": 11.0}},
+    "the coarsest step": {"run": {"step_us": 7.6}},
 }  # fmt: skip
 """Scenes at the edge of what is allowed."""
 

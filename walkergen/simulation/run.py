@@ -25,8 +25,8 @@ FIRST_TURN = 1e-3
 PERIODS_PER_BLOCK = 4
 """Length of a block in periods of the drive: the time resolution of the speed's statistics."""
 
-FIRST_ROOM = 64
-"""Impacts per period of the drive for which there is room at first, when all are kept."""
+FIRST_ROOM, MOST_ROOM = 64, 1_000_000
+"""Impacts for which there is room at first, when all are kept: per period of the drive, in all."""
 
 
 class Outcome(Enum):
@@ -175,7 +175,8 @@ def with_impacts(
     sample_size: int | None = None,
 ) -> RunResult:
     """Simulate one run with every impact kept: again, with more room, until all have room."""
-    room = 256 + int(FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period)
+    wanted = FIRST_ROOM * plan.scene.run.seconds / plan.world.drive.period
+    room = 256 + int(min(wanted, MOST_ROOM))
     while True:
         result = simulate(plan, number, stopped, sample_interval, sample_size, room)
         if len(impacts_of(result)) < room:

@@ -19,7 +19,7 @@ from walkergen.simulation.world import OK, State
 
 Array = npt.NDArray[np.float64]
 
-SHARES = (2.0, 1.5, 1.0, 0.7, 0.5, 0.35, 0.25)
+SHARES = (1.5, 1.2, 1.0, 0.7, 0.5, 0.35, 0.25)
 """Steps over that which resolves the feet."""
 
 EXACT = 1.0 / 32.0

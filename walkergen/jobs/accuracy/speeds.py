@@ -23,7 +23,7 @@ from walkergen.walker.mass import MassProperties
 STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
 """Numbers of steps per period of the drive at which the time-stepping method is measured."""
 
-STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.5, 2.0)
+STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet, at which the model in space is measured."""
 
 CERTIFYING_SHARE, FINEST_SHARE = 0.3, 0.15

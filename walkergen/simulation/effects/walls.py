@@ -15,17 +15,22 @@ NAME, SWITCH = "lane walls", "effects.lane_walls"
 DEFAULT_PLAY = 0.5
 """Gap of a lane over the depth of the body, mm, unless the scene says."""
 
+LEAST_PLAY = 4e-3
+"""Least gap of a lane over the body's depth, over the walker's height: twice what the roll of its
+first drop takes, so that it does not start inside a wall."""
+
 
 def gap(case: Case) -> float:
     """Distance of the walls, mm. Raises InputError where the walker does not fit."""
-    depth = case.design.body.depth_mm
-    wanted = case.scene.arena.gap_mm
+    body = case.design.body
+    depth, wanted = body.depth_mm, case.scene.arena.gap_mm
     if wanted is None:
         return depth + DEFAULT_PLAY
-    if wanted <= depth:
+    least = depth + LEAST_PLAY * (case.design.legs.length_mm + body.thickness_mm)
+    if wanted < least:
         raise InputError(
-            f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep; widen the lane, or leave "
-            f"the key out ({depth + DEFAULT_PLAY:g} mm)"
+            f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep and needs {least:.6g} mm; "
+            f"widen the lane, or leave the key out ({depth + DEFAULT_PLAY:g} mm)"
         )
     return wanted
 
