@@ -11,7 +11,8 @@ import math
 
 from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
-from walkergen.simulation.effects.acting import across
+from walkergen.simulation.drive import TWO_PI
+from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
@@ -254,6 +255,16 @@ def _doze(world, state, t):
 
 
 @lean
+def _patience(world):
+    """Time at rest (s) after which a walker rides along: on a slope, where the plate's motion
+    changes what friction has to hold, more than a period.
+    """
+    if along(world.acting) == 0.0:
+        return DOZE
+    return max(DOZE, 1.5 * TWO_PI / world.drive.omega)
+
+
+@lean
 def _ride(world, state, t, sums):
     """Ride on the plate for t seconds, at rest."""
     mass, height, velocity = world.walker.mass, state[C_X + 1], state[V_X + 1]
@@ -293,6 +304,7 @@ def _advance(world, state, work, duration, tally):
     """Advance as `advance` does, without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t, gentle = sums[record.ELAPSED], 0.0, strongest_throw(world) < across(world.acting)
+    patience = _patience(world)
     if begin == 0.0:  # landings under way count from the record's beginning
         for k in range(len(walker.leg)):
             state[first_row(walker) + ROW * k + LANDED] = 0.0
@@ -314,7 +326,7 @@ def _advance(world, state, work, duration, tally):
         longest = min(duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         clear = clear_time(world, state, work, longest)
         level = _level(world, state, clear)
-        if state[QUIET] > DOZE:
+        if state[QUIET] > patience:
             passed = longest
             _ride(world, state, passed, sums)
         elif level >= 0:
