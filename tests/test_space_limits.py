@@ -349,3 +349,13 @@ def test_walker_held_in_its_plane_has_the_inverse_mass_of_the_planar_model(tilt)
         between, [[planar.bf_xx, planar.bf_xy], [planar.bf_yx, planar.bf_yy]], rtol=0, atol=1e-11
     )
     assert np.abs(W[..., 2, :, :, :]).max() < 1e-12 * W.max()  # nothing moves across
+
+
+def test_coarser_steps_are_those_of_a_scene_that_asks_for_them():
+    """Steps and the flights tabulated for them change together."""
+    plan = plan_of(10.0)
+    found = plan.model.coarser(plan.world, 1.25)
+    asked = plan_of(10.0, run={"step_us": 1.25e6 * plan.world.options.step}).world
+    assert found.options.step == pytest.approx(asked.options.step, rel=1e-12)
+    # 1e-9: rounding of exponentials of matrices whose entries differ by 1e9
+    np.testing.assert_allclose(found.walker.flights, asked.walker.flights, rtol=1e-9, atol=1e-9)

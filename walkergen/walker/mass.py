@@ -139,20 +139,26 @@ def as_rigid(mass: MassProperties) -> MassProperties:
     M = float(masses.sum())
     O = masses @ centres / M  # noqa: E741  (the paper's name)
     J = mass.J + 2 * mass.j + float(masses @ np.sum((centres - O) ** 2, axis=1))
-    joined = mass.spatial and _joined(mass.spatial, masses, centres)
+    whole = None
+    if mass.spatial is not None:
+        middle, tensor = joined(mass.spatial, masses, centres)
+        whole = Spatial(float(middle[2]), tensor, np.zeros((3, 3)))
     return mass._replace(
-        M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True, spatial=joined
+        M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True, spatial=whole
     )
 
 
-def _joined(parts: Spatial, masses: Array, centres: Array) -> Spatial:
-    """Body and legs of a walker as one solid; masses (3,), centres (3, 2) from the body's O."""
+def joined(parts: Spatial, masses: Array, centres: Array) -> tuple[Array, Array]:
+    """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
+
+    Masses of body and both legs, shape (3,), g; their centres from O, shape (3, 2), mm.
+    """
     places = np.column_stack([centres, (parts.z, 0.0, 0.0)])
     middle = masses @ places / masses.sum()
     tensor = parts.body + 2.0 * parts.leg
     for mass, place in zip(masses, places - middle, strict=True):
         tensor = tensor + mass * (place @ place * np.eye(3) - np.outer(place, place))
-    return Spatial(float(middle[2]), tensor, np.zeros((3, 3)))
+    return middle, tensor
 
 
 def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:

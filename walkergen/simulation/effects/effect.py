@@ -2,6 +2,7 @@
 
 from typing import Literal, NamedTuple
 
+from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -39,3 +40,12 @@ def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:
     if wanted is None:
         return decided, reason
     return wanted, f"forced {'on' if wanted else 'off'}; otherwise: {reason}"
+
+
+def only_in_space(case: Case, key: str, value: float, what: str, switch: str) -> None:
+    """Raise InputError for planar models, which do not know `what` that `key` = value asks for."""
+    if case.model != "space":
+        raise InputError(
+            f"{key} = {value:g}: only the model 'space' knows {what}, not {case.model!r}: "
+            f"use legs.model = 'space', or {switch} = false"
+        )

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
 
 NAME, SWITCH = "plate noise", "effects.plate_noise"
 
@@ -54,12 +54,8 @@ def verdict(case: Case) -> Effect:
         ratio > 0,
         "plate.noise_ratio" + (" > 0" if ratio > 0 else " = 0"),
     )
-    if on and case.model != "space":
-        raise InputError(
-            f"plate.noise_ratio = {ratio:g}: only the model 'space' knows noise, not "
-            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
-        )
     if on:
+        only_in_space(case, "plate.noise_ratio", ratio, "noise", SWITCH)
         _grid(case)
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
 

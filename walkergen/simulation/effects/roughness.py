@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
 
 NAME, SWITCH = "plate roughness", "effects.plate_roughness"
 
@@ -38,11 +38,8 @@ def verdict(case: Case) -> Effect:
     rough = plate.roughness_um > 0
     reason = "plate.roughness_um" + (" > 0" if rough else " = 0")
     on, reason = forced(case.scene.effects.plate_roughness, rough, reason)
-    if on and case.model != "space":
-        raise InputError(
-            f"plate.roughness_um = {plate.roughness_um:g}: only the model 'space' knows bumps, not "
-            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
-        )
+    if on:
+        only_in_space(case, "plate.roughness_um", plate.roughness_um, "bumps", SWITCH)
     if on and slope > STEEPEST:
         raise InputError(
             f"plate.roughness_um = {plate.roughness_um:g} on {plate.roughness_length_mm:g} mm: "

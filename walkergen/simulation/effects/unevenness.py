@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
 
 NAME, SWITCH = "unevenness", "effects.unevenness"
 
@@ -24,11 +24,8 @@ def verdict(case: Case) -> Effect:
     height = case.scene.feet.unevenness_um
     reason = "feet.unevenness_um" + (" > 0" if height > 0 else " = 0")
     on, reason = forced(case.scene.effects.unevenness, height > 0, reason)
-    if on and case.model != "space":
-        raise InputError(
-            f"feet.unevenness_um = {height:g}: only the model 'space' knows corners, not "
-            f"{case.model!r}: use legs.model = 'space', or {SWITCH} = false"
-        )
+    if on:
+        only_in_space(case, "feet.unevenness_um", height, "corners", SWITCH)
     most = 1e3 * TALLEST * case.design.legs.length_mm
     if on and height > most:
         raise InputError(

@@ -46,7 +46,7 @@ from walkergen.simulation.space.state import (
     size_of,
     work_for,
 )
-from walkergen.simulation.space.walker import walker_of
+from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 
 
@@ -146,15 +146,8 @@ def resting(world: World) -> float:
 
 
 def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator) -> World:
-    """World of one run, with its own print and its own plate, where the scene calls for them.
-
-    Its arrays are its own: threads that count references of shared ones slow each other down.
-    """
+    """World of one run, with its own print and its own plate, where the scene calls for them."""
     walker, acting = world.walker, world.acting
-    own = walker._asdict().items()
-    walker = walker._replace(
-        **{key: np.copy(one) for key, one in own if isinstance(one, np.ndarray)}
-    )
     if resolved.on(unevenness.NAME):
         corners = walker.place == 0.0
         heights = unevenness.draw(case, int(corners.sum()), rng)
@@ -177,7 +170,7 @@ STEPS = Model(
     momentum=momentum,
     mirrored=mirrored,
     pose=pose,
-    coarser=steps.coarser,
+    coarser=coarser,
     resting=resting,
     columns=COLUMNS,
     drawn=drawn,

@@ -63,7 +63,7 @@ from walkergen.simulation.space.state import (
     first_row,
     work_for,
 )
-from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED, World
+from walkergen.simulation.world import FAILED, FOLDED, OK, TOPPLED
 
 INSTANT = 1e-12
 """Time (s) that counts as zero."""
@@ -77,11 +77,6 @@ DOZE = 0.03
 
 STANDING = 3
 """Stuck corners on which a walker stands."""
-
-
-def coarser(world: World, factor: float) -> World:
-    """World with steps `factor` times longer."""
-    return world._replace(options=world.options._replace(step=factor * world.options.step))
 
 
 @lean

@@ -14,8 +14,9 @@ from walkergen.simulation.effects import compliance, feet, local_contact, turnin
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.state import Array, Options, Walker
+from walkergen.simulation.world import World
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Spatial
+from walkergen.walker.mass import MassProperties, Spatial, joined
 
 LEVELS = 8
 """Tabulated flights: the longest takes 2^(LEVELS - 1) steps."""
@@ -89,15 +90,9 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
 
 def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
     """Mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
-    m = float(mass.m)
-    masses = np.array([float(mass.M), m, m])
-    places = np.zeros((3, 3))
-    places[0, 2] = spatial.z
-    places[1, :2], places[2, :2] = mass.a + mass.c_A, mass.b + mass.c_A
-    centre = masses @ places / masses.sum()
-    inertia = spatial.body + 2.0 * spatial.leg
-    for one, place in zip(masses, places - centre, strict=True):
-        inertia = inertia + one * (place @ place * np.eye(3) - np.outer(place, place))
+    masses = np.array([mass.M, mass.m, mass.m], float)
+    centres = np.array([(0.0, 0.0), mass.a + mass.c_A, mass.b + mass.c_A])
+    centre, inertia = joined(spatial, masses, centres)
     return float(masses.sum()), centre, inertia
 
 
@@ -215,6 +210,15 @@ def _step(given_us: float | None, fastest: float) -> float:
             f"the key out ({1e6 * min(RESOLVED / fastest, LONGEST):.3g})"
         )
     return 1e-6 * given_us
+
+
+def coarser(world: World, factor: float) -> World:
+    """World with steps `factor` times longer, and flights tabulated for them."""
+    walker, step = world.walker, factor * world.options.step
+    flights = _flights(walker, step, len(walker.stiffness))
+    return world._replace(
+        walker=walker._replace(flights=flights), options=world.options._replace(step=step)
+    )
 
 
 def mobility(walker: Walker) -> Array:
