@@ -163,6 +163,7 @@ class LegModel(Section):
     model: Literal["auto", "space", "compliant", "relaxed", "rigid"] = "auto"
     damping_ratio: Annotated[float, Field(ge=0, le=10)] = 0.05
     """Damping ratio of a free leg on a held body."""
+    damping_ratio_sd: Annotated[float, Field(ge=0, le=10)] = 0.02
     spring: Literal["cantilever", "pseudo-rigid", "frequency"] = "cantilever"
 
 
@@ -178,6 +179,8 @@ class Feet(Section):
     """Stiffness of a foot's tip over that of its leg, in series with it. None: rigid tips."""
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Standard deviation of the corners' heights; every run is another print."""
+    unevenness_sd_um: Annotated[float, Field(ge=0, le=1e6)] = 5.0
+    """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
 
 
 class Run(Section):

@@ -41,6 +41,7 @@ class Legs(Section):
     length_mm: Length = 7.5
     contact_spacing_mm: Length = 13.0
     flexible_thickness_mm: Length = 0.4
+    thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
     braced_thickness_mm: Length = 1.0
     brace_thickness_mm: Length = 0.5
     foot: Literal["square", "flat", "round"] = "flat"
@@ -51,6 +52,7 @@ class Material(Section):
 
     density_g_cm3: Annotated[float, Field(gt=0, le=100)] = 1.24
     youngs_modulus_gpa: Annotated[float, Field(gt=0, le=1e4)] = 3.0
+    youngs_modulus_sd_gpa: Annotated[float, Field(ge=0, le=1e4)] = 0.35
 
 
 class Weighed(Section):

@@ -148,6 +148,16 @@ def as_rigid(mass: MassProperties) -> MassProperties:
     )
 
 
+def scaled(mass: MassProperties, body: float, leg: float) -> MassProperties:
+    """Mass properties with the body's and a leg's masses and inertias times these ratios."""
+    whole = mass.spatial
+    if whole is not None:
+        whole = whole._replace(body=whole.body * body, leg=whole.leg * leg)
+    return mass._replace(
+        M=mass.M * body, J=mass.J * body, m=mass.m * leg, j=mass.j * leg, spatial=whole
+    )
+
+
 def joined(parts: Spatial, masses: Array, centres: Array) -> tuple[Array, Array]:
     """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
 

@@ -1,0 +1,73 @@
+"""Uncertain inputs: their draws have the means and deviations that people wrote."""
+
+import numpy as np
+import pytest
+
+from walkergen import uncertain
+from walkergen.scene import Contact, Scene
+from walkergen.uncertain import Input
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+DESIGN, SCENE = Design(), Scene()
+
+
+def _names(reader, design=DESIGN):
+    return {one.name for one in uncertain.inputs(SCENE, design, reader)}
+
+
+def test_each_reader_is_given_what_it_reads():
+    assert _names("space") == set(uncertain.READ_BY) - {"prediction.impact_speed_factor"}
+    assert _names("compliant") == _names("space") - {"feet.unevenness_um"}
+    assert "leg mass" not in _names("rigid", DESIGN.variant(kind="braced"))
+
+
+def test_an_input_without_deviation_is_known():
+    exact = SCENE.model_copy(update={"contact": Contact(restitution_sd=0.0)})
+    names = {one.name for one in uncertain.inputs(exact, DESIGN, "space")}
+    assert "contact.restitution" not in names
+    assert uncertain.draws((), 4, seed=1).shape == (4, 0)
+
+
+def test_draws_have_the_moments_written_and_stay_in_range():
+    known = (Input("wide", 3.0, 0.3), Input("cut", 0.9, 0.2, 0.0, 1.0), Input("fold", 0.0, 5.0,
+             folded=True))  # fmt: skip
+    wide, cut, fold = uncertain.draws(known, 1024, seed=3).T
+    assert wide.mean() == pytest.approx(3.0, abs=1e-3)  # Sobol points: far below 0.3/32
+    assert wide.std() == pytest.approx(0.3, rel=0.01)
+    assert 0.0 <= cut.min() < cut.max() <= 1.0
+    from scipy.stats import truncnorm
+
+    law = truncnorm(-4.5, 0.5, 0.9, 0.2)
+    assert cut.mean() == pytest.approx(law.mean(), abs=2e-3)
+    assert fold.min() >= 0.0
+    assert fold.mean() == pytest.approx(5.0 * np.sqrt(2.0 / np.pi), rel=0.01)
+
+
+def test_draws_depend_on_the_seed_alone():
+    known = uncertain.inputs(SCENE, DESIGN, "space")
+    first = uncertain.draws(known, 16, seed=1)
+    assert np.array_equal(first, uncertain.draws(known, 16, seed=1))
+    assert not np.array_equal(first, uncertain.draws(known, 16, seed=2))
+
+
+def test_values_reach_scene_design_and_masses():
+    values = {
+        "contact.friction": 0.3, "legs.thickness_mm": 0.44, "legs.damping_ratio": 0.08,
+        "material.youngs_modulus_gpa": 2.5, "body mass": 1.1, "leg mass": 0.9,
+        "feet.unevenness_um": 4.0,
+    }  # fmt: skip
+    scene, design, mass = uncertain.applied(SCENE, DESIGN, values)
+    plain = solids.mass_of(DESIGN)
+    assert (scene.contact.friction, scene.feet.unevenness_um) == (0.3, 4.0)
+    assert scene.legs.damping_ratio == 0.08
+    assert (design.legs.flexible_thickness_mm, design.material.youngs_modulus_gpa) == (0.44, 2.5)
+    assert mass.M == pytest.approx(1.1 * plain.M)
+    assert mass.spatial.body == pytest.approx(1.1 * plain.spatial.body)
+    assert mass.m == pytest.approx(0.9 * 1.1 * plain.m, rel=2e-3)  # 1.1: of the thickness
+
+
+def test_nothing_changed_is_the_design_itself():
+    scene, design, mass = uncertain.applied(SCENE, DESIGN, {})
+    assert (scene, design) == (SCENE, DESIGN)
+    assert mass.M == solids.mass_of(DESIGN).M

@@ -1,0 +1,78 @@
+"""Emulator: a Gaussian process through noisy values of a slow function, with its own error."""
+
+import warnings
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+FEWEST = 8
+"""Number of values below which no emulator is fitted."""
+
+
+class Emulator(NamedTuple):
+    """Gaussian process over inputs of shape (n, d), in units of the scatter of what it was given.
+
+    A Matern kernel (twice differentiable paths) with a length for each input, by scikit-learn.
+    """
+
+    process: Any
+    centre: Array
+    scale: Array
+    left_out: Array
+    """Residuals of every value against the process without it, shape (n,)."""
+    left_out_sd: Array
+    """Standard deviations that the process gives these residuals, noise included, shape (n,)."""
+
+    def __call__(self, x: Array) -> tuple[Array, Array]:
+        """Mean and standard deviation of the function, noise left out; x of shape (k, d)."""
+        mean, sd = self.process.predict((x - self.centre) / self.scale, return_std=True)
+        return mean, sd
+
+
+def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1) -> Emulator:
+    """Fit an emulator to values y (n,) at x (n, d) with known standard errors, or one to be found.
+
+    Lengths and, without `noise`, the noise maximise the likelihood. Raises ValueError for fewer
+    than FEWEST values.
+    """
+    from sklearn.exceptions import ConvergenceWarning
+    from sklearn.gaussian_process import GaussianProcessRegressor
+    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
+
+    if len(y) < FEWEST:
+        raise ValueError(f"{len(y)} values; an emulator needs {FEWEST}")
+    centre, scale = x.mean(axis=0), x.std(axis=0)
+    scale = np.where(scale > 0, scale, 1.0)
+    spread = float(y.std()) or 1.0
+    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(
+        np.full(x.shape[1], 3.0), (0.2, 100.0), nu=2.5
+    )
+    alpha: Any = 1e-8
+    if noise is None:
+        kernel = kernel + WhiteKernel(0.1, (1e-6, 1.0))
+    else:
+        alpha = np.maximum(noise / spread, 1e-4) ** 2
+    process = GaussianProcessRegressor(
+        kernel, alpha=alpha, normalize_y=True, n_restarts_optimizer=1, random_state=seed
+    )
+    with warnings.catch_warnings():
+        # A length at its bound says that an input does not matter: that is an answer.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        process.fit((x - centre) / scale, y)
+    factor = process.L_
+    inverse = np.linalg.inv(factor @ factor.T)
+    residual = process.alpha_ / np.diag(inverse) * spread
+    sd = spread / np.sqrt(np.diag(inverse))
+    function = process
+    if noise is None:  # the white part is noise, which the function does not have
+        function = _noiseless(process)
+    return Emulator(function, centre, scale, np.ravel(residual), sd)
+
+
+def _noiseless(process: Any) -> Any:
+    """Process whose predictions leave out the white kernel's variance."""
+    process.kernel_ = process.kernel_.k1
+    return process

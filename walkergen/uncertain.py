@@ -1,0 +1,138 @@
+"""Uncertain inputs of a prediction: what design and scene do not know exactly, and draws of it.
+
+Every input has a mean and a standard deviation under keys that people write; theory, simulation
+and fit take from the same list those that they read.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.scene import Scene
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, scaled
+
+Array = npt.NDArray[np.float64]
+
+THEORY = "theory"
+
+READ_BY = {
+    "contact.restitution": (THEORY, "rigid", "relaxed", "compliant", "space"),
+    "contact.friction": (THEORY, "rigid", "relaxed", "compliant", "space"),
+    "legs.thickness_mm": (THEORY, "relaxed", "compliant", "space"),
+    "material.youngs_modulus_gpa": ("compliant", "space"),
+    "legs.damping_ratio": ("compliant", "space"),
+    "body mass": (THEORY, "rigid", "relaxed", "compliant", "space"),
+    "leg mass": (THEORY, "relaxed", "compliant", "space"),
+    "feet.unevenness_um": ("space",),
+    "prediction.impact_speed_factor": (THEORY,),
+}
+"""Names of the inputs, keys where there is one, and who reads each: the theory and models."""
+
+
+class Input(NamedTuple):
+    """Normal distribution of an uncertain input, cut off where it has no meaning."""
+
+    name: str
+    """Key in design or scene; masses are ratios to those of the mesh or the balance."""
+    mean: float
+    sd: float
+    low: float = 0.0
+    high: float = math.inf
+    folded: bool = False
+    """True when the magnitude of the draws counts, as of a standard deviation itself uncertain."""
+
+
+def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
+    """Inputs with a standard deviation that `reader`, "theory" or a model's name, reads."""
+    contact, feet, factor = scene.contact, scene.feet, scene.prediction
+    mass_sd = 0.01 * design.weighed.mass_sd_percent
+    lowest = 0.02 if reader == "space" else 0.0
+    known = (
+        Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
+        Input("contact.friction", contact.friction, contact.friction_sd),
+        Input("legs.thickness_mm", design.leg_thickness, design.legs.thickness_sd_mm,
+              0.25 * design.leg_thickness, 4.0 * design.leg_thickness),
+        Input("material.youngs_modulus_gpa", design.material.youngs_modulus_gpa,
+              design.material.youngs_modulus_sd_gpa, 0.1 * design.material.youngs_modulus_gpa),
+        Input("legs.damping_ratio", scene.legs.damping_ratio, scene.legs.damping_ratio_sd),
+        Input("body mass", 1.0, mass_sd, 0.01),
+        Input("leg mass", 1.0, mass_sd, 0.01),
+        Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
+        Input("prediction.impact_speed_factor", factor.impact_speed_factor,
+              factor.impact_speed_factor_sd),
+    )  # fmt: skip
+    off = {"leg mass"} if design.braced else set()
+    if scene.effects.unevenness is False:
+        off.add("feet.unevenness_um")
+    return tuple(
+        one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name]
+    )
+
+
+def draws(known: Sequence[Input], count: int, seed: int) -> Array:
+    """Draws of the inputs, shape (count, inputs), by a scrambled Sobol sequence.
+
+    The sequence is balanced when `count` is a power of two.
+    """
+    from scipy.stats import qmc
+
+    if not known:
+        return np.empty((count, 0))
+    sequence = qmc.Sobol(len(known), rng=np.random.default_rng(seed))
+    even = sequence.random_base2(math.ceil(math.log2(max(count, 1))))[:count]
+    return np.column_stack([quantiles(one, even[:, place]) for place, one in enumerate(known)])
+
+
+def quantiles(one: Input, shares: Array) -> Array:
+    """Quantiles of an input's distribution; shares in (0, 1), any shape."""
+    from scipy.special import ndtr, ndtri
+
+    low = -math.inf if one.folded else (one.low - one.mean) / one.sd
+    high = math.inf if one.folded else (one.high - one.mean) / one.sd
+    bottom, top = ndtr(low), ndtr(high)
+    tiny = np.finfo(float).tiny
+    within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
+    found = np.asarray(one.mean + one.sd * ndtri(within))
+    return np.asarray(np.abs(found) if one.folded else np.clip(found, one.low, one.high))
+
+
+def applied(
+    scene: Scene, design: Design, values: Mapping[str, float]
+) -> tuple[Scene, Design, MassProperties]:
+    """Scene, design and masses with the inputs set to `values`; others keep their means.
+
+    Raises GeometryError for legs that cannot be built so thick.
+    """
+    changes: dict[str, dict[str, Any]] = {}
+    for name, value in values.items():
+        table, _, key = name.partition(".")
+        if key:
+            changes.setdefault(table, {})[key] = float(value)
+    legs = changes.pop("legs", {})
+    thick = legs.pop("thickness_mm", None)
+    material = changes.pop("material", {})
+    if legs:
+        changes["legs"] = legs
+    scene = scene.model_copy(
+        update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
+    )
+    design = _as_printed(design, thick, material)
+    body, leg = values.get("body mass", 1.0), values.get("leg mass", 1.0)
+    return scene, design, scaled(solids.mass_of(design), float(body), float(leg))
+
+
+def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
+    """Design with another thickness of its legs, validated, and another material."""
+    if thickness is not None:
+        data = design.model_dump()
+        data["legs"][f"{design.legs.kind}_thickness_mm"] = thickness
+        design = Design.model_validate(data)
+    if material:
+        changed = design.material.model_copy(update=material)
+        design = design.model_copy(update={"material": changed})
+    return design
