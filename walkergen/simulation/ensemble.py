@@ -27,8 +27,8 @@ from walkergen.simulation.run import (
     with_impacts,
 )
 
-FEWEST_RUNS = 8
-"""Number of runs whose spread gives the standard error; with fewer, the blocks of the runs do."""
+FEWEST_RUNS = 4
+"""Number of runs that ended well below which a mean has no error bar (see `mean_speed`)."""
 
 
 class Summary(NamedTuple):
@@ -41,9 +41,14 @@ class Summary(NamedTuple):
     speed_mm_s: float | None
     """Mean speed; None when no run ended well."""
     speed_se_mm_s: float | None
-    """Standard error; None when the data are too few (then `outcomes` says so)."""
+    """Standard error; None when the runs are too few (then `outcomes` says so)."""
+    speed_low_68_mm_s: float | None
+    """Lower bound of the mean speed with 68 % confidence, by Student's t, as the next three."""
+    speed_high_68_mm_s: float | None
+    speed_low_95_mm_s: float | None
+    speed_high_95_mm_s: float | None
     correlation_time_s: float | None
-    """Integrated autocorrelation time of the speed."""
+    """Integrated autocorrelation time of the speed; None when the runs are too short to tell."""
     impacts_per_s: float
     type_fractions: dict[str, float]
     """Share of each type of impact, and "sticking": share in which a foot sticks."""
@@ -96,10 +101,10 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
     outcomes = Counter(result.outcome.value for result in results)
     good = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in good])
-    correlation = correlation_time(good)
-    error = standard_error(good, correlation)
-    if good and error is None:
+    mean = mean_speed(good)
+    if good and mean is None:
         outcomes[Outcome.TOO_FEW.value] = len(good)
+    bounds = [None] * 4 if mean is None else [*mean.interval(0.68), *mean.interval(0.95)]
     counts = sum((result.tally.counts for result in results), np.zeros(9, np.int64))
     sums = sum((result.tally.sums for result in results), np.zeros(7))
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
@@ -113,8 +118,12 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
         cpu_s=sum(result.cpu_s for result in results),
         wall_s=wall_s,
         speed_mm_s=float(speeds.mean()) if good else None,
-        speed_se_mm_s=error,
-        correlation_time_s=correlation,
+        speed_se_mm_s=None if mean is None else mean.se,
+        speed_low_68_mm_s=bounds[0],
+        speed_high_68_mm_s=bounds[1],
+        speed_low_95_mm_s=bounds[2],
+        speed_high_95_mm_s=bounds[3],
+        correlation_time_s=correlation_time(good),
         impacts_per_s=impacts / simulated if simulated else 0.0,
         type_fractions={
             name: int(count) / max(impacts, 1)
@@ -132,26 +141,27 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
 
 
 def correlation_time(results: Sequence[RunResult]) -> float | None:
-    """Integrated autocorrelation time of the block speeds (s); None when blocks are too few."""
+    """Integrated autocorrelation time of the block speeds (s); None when the runs are too short."""
     if not results:
         return None
     series = [result.block_speeds for result in results]
     return statistics.correlation_time(series, results[0].block_s)
 
 
-def standard_error(results: Sequence[RunResult], correlation: float | None) -> float | None:
-    """Standard error of the mean speed, mm/s; None when there are too few independent samples.
+def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
+    """Mean speed, mm/s, of runs of any lengths; None for fewer than FEWEST_RUNS.
 
-    From the spread of the runs when they are at least `FEWEST_RUNS`; otherwise from their blocks,
-    of which every two correlation times give an independent sample.
+    Runs are the samples: other drops, prints and noise make them independent however slowly a
+    walker changes its direction, and no piece of a run is (C. Alexopoulos and D. Goldsman, ACM
+    Trans. Model. Comput. Simul. 14, 76, 2004, weigh the two). Limit: walkers that all keep the
+    direction they started in show no spread. With two directions alike, n runs of T seconds that
+    turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
+    never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
     """
-    speeds = np.array([result.speed for result in results])
-    if len(speeds) >= FEWEST_RUNS:
-        return float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
-    if not len(speeds) or correlation is None:
+    if len(results) < FEWEST_RUNS:
         return None
-    blocks = [result.block_speeds for result in results]
-    return statistics.error_of_mean(blocks, results[0].block_s, correlation)
+    speeds = np.array([result.speed for result in results])
+    return statistics.mean_of(speeds, np.array([result.measured_s for result in results]))
 
 
 def measure(

@@ -15,7 +15,7 @@ from walkergen.simulation.run import RunResult
 RUNS, SECONDS = 32, 50.0
 """Number and length (s) of the runs whose parts are compared, unless the budget allows less."""
 
-RUN_COUNTS = (1, 4, 16)
+RUN_COUNTS = (4, 8, 16)
 LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
 """Lengths of the parts' runs, s."""
 
@@ -23,8 +23,8 @@ LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
 def ladder(survey: Survey, progress: Progress) -> Ladder:
     """Compare stated with actual errors of parts of one long ensemble.
 
-    Every part's mean speed has its own standard error as `ensemble.standard_error` states it; the
-    root mean square of the parts' deviations from the whole is the actual error.
+    Every part's mean speed has its own error bar as `ensemble.mean_speed` states it; the root mean
+    square of the parts' deviations from the whole is the actual error.
     """
     reference = survey.reference(progress)
     unit = survey.unit(reference)
@@ -38,7 +38,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         for length in (length for length in LENGTHS if length <= 0.5 * seconds):
             parts = _parts(results, runs, length)
             rungs.append(_rung(parts, results, unit.mm_s, cpu_per_s, own.discard_seconds))
-    told = "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    told = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
     notes = [f"Correlation time of the speed: {told}."]
     if bias is not None:
         share = bias.bound / unit.mm_s
@@ -89,15 +89,15 @@ def _rung(
     discard: float,
 ) -> Rung:
     true = float(np.mean([result.speed for result in whole]))
-    means = np.array([np.mean([result.speed for result in part]) for part in parts])
+    stated = [mean for mean in map(ensemble.mean_speed, parts) if mean is not None]
     # The whole contains each part: a deviation from it is smaller by the part's share of the data.
     freedom = max(len(parts) - 1, 1) / len(parts)
-    actual = math.sqrt(float(np.mean((means - true) ** 2)) / freedom)
-    stated = [ensemble.standard_error(part, ensemble.correlation_time(part)) for part in parts]
-    known = [error for error in stated if error is not None]
+    deviations = np.array([mean.value - true for mean in stated]) / math.sqrt(freedom)
+    actual = math.sqrt(float(np.mean(deviations**2)))
+    halves = [0.5 * (high - low) for low, high in (mean.interval(0.95) for mean in stated)]
     runs, length = len(parts[0]), parts[0][0].measured_s
     return Rung(
-        f"{runs} run" + ("s" if runs > 1 else ""),
+        f"{runs} runs",
         f"{runs} x {length:.3g} s",
         actual / unit,
         actual / unit / math.sqrt(2.0 * len(parts)),
@@ -106,8 +106,8 @@ def _rung(
             "runs": runs,
             "seconds": length,
             "parts": len(parts),
-            "stated_se_mm_s": math.sqrt(float(np.mean(np.square(known)))) if known else None,
-            "refused": len(stated) - len(known),
+            "stated_se_mm_s": math.sqrt(float(np.mean([mean.se**2 for mean in stated]))),
+            "inside_95": float(np.mean(np.abs(deviations) <= halves)),
             "actual_se_mm_s": actual,
         },
     )
