@@ -84,7 +84,7 @@ def test_correlation_time_of_an_autoregressive_speed(memory):
     assert ensemble.correlation_time(results) == pytest.approx(expected, rel=0.1)
 
 
-@pytest.mark.parametrize("runs", [2, 16])
+@pytest.mark.parametrize("runs", [4, 16])
 def test_standard_error_is_the_spread_of_repeated_experiments(runs):
     """Rival: the spread of the mean over 200 repetitions of the whole experiment."""
     rng = np.random.default_rng(2)
@@ -92,17 +92,39 @@ def test_standard_error_is_the_spread_of_repeated_experiments(runs):
     for _ in range(200):
         results = [noise_result(n, autoregressive(rng, 400, 0.7)) for n in range(runs)]
         means.append(np.mean([result.speed for result in results]))
-        errors.append(ensemble.standard_error(results, ensemble.correlation_time(results)))
-    # 200 repetitions know their spread to 5 %; the estimate itself is biased by a few percent.
-    assert np.mean(errors) == pytest.approx(np.std(means, ddof=1), rel=0.15)
+        errors.append(ensemble.mean_speed(results).se ** 2)
+    # 200 repetitions know their spread to 5 %, and 4 runs theirs to 41 % each: 3 %; 3 sigma.
+    assert np.sqrt(np.mean(errors)) == pytest.approx(np.std(means, ddof=1), rel=0.17)
 
 
-def test_too_few_data_is_said_instead_of_an_error_bar():
-    scene = scene_of(runs=1, seconds=0.1)
-    summary, _ = ensemble.measure(fake_plan(steady, scene), silent)
-    assert summary.speed_mm_s is not None
-    assert summary.speed_se_mm_s is None
-    assert summary.outcomes["too few data for an error bar"] == 1
+@pytest.mark.parametrize("seconds", [0.1, 40.0])
+@pytest.mark.parametrize("runs", [1, 3, 4, 9])
+def test_too_few_runs_are_said_instead_of_an_error_bar_however_long(runs, seconds):
+    scene = scene_of(runs=runs, seconds=seconds)
+    summary, results = ensemble.measure(fake_plan(steady, scene), silent)
+    bounds = [
+        getattr(summary, f"speed_{end}_mm_s") for end in ("low_95", "low_68", "high_68", "high_95")
+    ]
+    assert summary.speed_mm_s == pytest.approx(np.mean([one.speed for one in results]))
+    if runs < 4:
+        assert summary.speed_se_mm_s is None
+        assert bounds == [None] * 4
+        assert summary.outcomes["too few data for an error bar"] == runs
+    else:
+        assert summary.outcomes == {"ok": runs}
+        low, inner, outer, high = bounds
+        assert low < inner < summary.speed_mm_s - 0.9 * summary.speed_se_mm_s
+        assert summary.speed_mm_s + 0.9 * summary.speed_se_mm_s < outer < high
+
+
+def test_few_runs_have_wide_intervals():
+    """Student's t: 3.18 standard errors of 4 runs, 2.13 of 16, 1.96 of very many."""
+    rng = np.random.default_rng(3)
+    for runs, factor in ((4, 3.182), (16, 2.131)):
+        results = [noise_result(n, autoregressive(rng, 50, 0.0)) for n in range(runs)]
+        found = ensemble.summarise(results, 1.0)
+        half = 0.5 * (found.speed_high_95_mm_s - found.speed_low_95_mm_s)
+        assert half == pytest.approx(factor * found.speed_se_mm_s, rel=1e-3)
 
 
 def test_first_runs_of_many_equal_few_and_threads_change_nothing():

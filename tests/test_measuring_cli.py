@@ -250,7 +250,7 @@ def test_known_motion_comes_out_of_a_film_that_trackpy_tracked(run, tmp_path):
 
 @pytest.mark.slow
 def test_the_film_of_a_simulation_has_the_simulations_speed(run, tmp_path):
-    words = ("--tilt", "10", "--seconds", "6", "--runs", "1", "--json")
+    words = ("--tilt", "10", "--seconds", "6", "--runs", "4", "--json")
     simulated = json.loads(run("simulate", *words, "--trajectory", "run.csv").stdout)
     found = json.loads(run("analyse", "run.csv", "--json", "--no-pictures").stdout)
     errors = np.hypot(found["speed_se_mm_s"], simulated["speed_se_mm_s"])

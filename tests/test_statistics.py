@@ -23,6 +23,52 @@ def test_error_of_a_correlated_mean_covers_it():
     assert 0.54 < np.mean(np.abs(scores) < 1) < 0.82  # 68 % +- 4.7 %, 3 sigma
 
 
+def test_a_mean_of_equal_weights_has_the_textbook_error_and_interval():
+    values = np.random.default_rng(3).normal(size=5)
+    mean = statistics.mean_of(values)
+    assert mean.value == pytest.approx(values.mean())
+    assert mean.se == pytest.approx(values.std(ddof=1) / np.sqrt(5))
+    assert mean.freedom == pytest.approx(4.0)
+    low, high = mean.interval(0.95)
+    # 2.776: Student's t of 4 degrees of freedom, from printed tables
+    assert (low, high) == pytest.approx(
+        (mean.value - 2.776 * mean.se, mean.value + 2.776 * mean.se), rel=1e-3
+    )
+
+
+def test_a_mean_over_unequal_times_weighs_them_and_covers_the_truth():
+    rng = np.random.default_rng(4)
+    times = np.array([1.0, 1.0, 2.0, 4.0, 8.0, 8.0])
+    errors, means, inside = [], [], []
+    for _ in range(4000):
+        mean = statistics.mean_of(rng.normal(size=6) / np.sqrt(times), times)
+        low, high = mean.interval(0.95)
+        means.append(mean.value)
+        errors.append(mean.se**2)
+        inside.append(low < 0.0 < high)
+    assert np.var(means) == pytest.approx(1 / 24, rel=0.07)  # weights by times are the best
+    # Squared errors have no bias: 4000 of them know their mean to 1.3 % (freedom 2.8).
+    assert np.mean(errors) == pytest.approx(1 / 24, rel=0.04)
+    assert 0.93 < np.mean(inside) < 0.97
+
+
+def test_changes_slower_than_a_series_are_in_the_correlation_time():
+    """Series of 10 s whose mean changes within 100 s: about their own means none of it is left."""
+    rng = np.random.default_rng(5)
+    noise = rng.normal(size=(8, 100))
+    assert statistics.correlation_time(list(noise), 0.1) < 0.1
+    levels = 5.0 * rng.normal(size=(8, 1))
+    assert statistics.correlation_time(list(noise + levels), 0.1) is None
+
+
+def test_the_correlation_time_of_series_of_unequal_length_is_that_of_their_process():
+    values = series(6, 5.0, 60_000)
+    cut = np.split(values, np.cumsum(np.random.default_rng(7).integers(200, 2000, 40)))
+    # Closed form of a first-order process with a memory of 5 values: 1/(2 tanh(1/10)).
+    expected = 0.1 * 0.5 / np.tanh(0.1)
+    assert statistics.correlation_time(cut, 0.1) == pytest.approx(expected, rel=0.1)
+
+
 def test_too_few_values_are_refused():
     assert statistics.correlation_time([np.zeros(31)], 0.1) is None
     assert statistics.correlation_time([], 0.1) is None

@@ -115,7 +115,7 @@ def made_runs(runs, blocks, rng):
 
 def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
     results = made_runs(32, 500, np.random.default_rng(5))
-    for runs, length in ((1, 10.0), (4, 5.0), (16, 10.0)):
+    for runs, length in ((4, 5.0), (8, 10.0), (16, 10.0)):
         parts = statistics._parts(results, runs, length)
         used = sum(len(result.block_speeds) for part in parts for result in part)
         assert used == 32 * 500
@@ -124,6 +124,7 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
         # four standard errors of a standard deviation from that many parts
         assert rung.error == pytest.approx(expected, abs=4.0 * rung.error_sd)
         assert rung.details["stated_se_mm_s"] == pytest.approx(expected, rel=0.2)
+        assert 0.8 < rung.details["inside_95"] <= 1.0  # of 80, 20 and 10 parts
         assert rung.cpu_s == pytest.approx(0.01 * runs * (length + 1.0))
 
 

@@ -264,6 +264,9 @@ def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[
 
 def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) -> tuple[float, str]:
     if time is None:
+        fewest = statistics.FEWEST_VALUES
+        if max(map(len, speeds)) < fewest:
+            return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
         return math.nan, "correlated over longer than the tracks can tell: film for longer"
     error = statistics.error_of_mean(speeds, block, time)
     if error is None:
