@@ -11,8 +11,8 @@ from walkergen.cli import app
 from walkergen.errors import WalkergenError
 
 KEYS = {
-    "model", "method", "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s", "runs", "simulated_s", "cpu_s",
-    "wall_s",
+    "model", "method", "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
+    "speed_high_95_mm_s", "runs", "simulated_s", "cpu_s", "wall_s",
     "impacts_per_s", "type_fractions", "contact_fraction", "max_pitch_deg", "energy_error",
     "outcomes",
 }  # fmt: skip

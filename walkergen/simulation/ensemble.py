@@ -157,6 +157,7 @@ def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
     direction they started in show no spread. With two directions alike, n runs of T seconds that
     turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
     never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
+    Of walkers on one periodic orbit the bar is that of falling into it, 1e-4 of the speed.
     """
     if len(results) < FEWEST_RUNS:
         return None
