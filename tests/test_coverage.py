@@ -142,8 +142,8 @@ def walkers(tilt, restitution, runs, seconds, count):
 @pytest.mark.slow
 @pytest.mark.parametrize(("runs", "seconds"), SIZES)
 def test_intervals_of_a_walker_that_turns_at_random_hold_their_share(runs, seconds):
-    assert_honest(walkers(0.0, 0.8, runs, seconds, 600))
-    speeds = np.array([one.speed for one in pool(0.0, 0.8, 600, seconds)])
+    assert_honest(walkers(0.0, 0.8, runs, seconds, 300))
+    speeds = np.array([one.speed for one in pool(0.0, 0.8, 300, seconds)])
     # An upright walker has no preferred direction: 0 within 3 standard errors.
     assert abs(speeds.mean()) < 3.0 * speeds.std(ddof=1) / np.sqrt(len(speeds))
 
