@@ -1,4 +1,4 @@
-.PHONY: check quick test nightly bench
+.PHONY: check quick test nightly bench calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -22,3 +22,6 @@ bench:
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
 	$(PYTHON) benchmarks/space.py --cold
 	$(PYTHON) benchmarks/rivals.py --seconds 1
+
+calibrate-models:
+	$(PYTHON) -m walkergen.jobs.calibrate.make

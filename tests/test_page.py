@@ -232,7 +232,7 @@ def test_broken_files_are_refused_by_name(folder):
         ([*lines[:-1], lines[-1].replace("35.0", "nan", 1)], "family.csv:7: tilt_deg: must be a"),
         ([*lines[:-1], lines[-1].replace("braced", "", 1)], "family.csv:7: legs: missing"),
         ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv:7: not valid CSV"),
-        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 15 cells, the header has 14"),
+        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 19 cells, the header has 18"),
     ):
         table.write_text("\n".join(broken), encoding="utf-8")
         assert refused(folder).startswith(told)
@@ -258,7 +258,7 @@ def test_simulated_speeds_are_marks_of_their_own(folder):
     drawn = chart.speeds(members.of(contents.read(folder)))
     labels = [point.label for point in drawn.points if point.simulated]
     assert labels == [
-        "flexible legs, 0°: simulated 57.5 ± 2.5 mm/s (standard error)",
+        "flexible legs, 0°: simulated 57.5 mm/s (68 %: 55.0 to 60.0)",
         "flexible legs, 10°: simulated 60.5 mm/s, error unknown",
     ]
     page = Elements(rendered(folder))
@@ -276,10 +276,10 @@ def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
     per_mm_s = (heights["0"] - heights["100"]) / 100.0
     for point in drawn.points:
         speed = found[point.member].number("speed_mm_s")
-        bar = found[point.member].number("speed_sd_mm_s")
+        low, high = (found[point.member].number(f"speed_{end}_68_mm_s") for end in ("low", "high"))
         # coordinates are rounded to 0.01
         assert heights["0"] - point.y == pytest.approx(speed * per_mm_s, abs=0.03)
-        assert point.low - point.high == pytest.approx(2 * bar * per_mm_s, abs=0.03)
+        assert point.low - point.high == pytest.approx((high - low) * per_mm_s, abs=0.03)
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1.0, 1e3))

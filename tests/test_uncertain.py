@@ -71,3 +71,20 @@ def test_nothing_changed_is_the_design_itself():
     scene, design, mass = uncertain.applied(SCENE, DESIGN, {})
     assert (scene, design) == (SCENE, DESIGN)
     assert mass.M == solids.mass_of(DESIGN).M
+
+
+def test_shares_of_a_product_are_those_of_the_closed_form():
+    """f = a + 2 b + a c with unit normals: variances 1, 4 and 1 (of the product), 6 in all."""
+    known = tuple(Input(name, 0.0, 1.0, -np.inf) for name in "abc")
+    found = {one.name: one for one in uncertain.shares(
+        known, lambda x: x[:, 0] + 2.0 * x[:, 1] + x[:, 0] * x[:, 2], seed=4
+    )}  # fmt: skip
+    expected = {"a": (1 / 6, 2 / 6), "b": (4 / 6, 4 / 6), "c": (0.0, 1 / 6)}
+    for name, (first, total) in expected.items():
+        share = found[name]
+        # Four standard errors: with six numbers a false alarm in 2000 seeds; errors are below 2 %.
+        assert share.first_se < 0.02
+        assert share.total_se < 0.02
+        assert share.first == pytest.approx(first, abs=4.0 * share.first_se + 1e-3)
+        assert share.total == pytest.approx(total, abs=4.0 * share.total_se + 1e-3)
+    assert next(iter(found)) == "b"

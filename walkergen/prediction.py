@@ -1,23 +1,40 @@
-"""Predicted speeds of walkers, with their uncertainty: design and scene in, table rows out."""
+"""Predicted speeds of walkers, with their uncertainty: design and scene in, table rows out.
 
-from collections.abc import Iterator
+Bounds hold what design and scene do not know exactly, the impact speed, and the theory's own error:
+the truth is taken to lie at theory + t (model in space - theory), t normal with mean 1/2 and
+standard deviation 1/2, so that theory and model in space stand one deviation to either side.
+"""
+
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen import discrepancy, uncertain
+from walkergen.discrepancy import UnknownError
 from walkergen.scene import Scene
 from walkergen.theory.speed import Factors, Mode, factors
+from walkergen.uncertain import THEORY, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 
-DRAWS = 4096
-"""Number of Monte-Carlo draws per speed band: its width is then known to 1.1 %."""
+DRAWS, CURVE_DRAWS = 1024, 256
+"""Numbers of draws behind the bounds of a row and of a curve: a 95 % bound is then known to about
+a tenth and a fifth of a standard deviation by random numbers, and better by Sobol's."""
 
 SEED = 2016
+
+BETWEEN = Input("the theory itself", 0.5, 0.5, -np.inf)
+"""Place of the truth between theory (0) and model in space (1)."""
+
+PRINT = Input("which print it is", 0.0, 1.0, -np.inf)
+"""Deviation of one print from the mean, and of the table's interpolation, over its standard one."""
+
+QUANTILES = (0.025, 0.16, 0.84, 0.975)
 
 
 class Prediction(NamedTuple):
@@ -35,79 +52,111 @@ class Prediction(NamedTuple):
     factor_mean: float
     speed_mm_s: float
     speed_sd_mm_s: float
-    """Standard deviation by those of restitution, friction, masses and impact speed."""
+    """Standard deviation by what design and scene do not know exactly, and by the impact speed."""
+    speed_low_68_mm_s: float | None
+    """Bounds that hold the speed with 68 and 95 %, the theory's own error included; None where that
+    is unknown, as the note then says."""
+    speed_high_68_mm_s: float | None
+    speed_low_95_mm_s: float | None
+    speed_high_95_mm_s: float | None
     mode: str
     law: str
     note: str
 
 
-class Draws(NamedTuple):
-    """Random samples of the uncertain quantities, each of shape (n,), shared by all members."""
+class Spread(NamedTuple):
+    """Draws of a walker's speed, mm/s, each of shape (n,)."""
 
-    restitution: Array
-    friction: Array
-    body: Array
-    """Mass of the body over its nominal value."""
-    leg: Array
-    """Mass of a leg over its nominal value."""
-    impact_speed: Array
-    """Speed at which feet meet the plate, mm/s."""
+    theory: Array
+    """Speeds by the theory, at drawn inputs and impact speeds."""
+    all: Array | None
+    """Speeds with the theory's own error; None where it is unknown."""
+    unknown: str = ""
+    """Reason why it is unknown; "" when it is known."""
 
 
-def draw(scene: Scene, mass_sd: float, count: int = DRAWS, seed: int = SEED) -> Draws:
-    """Draw independent normal samples, drawing again where they leave the physical range."""
-    contact, prediction = scene.contact, scene.prediction
-    streams = iter(np.random.SeedSequence(seed).spawn(5))
-
-    def normal(mean: float, sd: float, low: float, high: float = np.inf) -> Array:
-        return _truncated_normal(np.random.default_rng(next(streams)), mean, sd, low, high, count)
-
-    return Draws(
-        normal(contact.restitution, contact.restitution_sd, 0.0, 1.0),
-        normal(contact.friction, contact.friction_sd, 0.0),
-        normal(1.0, mass_sd, 0.01),
-        normal(1.0, mass_sd, 0.01),
-        scene.drive.peak_speed
-        * normal(prediction.impact_speed_factor, prediction.impact_speed_factor_sd, 0.0),
-    )
+def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
+    """Inputs of the bounds: those that the theory or its own error reads, and that error."""
+    return (*uncertain.inputs(scene, design, THEORY), BETWEEN, PRINT)
 
 
-def _truncated_normal(
-    rng: np.random.Generator, mean: float, sd: float, low: float, high: float, count: int
-) -> Array:
-    values = rng.normal(mean, sd, count)
-    # The mean lies within [low, high]: with sd <= 1 at least a sixth of the draws do so as well.
-    while (outside := (values < low) | (values > high)).any():
-        values[outside] = rng.normal(mean, sd, int(outside.sum()))
-    return values
-
-
-def speed_draws(mass: MassProperties, scene: Scene, draws: Draws, mode: Mode) -> Array:
-    """Speeds of a walker (mm/s), one for every draw, shape (n,)."""
-    varied = mass._replace(
-        M=mass.M * draws.body, J=mass.J * draws.body, m=mass.m * draws.leg, j=mass.j * draws.leg
-    )
-    each = factors(varied, draws.restitution, draws.friction, mode, scene.contact.law)
-    return each.mean * draws.impact_speed
-
-
-def predict(
+def spread(
     design: Design,
     mass: MassProperties,
     scene: Scene,
-    mode: Mode = "coulomb",
-    draws: Draws | None = None,
+    mode: Mode,
+    known: Sequence[Input],
+    values: Array,
+) -> Spread:
+    """Speeds of a walker at values of `known_inputs`, shape (n, inputs)."""
+    drawn = {one.name: values[:, place] for place, one in enumerate(known)}
+    contact, legs = scene.contact, design.legs
+    ones = np.ones(len(values))
+    restitution = drawn.get("contact.restitution", contact.restitution * ones)
+    friction = drawn.get("contact.friction", contact.friction * ones)
+    thickness = drawn.get("legs.thickness_mm", design.leg_thickness * ones) / design.leg_thickness
+    # A leg's mass goes with its thickness unless a balance told it.
+    weight = ones if legs_weighed(design) else thickness
+    leg = drawn.get("leg mass", ones) * weight
+    body = drawn.get("body mass", ones)
+    each = factors(scaled(mass, body, leg), restitution, friction, mode, contact.law)
+    nominal = scene.prediction.impact_speed_factor
+    w = drawn.get("prediction.impact_speed_factor", nominal * ones) * scene.drive.peak_speed
+    theory = np.asarray(each.mean) * w
+    modulus = design.material.youngs_modulus_gpa
+    stiffness = drawn.get("material.youngs_modulus_gpa", modulus * ones) / modulus
+    unevenness = drawn.get("feet.unevenness_um", scene.feet.unevenness_um * ones)
+    place = discrepancy.place_of(scene, design, mass)
+    try:
+        discrepancy.check(scene, place, design.braced)
+    except UnknownError as error:
+        return Spread(theory, None, str(error))
+    places = place._replace(
+        restitution=restitution,
+        log_friction=np.log(np.maximum(friction, 1e-9)),
+        log_hinge_ratio=place.log_hinge_ratio + np.log(thickness * np.sqrt(stiffness)),
+        log_mass_ratio=place.log_mass_ratio + np.log(leg / body),
+        unevenness_ratio=1e-3 * unevenness / scene.drive.amplitude,
+    )
+    found = discrepancy.speeds(places, legs.tilt_deg, design.braced).at(drawn[PRINT.name])
+    share = drawn[BETWEEN.name]
+    return Spread(theory, (1.0 - share) * theory + share * scene.drive.peak_speed * found)
+
+
+def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tuple[Share, ...]:
+    """Shares of the inputs in the variance behind a walker's bounds, largest total first.
+
+    Without the theory's own error where that is unknown.
+    """
+    known = known_inputs(scene, design)
+
+    def speeds(values: Array) -> Array:
+        found = spread(design, mass, scene, mode, known, values)
+        return found.theory if found.all is None else found.all
+
+    return uncertain.shares(known, speeds, SEED)
+
+
+def legs_weighed(design: Design) -> bool:
+    """True when a balance told the mass of a leg."""
+    return design.weighed.leg_mass_g is not None
+
+
+def predict(
+    design: Design, mass: MassProperties, scene: Scene, mode: Mode = "coulomb"
 ) -> Prediction:
     """Predict the stationary speed of one walker (docs/physics.md section 4; paper eq. 15).
 
     speed = mean factor of both feet x impact speed; impact speed = impact_speed_factor x peak
-    speed of the plate. `draws` can be shared between the members of a family. Raises TheoryError
+    speed of the plate. Members of a family share their random numbers. Raises TheoryError
     when mode and law do not go together.
     """
-    if draws is None:
-        draws = draw(scene, 0.01 * design.weighed.mass_sd_percent)
     contact = scene.contact
     each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
+    known = known_inputs(scene, design)
+    found = spread(design, mass, scene, mode, known, uncertain.draws(known, DRAWS, SEED))
+    bounds = [None] * 4 if found.all is None else np.quantile(found.all, QUANTILES).tolist()
+    notes = [*_notes(each, contact.friction, mode), found.unknown]
     return Prediction(
         tilt_deg=design.legs.tilt_deg,
         legs=design.legs.kind,
@@ -119,10 +168,14 @@ def predict(
         factor_front=float(each.front),
         factor_mean=float(each.mean),
         speed_mm_s=float(each.mean) * scene.impact_speed,
-        speed_sd_mm_s=float(np.std(speed_draws(mass, scene, draws, mode))),
+        speed_sd_mm_s=float(np.std(found.theory)),
+        speed_low_68_mm_s=bounds[1],
+        speed_high_68_mm_s=bounds[2],
+        speed_low_95_mm_s=bounds[0],
+        speed_high_95_mm_s=bounds[3],
         mode=mode,
         law=contact.law,
-        note="; ".join(_notes(each, contact.friction, mode)),
+        note="; ".join(filter(None, notes)),
     )
 
 
@@ -142,31 +195,37 @@ def _notes(each: Factors, friction: float, mode: Mode) -> Iterator[str]:
 
 
 class Curve(NamedTuple):
-    """Predicted speed against tilt, for the figure; arrays of shape (181,)."""
+    """Predicted speed against tilt, for the figure; arrays of shape (91,)."""
 
     tilt_deg: Array
     speed: Array
     """Predicted speed, mm/s."""
     sd: Array
-    """Standard deviation of the speed, mm/s."""
+    """Standard deviation of the speed by its inputs, mm/s."""
+    bounds: Array
+    """Bounds at `QUANTILES`, shape (4, 91), mm/s; NaN where the theory's own error is unknown."""
     can_stick: npt.NDArray[np.bool_]
     """True where a foot can stick, so that the paper's eq. 15 fails."""
 
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
-    """Predict the speeds of a design's kind of legs over a fine range of tilts (181 points).
+    """Predict the speeds of a design's kind of legs over a fine range of tilts (91 points).
 
     The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
-    draws = draw(scene, 0.01 * design.weighed.mass_sd_percent)
+    known = known_inputs(scene, design)
+    values = uncertain.draws(known, CURVE_DRAWS, SEED)
     contact = scene.contact
-    tilts = np.linspace(low_deg, high_deg, 181)
-    speed, sd, sticks = [], [], []
+    tilts = np.linspace(low_deg, high_deg, 91)
+    speed, sd, bounds, sticks = [], [], [], []
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
         each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
+        found = spread(variant, mass, scene, mode, known, values)
         speed.append(float(each.mean) * scene.impact_speed)
-        sd.append(float(np.std(speed_draws(mass, scene, draws, mode))))
+        sd.append(float(np.std(found.theory)))
+        unknown = np.full(len(QUANTILES), np.nan)
+        bounds.append(unknown if found.all is None else np.quantile(found.all, QUANTILES))
         sticks.append(not (each.reverses_back and each.reverses_front))
-    return Curve(tilts, np.array(speed), np.array(sd), np.array(sticks))
+    return Curve(tilts, np.array(speed), np.array(sd), np.array(bounds).T, np.array(sticks))

@@ -5,7 +5,7 @@ and fit take from the same list those that they read.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -24,14 +24,20 @@ READ_BY = {
     "contact.restitution": (THEORY, "rigid", "relaxed", "compliant", "space"),
     "contact.friction": (THEORY, "rigid", "relaxed", "compliant", "space"),
     "legs.thickness_mm": (THEORY, "relaxed", "compliant", "space"),
-    "material.youngs_modulus_gpa": ("compliant", "space"),
+    "material.youngs_modulus_gpa": (THEORY, "compliant", "space"),
     "legs.damping_ratio": ("compliant", "space"),
     "body mass": (THEORY, "rigid", "relaxed", "compliant", "space"),
     "leg mass": (THEORY, "relaxed", "compliant", "space"),
-    "feet.unevenness_um": ("space",),
+    "feet.unevenness_um": (THEORY, "space"),
     "prediction.impact_speed_factor": (THEORY,),
 }
-"""Names of the inputs, keys where there is one, and who reads each: the theory and models."""
+"""Names of the inputs, keys where there is one, and who reads each: the theory, whose own error
+depends on the print as the model in space does, and models."""
+
+
+SHARE_POINTS, SHARE_SETS = 512, 8
+"""Points of one set from which shares are computed, and number of sets, whose scatter is the
+error of the shares."""
 
 
 class Input(NamedTuple):
@@ -136,3 +142,60 @@ def _as_printed(design: Design, thickness: float | None, material: dict[str, Any
         changed = design.material.model_copy(update=material)
         design = design.model_copy(update={"material": changed})
     return design
+
+
+class Share(NamedTuple):
+    """Part of a variance that an input is answerable for (Saltelli et al. 2010)."""
+
+    name: str
+    first: float
+    """Part that knowing this input alone would remove."""
+    first_se: float
+    total: float
+    """Part that would remain if all but this input were known."""
+    total_se: float
+
+
+def shares(
+    known: Sequence[Input], function: Callable[[Array], Array], seed: int
+) -> tuple[Share, ...]:
+    """First-order and total shares of a function's variance, largest total first.
+
+    The function takes values of the inputs, shape (n, inputs), and returns shape (n,). Standard
+    errors come from `SHARE_SETS` independent sets of points.
+    """
+    generators = np.random.default_rng(seed).spawn(SHARE_SETS)
+    found = np.array([indices(known, function, generator) for generator in generators])
+    return listed(known, found.mean(axis=0), found.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
+
+
+def indices(
+    known: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator
+) -> Array:
+    """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
+    from scipy.stats import sobol_indices
+
+    if not known:
+        return np.empty((2, 0))
+    laws = [_Law(one) for one in known]
+    found = sobol_indices(func=lambda x: function(x.T), n=SHARE_POINTS, dists=laws, rng=rng)
+    return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
+
+
+def listed(known: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
+    """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
+    rows = [
+        Share(one.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
+        for k, one in enumerate(known)
+    ]
+    return tuple(sorted(rows, key=lambda share: -share.total))
+
+
+class _Law(NamedTuple):
+    """Distribution of an input as scipy.stats wants it."""
+
+    one: Input
+
+    def ppf(self, shares: Array) -> Array:
+        """Quantiles."""
+        return quantiles(self.one, shares)

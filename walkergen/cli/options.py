@@ -77,6 +77,9 @@ Frequency = Annotated[float | None, typer.Option("--frequency", help="Frequency 
 Step = Annotated[
     float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step of method step.")
 ]
+Uncertain = Annotated[
+    bool, typer.Option("--uncertain", help="Draw uncertain inputs; say what to measure next.")
+]
 Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
 PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="Printer: a template or a TOML file.")

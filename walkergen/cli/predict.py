@@ -1,7 +1,16 @@
 """The command `predict`."""
 
+from typing import Any, NamedTuple
+
 from walkergen.cli import options as opt
 from walkergen.cli import show
+from walkergen.cli import uncertain as told
+
+
+class Shares(NamedTuple):
+    """Shares of a row's variance, for JSON; the field's name is its key."""
+
+    shares: list[dict[str, Any]]
 
 
 def predict(
@@ -14,9 +23,14 @@ def predict(
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     weights: opt.WeightsFile = None,
+    uncertain: opt.Uncertain = False,
     json: opt.AsJson = False,
 ) -> None:
-    """Predict the speed of walkers, without writing any file."""
+    """Predict the speed of walkers, without writing any file.
+
+    With --uncertain it says, for each, which input to measure next to narrow the bounds.
+    """
+    from walkergen import prediction
     from walkergen.jobs.family import make as families
     from walkergen.walker import solids
     from walkergen.walker import weights as balance
@@ -30,8 +44,13 @@ def predict(
     masses = {} if weights is None else balance.read(weights, members)
     made = list(families.predicted(members, built, resolved, checked, masses))
     (rows, _), weighed = families.rows_of(made), families.weighed_of(made)
+    shares = [
+        prediction.shares(one.design, one.mass, resolved, checked) for one in made if uncertain
+    ]
     if json:
-        show.rows_as_json(rows, weighed)
-    else:
-        told = families.caption(resolved, checked)
-        show.predictions(rows, told, chosen.name, weighed=weighed)
+        listed = [Shares([share._asdict() for share in each]) for each in shares]
+        show.rows_as_json(rows, weighed, listed)
+        return
+    show.predictions(rows, families.caption(resolved, checked), chosen.name, weighed=weighed)
+    for one, each in zip(made, shares, strict=False):
+        told.shares(each, f"{one.name}: share of the variance behind the bounds")

@@ -9,6 +9,7 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
+from walkergen.cli import uncertain as prints
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -19,6 +20,9 @@ if TYPE_CHECKING:
     from walkergen.simulation.ensemble import Summary
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
+
+UNCERTAIN_SECONDS = 4.0
+"""Measured time of a run of --uncertain unless asked otherwise, s."""
 
 
 def simulate(
@@ -53,6 +57,13 @@ def simulate(
         str | None,
         typer.Option("--error", metavar="ERROR", help="Error to meet at least cost: 5% or 3mm/s."),
     ] = None,
+    uncertain: opt.Uncertain = False,
+    draws: Annotated[
+        int, typer.Option("--draws", help="Prints of --uncertain, best a power of two.")
+    ] = 64,
+    out: Annotated[
+        Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")
+    ] = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -66,15 +77,24 @@ def simulate(
     if form not in trajectories.FORMATS:
         known = ", ".join(trajectories.FORMATS)
         raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    if uncertain:
+        _check_uncertain(error=error, trajectory=trajectory, tracks=tracks, runs=runs)
+    elif out is not None:
+        raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
     if error is not None:
         _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
     changes = opt.Changes(
         restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
     )
+    if uncertain and seconds is None:
+        changes = changes._replace(seconds=UNCERTAIN_SECONDS)
     resolved_scene = opt.scene_of(scene, changes)
+    chosen = opt.one_design(design, tilt, legs)
+    if uncertain:
+        prints.simulate(resolved_scene, chosen, draws, out, json, quiet)
+        return
     if trajectory is not None:
         trajectories.check(resolved_scene, 1.0 / rate)
-    chosen = opt.one_design(design, tilt, legs)
     mass = solids.mass_of(chosen)
     met, interval = None, None if tracks is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
@@ -107,6 +127,13 @@ def _met(
     from walkergen.jobs.accuracy import choose
 
     return choose.meet(scene, design, mass, choose.parse(error), progress)
+
+
+def _check_uncertain(**chosen: object) -> None:
+    """Refuse options that mean nothing for a run a draw. Raises InputError."""
+    for name, value in chosen.items():
+        if value is not None:
+            raise InputError(f"--{name} {value}: not with --uncertain; leave one of them out")
 
 
 def _check_error(**chosen: object) -> None:

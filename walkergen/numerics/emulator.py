@@ -21,6 +21,8 @@ class Emulator(NamedTuple):
     process: Any
     centre: Array
     scale: Array
+    noise: Array
+    """Standard errors of the values, given or found, shape (n,)."""
     left_out: Array
     """Residuals of every value against the process without it, shape (n,)."""
     left_out_sd: Array
@@ -32,11 +34,24 @@ class Emulator(NamedTuple):
         return mean, sd
 
 
-def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1) -> Emulator:
+def alone() -> Any:
+    """Context in which linear algebra stays on one thread.
+
+    Matrices here are so small that threads wait for one another: on a busy machine for a hundred
+    times the time of the work.
+    """
+    from threadpoolctl import threadpool_limits
+
+    return threadpool_limits(1)
+
+
+def fit(
+    x: Array, y: Array, noise: Array | None = None, seed: int = 1, like: Emulator | None = None
+) -> Emulator:
     """Fit an emulator to values y (n,) at x (n, d) with known standard errors, or one to be found.
 
-    Lengths and, without `noise`, the noise maximise the likelihood. Raises ValueError for fewer
-    than FEWEST values.
+    Lengths and, without `noise`, the noise maximise the likelihood; the lengths are those of
+    `like`, if given. Raises ValueError for fewer than FEWEST values.
     """
     from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
@@ -55,10 +70,13 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1) -> Emulat
         kernel = kernel + WhiteKernel(0.1, (1e-6, 1.0))
     else:
         alpha = np.maximum(noise / spread, 1e-4) ** 2
+    if like is not None:
+        kernel, centre, scale = like.process.kernel_, like.centre, like.scale
     process = GaussianProcessRegressor(
-        kernel, alpha=alpha, normalize_y=True, n_restarts_optimizer=1, random_state=seed
-    )
-    with warnings.catch_warnings():
+        kernel, alpha=alpha, normalize_y=True, n_restarts_optimizer=0 if like else 1,
+        optimizer=None if like else "fmin_l_bfgs_b", random_state=seed,
+    )  # fmt: skip
+    with warnings.catch_warnings(), alone():
         # A length at its bound says that an input does not matter: that is an answer.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit((x - centre) / scale, y)
@@ -66,13 +84,7 @@ def fit(x: Array, y: Array, noise: Array | None = None, seed: int = 1) -> Emulat
     inverse = np.linalg.inv(factor @ factor.T)
     residual = process.alpha_ / np.diag(inverse) * spread
     sd = spread / np.sqrt(np.diag(inverse))
-    function = process
-    if noise is None:  # the white part is noise, which the function does not have
-        function = _noiseless(process)
-    return Emulator(function, centre, scale, np.ravel(residual), sd)
-
-
-def _noiseless(process: Any) -> Any:
-    """Process whose predictions leave out the white kernel's variance."""
-    process.kernel_ = process.kernel_.k1
-    return process
+    if noise is None:  # the white part is noise, which predictions of the function leave out
+        noise = np.full(len(y), spread * np.sqrt(process.kernel_.k2.noise_level))
+        process.kernel_ = process.kernel_.k1
+    return Emulator(process, centre, scale, noise, np.ravel(residual), sd)

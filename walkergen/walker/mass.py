@@ -148,11 +148,12 @@ def as_rigid(mass: MassProperties) -> MassProperties:
     )
 
 
-def scaled(mass: MassProperties, body: float, leg: float) -> MassProperties:
-    """Mass properties with the body's and a leg's masses and inertias times these ratios."""
-    whole = mass.spatial
+def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
+    """Mass properties with the body's and a leg's masses and inertias times ratios, any shape."""
+    whole, (body, leg) = mass.spatial, (np.asarray(body), np.asarray(leg))
     if whole is not None:
-        whole = whole._replace(body=whole.body * body, leg=whole.leg * leg)
+        sides = (..., None, None)
+        whole = whole._replace(body=whole.body * body[sides], leg=whole.leg * leg[sides])
     return mass._replace(
         M=mass.M * body, J=mass.J * body, m=mass.m * leg, j=mass.j * leg, spatial=whole
     )

@@ -20,11 +20,12 @@ def speed_figure(
     title: str,
     simulated: Sequence[Simulated] = (),
     measured: Measured | None = None,
+    stated: tuple[float, float] | None = None,
 ) -> Figure:
-    """Draw predicted speed against tilt, both kinds of legs, in a band of one standard deviation.
+    """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
     Simulated speeds, if there are any, are open symbols with their standard errors as bars;
-    measured speeds are crosses.
+    measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")
@@ -32,8 +33,12 @@ def speed_figure(
         for kind, curve in curves.items():
             colour, line, _ = STYLES[kind]
             axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
-            band = curve.speed - curve.sd, curve.speed + curve.sd
-            axes.fill_between(curve.tilt_deg, *band, color=colour, alpha=0.18, linewidth=0)
+            for (bottom, top), shade in (((0, 3), 0.12), ((1, 2), 0.2)):
+                band = curve.bounds[bottom], curve.bounds[top]
+                told = f"{kind} legs, bounds of 68 and 95 %" if bottom else None
+                axes.fill_between(
+                    curve.tilt_deg, *band, color=colour, alpha=shade, linewidth=0, label=told
+                )
         for legs in dict.fromkeys(row.legs for row in rows):
             colour, _, marker = STYLES[legs]
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
@@ -41,6 +46,8 @@ def speed_figure(
         _draw_simulated(axes, rows, simulated)
         if measured is not None:
             _draw_measured(axes, measured)
+        if stated is not None:
+            axes.plot(*stated, "*", color="black", markersize=11, label="the paper's walker")
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         axes.set_xlabel("tilt of the legs (deg)")

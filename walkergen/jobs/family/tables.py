@@ -1,5 +1,6 @@
 """Tables of predictions: CSV with every digit, Markdown and console with those that matter."""
 
+import math
 from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
@@ -9,10 +10,14 @@ from rich.table import Table
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.prediction import Prediction
 
-HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed")
-UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s")
-DETAILS = ("M", "J", "m", "j", "back", "front")
-"""Columns that the console omits when it shows simulated speeds, to fit into 80 characters."""
+HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed", "68 %", "95 %")
+UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s", "mm/s", "mm/s")
+DETAILS = ("J", "j", "back", "front")
+"""Columns that the console omits, to fit into 80 characters."""
+MORE_DETAILS = (*DETAILS, "M", "m", "mean", "68 %")
+"""Columns that it omits beside simulated speeds."""
+SURE = 1.96
+"""Standard errors of a difference beyond which theory and simulation disagree (95 %)."""
 
 
 class Simulated(NamedTuple):
@@ -21,9 +26,23 @@ class Simulated(NamedTuple):
     sim_speed_mm_s: float | None
     sim_se_mm_s: float | None
     """Standard error of the simulated speed; None when the data are too few."""
+    sim_low_95_mm_s: float | None
+    sim_high_95_mm_s: float | None
     sim_model: str
     sim_method: str
     sim_outcomes: str
+    verdict: str
+    """Agreement of the theory, within the errors of its inputs, with the simulation."""
+
+
+def verdict(row: Prediction, speed: float | None, se: float | None) -> str:
+    """Say whether a theory's speed agrees with a simulated one, both within their errors."""
+    if speed is None or se is None:
+        return "unknown"
+    off = row.speed_mm_s - speed
+    if abs(off) <= SURE * math.hypot(row.speed_sd_mm_s, se):
+        return "agree"
+    return f"theory off by {off:+.0f}"
 
 
 class Weighing(NamedTuple):
@@ -83,9 +102,10 @@ def to_table(
     """Table for the console; rows with a note carry its number."""
     table = Table(title=title or None, box=box.SIMPLE_HEAD, padding=(0, 0))
     columns = _columns(rows, simulated)
-    shown = [name for name in columns if not (simulated and name[0] in DETAILS)]
+    omitted = MORE_DETAILS if simulated else DETAILS
+    shown = [name for name in columns if name[0] not in omitted]
     for heading, unit in shown:
-        left = heading in ("legs", "speed", "simulated", "outcomes")
+        left = heading in ("legs", "simulated", "outcomes", "verdict")
         justify: Literal["left", "right"] = "left" if left else "right"
         table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=heading != "outcomes")
     for cells in zip(*(columns[name] for name in shown), strict=True):
@@ -128,6 +148,7 @@ def _columns(
     }
     if simulated:
         columns["simulated", "mm/s"] = [_simulated(one) for one in simulated]
+        columns["verdict", ""] = [one.verdict for one in simulated]
         columns["model", ""] = [one.sim_model for one in simulated]
         columns["outcomes", ""] = [one.sim_outcomes for one in simulated]
     return columns
@@ -157,8 +178,15 @@ def _cells(row: Prediction, notes: list[str]) -> list[str]:
         _fixed(row.factor_back, 3),
         _fixed(row.factor_front, 3),
         _fixed(row.factor_mean, 3),
-        f"{_fixed(row.speed_mm_s, 1)} ± {_fixed(row.speed_sd_mm_s, 1)}{mark}",
+        f"{_fixed(row.speed_mm_s, 1)}{mark}",
+        _range(row.speed_low_68_mm_s, row.speed_high_68_mm_s),
+        _range(row.speed_low_95_mm_s, row.speed_high_95_mm_s),
     ]
+
+
+def _range(low: float | None, high: float | None) -> str:
+    """Format bounds, or say that they are unknown."""
+    return "unknown" if low is None or high is None else f"{_fixed(low, 0)} to {_fixed(high, 0)}"
 
 
 def _fixed(value: float, digits: int) -> str:

@@ -24,7 +24,7 @@ class Point(NamedTuple):
     x: float
     y: float
     low: float | None
-    """End of the bar of one standard deviation (predicted) or error (simulated); None: unknown."""
+    """End of the bar of 68 % (predicted) or of one standard error (simulated); None: unknown."""
     high: float | None
     label: str
 
@@ -59,14 +59,15 @@ class _Speed(NamedTuple):
     legs: str
     simulated: bool
     value: float
-    error: float | None
+    low: float | None
+    high: float | None
 
 
 def speeds(members: Sequence[Member]) -> Chart:
     """Make the chart of predicted speeds and, where the table has any, simulated speeds."""
     found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
     tilts = _padded([speed.tilt for speed in found])
-    ends = [speed.value + sign * (speed.error or 0.0) for speed in found for sign in (-1.0, 1.0)]
+    ends = [end for speed in found for end in speed[-3:] if end is not None]
     values = _padded([*ends, 0.0])
     points = [_point(speed, tilts, values) for speed in found]
     return Chart(
@@ -87,26 +88,29 @@ def ticks(low: float, high: float) -> list[float]:
 
 def _of(number: int, member: Member) -> list[_Speed]:
     """Speeds of one member, predicted and simulated."""
-    columns = ((False, "speed_mm_s", "speed_sd_mm_s"), (True, "sim_speed_mm_s", "sim_se_mm_s"))
-    return [
-        _Speed(number, member.tilt_deg, member.legs, simulated, value, member.number(error))
-        for simulated, column, error in columns
-        if (value := member.number(column)) is not None
-    ]
+    bounds = member.number("speed_low_68_mm_s"), member.number("speed_high_68_mm_s")
+    found = [_Speed(number, member.tilt_deg, member.legs, False,
+                    float(member.row["speed_mm_s"]), *bounds)]  # fmt: skip
+    speed, se = member.number("sim_speed_mm_s"), member.number("sim_se_mm_s")
+    if speed is not None:
+        ends = (None, None) if se is None else (speed - se, speed + se)
+        found.append(_Speed(number, member.tilt_deg, member.legs, True, speed, *ends))
+    return found
 
 
 def _point(speed: _Speed, tilts: tuple[float, float], values: tuple[float, float]) -> Point:
-    bar = speed.error
-    source, meaning = ("simulated", "standard error") if speed.simulated else ("predicted", "sd")
-    told = "mm/s, error unknown" if bar is None else f"± {bar:.1f} mm/s ({meaning})"
+    source = "simulated" if speed.simulated else "predicted"
+    told = "mm/s, error unknown"
+    if speed.low is not None and speed.high is not None:
+        told = f"mm/s (68 %: {speed.low:.1f} to {speed.high:.1f})"
     return Point(
         member=speed.member,
         legs=speed.legs,
         simulated=speed.simulated,
         x=_x(speed.tilt, tilts),
         y=_y(speed.value, values),
-        low=None if bar is None else _y(speed.value - bar, values),
-        high=None if bar is None else _y(speed.value + bar, values),
+        low=None if speed.low is None else _y(speed.low, values),
+        high=None if speed.high is None else _y(speed.high, values),
         label=f"{speed.legs} legs, {speed.tilt:g}°: "
         f"{source} {round(speed.value, 1) + 0.0:.1f} {told}".replace("-", "−"),
     )

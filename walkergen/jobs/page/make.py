@@ -27,12 +27,20 @@ HEADINGS = {
     "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
     "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)", "factor_front": "front (v/w)",
     "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
+    "speed_sd_mm_s": "sd by inputs (mm/s)", "speed_low_68_mm_s": "68 % (mm/s)",
+    "speed_low_95_mm_s": "95 % (mm/s)", "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
     "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
 }  # fmt: skip
 """Headings of columns of family.csv, as in its Markdown; other columns keep their names."""
 
-ERRORS = {"speed_mm_s": "speed_sd_mm_s", "sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
+ERRORS = {"sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
 """Column of the error that stands behind ± in a column's cells, by that column."""
+
+RANGES = {
+    "speed_low_68_mm_s": "speed_high_68_mm_s", "speed_low_95_mm_s": "speed_high_95_mm_s",
+    "sim_low_95_mm_s": "sim_high_95_mm_s",
+}  # fmt: skip
+"""Column of the upper bound that stands in the cells of the lower one, by that column."""
 
 NOTE = "note"
 
@@ -98,7 +106,8 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
 def table(made: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
     notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
-    columns = [column for column in made[0].row if column not in ERRORS.values()]
+    beside = {*ERRORS.values(), *RANGES.values()}
+    columns = [column for column in made[0].row if column not in beside]
     common = {
         column: first
         for column in columns
@@ -155,6 +164,8 @@ def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
     if column in ERRORS and ERRORS[column] in member.row:
         bar = member.number(ERRORS[column])
         return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
+    if column in RANGES and (upper := member.number(RANGES[column])) is not None:
+        return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
     exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
     return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
 

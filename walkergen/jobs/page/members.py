@@ -9,7 +9,7 @@ from walkergen.files.stl import Corners
 from walkergen.jobs.page.contents import Contents
 
 TABLE = "family.csv"
-NUMBERS = ("tilt_deg", "speed_mm_s", "speed_sd_mm_s")
+NUMBERS = ("tilt_deg", "speed_mm_s")
 TEXTS = ("legs", "law")
 MOST_ROWS = 2000
 

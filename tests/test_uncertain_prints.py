@@ -1,0 +1,117 @@
+"""Uncertain prints: what scatters between them, what short runs add, and what to measure next."""
+
+import json
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.jobs.simulate import prints, uncertain
+from walkergen.uncertain import Input, draws
+
+KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))
+QUICK = ("simulate", "--model", "relaxed", "--uncertain", "--draws", "16", "--seconds", "0.3")
+
+
+def _synthetic(count, seed, statistical, print_sd=0.0):
+    """Speeds 60 + 100 (e - 0.5), sd 10 by e; plus a print's own scatter and two noisy halves."""
+    rng = np.random.default_rng(seed)
+    values = draws(KNOWN, count, seed)
+    true = 60.0 + 100.0 * (values[:, 0] - 0.5) + print_sd * rng.normal(size=count)
+    halves = true[:, None] + statistical * np.sqrt(2.0) * rng.normal(size=(count, 2))
+    return values, halves
+
+
+def _analysed(values, halves, seed=1):
+    return uncertain.analyse("space", KNOWN, values, halves, {"ok": len(values)}, seed)
+
+
+def test_scatter_between_prints_and_statistics_are_told_apart():
+    found = _analysed(*_synthetic(256, 1, statistical=8.0))
+    # Relative errors of deviations from 256 values: 4 % each, the difference of squares 8 %.
+    assert found.statistical_mm_s == pytest.approx(8.0, rel=0.15)
+    assert found.between_prints_mm_s == pytest.approx(10.0, rel=0.2)
+    assert found.speed_mm_s == pytest.approx(60.0, abs=3.0 * found.speed_se_mm_s)
+
+
+def test_the_share_of_an_input_and_of_the_print_come_out():
+    """Variances: 100 by restitution, 100 by the print, none by friction."""
+    found = _analysed(*_synthetic(256, 2, statistical=2.0, print_sd=10.0))
+    shares = {one.name: one for one in found.shares}
+    best = shares["contact.restitution"]
+    assert best.first == pytest.approx(0.5, abs=3.0 * best.first_se)
+    assert best.first_se < 0.12
+    assert found.unexplained == pytest.approx(0.5, abs=3.0 * found.unexplained_se)
+    assert shares["contact.friction"].total < 0.1
+
+
+def test_bounds_hold_another_print_as_often_as_they_say():
+    """Thirty ensembles of 64 draws, a fresh print each thousandfold: the mean of the coverages."""
+    held = []
+    for seed in range(30):
+        found = _analysed_bounds(seed)
+        fresh = 60.0 + 10.0 * np.random.default_rng(1000 + seed).normal(size=1000)
+        held.append([np.mean((fresh > low) & (fresh < high)) for low, high in found])
+    wide, narrow = np.mean(held, axis=0)
+    # The scatter of one ensemble's coverage is 3 and 6 %, over 30 of them 0.5 and 1.1 %.
+    assert wide == pytest.approx(0.95, abs=0.02)
+    assert narrow == pytest.approx(0.68, abs=0.045)
+
+
+def _analysed_bounds(seed):
+    _, halves = _synthetic(64, seed, statistical=4.0)
+    speeds = uncertain.without_statistics(halves)
+    low2, low1, high1, high2 = uncertain.bounds(speeds)
+    return (low2, high2), (low1, high1)
+
+
+def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
+    out = tmp_path / "un"
+    result = CliRunner().invoke(app, [*QUICK, "--json", "--out", str(out)])
+    found = json.loads(result.stdout)
+    assert found["model"] == "relaxed"
+    low, high = found["speed_low_95_mm_s"], found["speed_high_95_mm_s"]
+    assert low <= found["speed_low_68_mm_s"] < found["speed_mm_s"] < high
+    names = {one["name"] for one in found["shares"]}
+    assert names == {"contact.restitution", "contact.friction", "legs.thickness_mm", "body mass",
+                     "leg mass"}  # fmt: skip
+    assert (out / "uncertain.png").read_bytes()[:4] == b"\x89PNG"
+    lines = (out / "draws.csv").read_text(encoding="utf-8").splitlines()
+    assert len(lines) == 1 + found["draws"]
+    assert prints.UNEXPLAINED in (out / "shares.csv").read_text(encoding="utf-8")
+
+
+def test_equal_seeds_give_equal_bytes(tmp_path):
+    for name in ("one", "two"):
+        CliRunner().invoke(app, [*QUICK, "--quiet", "--out", str(tmp_path / name)])
+    one, two = ((tmp_path / name / "draws.csv").read_bytes() for name in ("one", "two"))
+    assert one == two
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [(("--draws", "3"), "--draws 3: must lie in 16..4096"),
+     (("--runs", "8"), "--runs 8: not with --uncertain"),
+     (("--error", "5%"), "--error 5%: not with --uncertain")],
+)  # fmt: skip
+def test_what_contradicts_it_is_refused(words, told):
+    result = CliRunner().invoke(app, [*QUICK, *words])
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+
+
+def test_a_folder_is_for_uncertain_prints_only(tmp_path):
+    result = CliRunner().invoke(app, ["simulate", "--out", str(tmp_path)])
+    assert "only --uncertain writes a folder" in str(result.exception)
+
+
+def test_predict_says_what_to_measure_next():
+    result = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain", "--json"])
+    (row,) = json.loads(result.stdout)["rows"]
+    first = row["shares"][0]
+    assert first["name"] in ("prediction.impact_speed_factor", "the theory itself")
+    assert 0.2 < first["total"] <= 1.0
+    told = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain"]).stdout
+    assert "measure next" in told

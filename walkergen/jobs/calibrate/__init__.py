@@ -1,0 +1,1 @@
+"""Job of `make calibrate-models`: simulated speeds from which the theory's own error is read."""

@@ -1,0 +1,96 @@
+"""Results of many uncertain prints: rows of a summary, JSON, CSV and a figure."""
+
+from collections.abc import Iterator
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen.files import output
+from walkergen.files.tables import csv_text
+from walkergen.jobs.simulate.uncertain import Uncertain
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+UNEXPLAINED = "which print it is"
+"""Name of the variance that no input explains: corner heights, and the emulator's error."""
+
+
+def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
+    """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
+    low2, low1, high1, high2 = found.bounds_mm_s
+    yield "mean over prints", f"{found.speed_mm_s:.1f} ± {found.speed_se_mm_s:.2g} mm/s"
+    yield "a print", f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %)"
+    yield "between prints", f"standard deviation {found.between_prints_mm_s:.1f} mm/s"
+    yield "statistical", f"± {found.statistical_mm_s:.1f} mm/s of each short run, not in the bounds"
+    outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())
+    yield "runs", f"model {found.model}, a run a draw: {outcomes}"
+
+
+def as_dict(found: Uncertain) -> dict[str, Any]:
+    """Results for JSON; shares are parts of the variance between prints."""
+    low2, low1, high1, high2 = found.bounds_mm_s
+    return {
+        "model": found.model,
+        "draws": found.draws,
+        "outcomes": found.outcomes,
+        "speed_mm_s": found.speed_mm_s,
+        "speed_se_mm_s": found.speed_se_mm_s,
+        "speed_low_68_mm_s": low1,
+        "speed_high_68_mm_s": high1,
+        "speed_low_95_mm_s": low2,
+        "speed_high_95_mm_s": high2,
+        "between_prints_mm_s": found.between_prints_mm_s,
+        "statistical_mm_s": found.statistical_mm_s,
+        "shares": [share._asdict() for share in found.shares],
+        "unexplained": {"share": found.unexplained, "se": found.unexplained_se},
+    }
+
+
+def write(found: Uncertain, folder: Path, title: str) -> None:
+    """Write draws.csv (inputs and speed of every print), shares.csv and uncertain.png."""
+    from walkergen.files import figures
+
+    lines = np.column_stack([found.values, found.speeds]).tolist()
+    header = (*(one.name.replace(" ", "_") for one in found.inputs), "speed_mm_s")
+    output.write(folder / "draws.csv", csv_text(header, lines).encode())
+    shares = [*found.shares, (UNEXPLAINED, found.unexplained, found.unexplained_se, None, None)]
+    header = ("input", "first", "first_se", "total", "total_se")
+    output.write(folder / "shares.csv", csv_text(header, shares).encode())
+    output.write(folder / "uncertain.png", figures.png(figure(found, title)))
+
+
+def figure(found: Uncertain, title: str) -> "Figure":
+    """Draw the speeds of all prints with their bounds, and the shares of the variance."""
+    from matplotlib.figure import Figure
+
+    drawn = Figure(figsize=(9.0, 3.6), layout="constrained")
+    left, right = drawn.subplots(1, 2)
+    left.hist(found.speeds, bins="auto", color="#0072B2", alpha=0.6)
+    low2, low1, high1, high2 = found.bounds_mm_s
+    left.axvspan(low2, high2, color="0.93", zorder=-2, label="95 % of prints")
+    left.axvspan(low1, high1, color="0.86", zorder=-1, label="68 % of prints")
+    left.axvline(found.speed_mm_s, color="black", linewidth=1.2, label="mean")
+    left.set_xlabel("speed (mm/s)")
+    left.set_ylabel("prints")
+    left.set_title(title, fontsize=10)
+    left.legend(fontsize=8, framealpha=0.9, loc="upper left")
+    names = [*(share.name for share in found.shares), UNEXPLAINED]
+    places = np.arange(len(names))[::-1]
+    error = {"ecolor": "0.3", "capsize": 2, "elinewidth": 0.8}
+    first = [*(share.first for share in found.shares), found.unexplained]
+    first_se = [*(share.first_se for share in found.shares), found.unexplained_se]
+    total = [share.total for share in found.shares]
+    total_se = [share.total_se for share in found.shares]
+    right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2",
+               label="alone")  # fmt: skip
+    right.barh(places[:-1] - 0.2, total, 0.36, xerr=total_se, error_kw=error, color="#D55E00",
+               label="with all others")  # fmt: skip
+    right.set_yticks(places, names, fontsize=8)
+    right.set_xlim(left=0.0)
+    right.set_xlabel("share of the variance between prints")
+    right.legend(frameon=False, fontsize=8)
+    for axes in (left, right):
+        axes.spines[["top", "right"]].set_visible(False)
+    return drawn

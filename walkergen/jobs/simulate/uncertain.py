@@ -1,0 +1,198 @@
+"""Simulation of many prints, each with its own uncertain inputs: one short run a draw."""
+
+import os
+from collections.abc import Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import uncertain
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress
+from walkergen.numerics import emulator, statistics
+from walkergen.scene import Scene
+from walkergen.simulation import points
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.uncertain import Input, Share
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+FEWEST_DRAWS, MOST_DRAWS = 16, 4096
+
+GROUPS = 8
+"""Number of groups of draws that are left out in turn, for the errors of the shares."""
+
+QUANTILES = (0.025, 0.16, 0.84, 0.975)
+
+
+class Uncertain(NamedTuple):
+    """Speed of a walker of which design and scene do not know everything, from many prints."""
+
+    model: str
+    draws: int
+    """Draws whose runs ended well."""
+    outcomes: dict[str, int]
+    speed_mm_s: float
+    """Mean over the draws."""
+    speed_se_mm_s: float
+    between_prints_mm_s: float
+    """Standard deviation of the speed from print to print, statistics of short runs taken out."""
+    statistical_mm_s: float
+    """Standard error of one draw's speed by the shortness of its run."""
+    bounds_mm_s: tuple[float, float, float, float]
+    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run."""
+    shares: tuple[Share, ...]
+    """Parts of the variance between prints, by input."""
+    unexplained: float
+    """Part of it that no input explains: the heights of a print's corners, and the emulator's
+    error."""
+    unexplained_se: float
+    inputs: tuple[Input, ...]
+    values: Array
+    """Values of the inputs, shape (draws, inputs)."""
+    speeds: Array
+    """Speeds of the draws, mm/s."""
+
+
+def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Uncertain:
+    """Simulate `draws` prints, the scene's seconds each, and tell where their scatter comes from.
+
+    Raises InputError for a number of draws out of range, when nothing is uncertain, and when too
+    few runs end well.
+    """
+    if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
+        raise InputError(f"--draws {draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
+    model = resolve(scene, design, solids.mass_of(design)).model
+    known = uncertain.inputs(scene, design, model)
+    if not known:
+        raise InputError(
+            "--uncertain: design and scene have no standard deviation above 0 that model "
+            f"{model} reads; set one, for instance contact.restitution_sd"
+        )
+    values = uncertain.draws(known, draws, scene.run.seed)
+    asked = [_asked(scene, design, known, row, number) for number, row in enumerate(values)]
+    found = _simulated(asked, progress)
+    good = np.array([point.results[0].outcome in ENDED_WELL for point in found])
+    if good.sum() < FEWEST_DRAWS:
+        raise InputError(
+            f"--uncertain: {good.sum()} of {draws} runs ended well, {FEWEST_DRAWS} are needed; "
+            "`simulate` without it says how they end"
+        )
+    halves = np.array([_halves(point) for point, well in zip(found, good, strict=True) if well])
+    outcomes: dict[str, int] = {}
+    for point in found:
+        name = point.results[0].outcome.value
+        outcomes[name] = outcomes.get(name, 0) + 1
+    return analyse(model, known, values[good], halves, outcomes, scene.run.seed)
+
+
+def _asked(scene: Scene, design: Design, known: Sequence[Input], row: Array, number: int) -> Asked:
+    """Point of one draw: a single run whose drop and corner heights are its own."""
+    names = [one.name for one in known]
+    changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
+    run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
+    return Asked(changed.model_copy(update={"run": run}), printed, mass)
+
+
+def _simulated(asked: Sequence[Asked], progress: Progress) -> list[Point]:
+    """Points of all draws; the first is simulated alone, since it compiles for all."""
+    progress("compiling (slow the first time only)", 0, len(asked))
+    first = points.measure(asked[0], lambda what, done, total: None)
+    titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
+    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
+        try:
+            return [first, *points.each(asked[1:], titles, progress, pool)]
+        except KeyboardInterrupt:
+            pool.shutdown(cancel_futures=True)
+            raise
+
+
+def _halves(point: Point) -> tuple[float, float]:
+    """Mean speeds of the two halves of a run, mm/s."""
+    blocks = point.results[0].block_speeds
+    middle = len(blocks) // 2
+    return float(blocks[:middle].mean()), float(blocks[middle:].mean())
+
+
+def analyse(
+    model: str,
+    known: tuple[Input, ...],
+    values: Array,
+    halves: Array,
+    outcomes: dict[str, int],
+    seed: int,
+) -> Uncertain:
+    """Tell apart what prints and what short runs add to the scatter of speeds.
+
+    Values of the inputs, shape (n, inputs); mean speeds of the halves of each run, shape (n, 2),
+    mm/s: their differences tell the statistical error, which holds for correlations shorter than
+    half a run.
+    """
+    speeds, statistical = halves.mean(axis=1), statistical_error(halves)
+    shrunk = without_statistics(halves)
+    mean, total = float(speeds.mean()), float(speeds.std(ddof=1))
+    between = float(shrunk.std(ddof=1))
+    low2, low1, high1, high2 = bounds(shrunk)
+    explained, errors = _explained(known, values, speeds, between, seed)
+    rest = 1.0 - float(explained[2, 0]), float(errors[2, 0])
+    return Uncertain(
+        model, len(speeds), outcomes, mean, total / np.sqrt(len(speeds)).item(), between,
+        statistical, (low2, low1, high1, high2),
+        uncertain.listed(known, explained[:2], errors[:2]), *rest, known, values, speeds,
+    )  # fmt: skip
+
+
+def statistical_error(halves: Array) -> float:
+    """Standard error of a run's mean speed, mm/s, from the halves of all runs, shape (n, 2)."""
+    return 0.5 * float(np.sqrt(np.mean((halves[:, 1] - halves[:, 0]) ** 2)))
+
+
+def without_statistics(halves: Array) -> Array:
+    """Speeds of the draws, mm/s, drawn together until they scatter as prints alone do."""
+    speeds = halves.mean(axis=1)
+    mean, total = speeds.mean(), speeds.std(ddof=1)
+    between = np.sqrt(max(total**2 - statistical_error(halves) ** 2, 0.0))
+    return np.asarray(mean + (speeds - mean) * (between / total if total else 0.0))
+
+
+def bounds(speeds: Array) -> tuple[float, float, float, float]:
+    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run.
+
+    Weibull's plotting positions make them hold another print as often as they say.
+    """
+    low2, low1, high1, high2 = np.quantile(speeds, QUANTILES, method="weibull").tolist()
+    return low2, low1, high1, high2
+
+
+def _explained(
+    known: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
+) -> tuple[Array, Array]:
+    """First-order and total shares of the variance between prints, and what inputs explain of it.
+
+    Shape (3, inputs), the last row equal throughout, and standard errors of the same shape by a
+    jackknife over groups of draws.
+    """
+    every = emulator.fit(values, speeds, seed=seed % 2**32)
+
+    def shares(kept: npt.NDArray[np.bool_]) -> Array:
+        found = emulator.fit(values[kept], speeds[kept], every.noise[kept], like=every)
+
+        def mean(x: Array) -> Array:
+            return found(x)[0]
+
+        parts = uncertain.indices(known, mean, np.random.default_rng(seed))
+        sample = uncertain.draws(known, uncertain.SHARE_POINTS, seed)
+        explained = float(mean(sample).var())
+        part = min(explained / between**2, 1.0) if between else 0.0
+        return np.vstack([part * parts, np.full(len(known), part)])
+
+    group = np.arange(len(speeds)) % GROUPS
+    replicates = np.array([shares(group != one).ravel() for one in range(GROUPS)])
+    whole = shares(group >= 0)
+    return whole, statistics.jackknife_error(replicates).reshape(whole.shape)
