@@ -208,7 +208,7 @@ def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> l
         simulated = Simulated(
             summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
             summary.speed_high_95_mm_s, point.model, point.method, listed(summary.outcomes),
-            tables.verdict(member.row, summary.speed_mm_s, summary.speed_se_mm_s),
+            tables.verdict(member.row, summary),
         )  # fmt: skip
         found.append(member._replace(simulated=simulated))
     return found

@@ -2,13 +2,16 @@
 
 import math
 from collections.abc import Sequence
-from typing import Literal, NamedTuple
+from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from rich import box
 from rich.table import Table
 
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.prediction import Prediction
+
+if TYPE_CHECKING:
+    from walkergen.simulation.ensemble import Summary
 
 HEADINGS = ("tilt", "legs", "M", "J", "m", "j", "back", "front", "mean", "speed", "68 %", "95 %")
 UNITS = ("deg", "", "g", "g mm²", "g", "g mm²", "v/w", "v/w", "v/w", "mm/s", "mm/s", "mm/s")
@@ -17,7 +20,7 @@ DETAILS = ("J", "j", "back", "front")
 MORE_DETAILS = (*DETAILS, "M", "m", "mean", "68 %")
 """Columns that it omits beside simulated speeds."""
 SURE = 1.96
-"""Standard errors of a difference beyond which theory and simulation disagree (95 %)."""
+"""Standard deviations on either side that hold a normal number with 95 %."""
 
 
 class Simulated(NamedTuple):
@@ -35,12 +38,13 @@ class Simulated(NamedTuple):
     """Agreement of the theory, within the errors of its inputs, with the simulation."""
 
 
-def verdict(row: Prediction, speed: float | None, se: float | None) -> str:
-    """Say whether a theory's speed agrees with a simulated one, both within their errors."""
-    if speed is None or se is None:
+def verdict(row: Prediction, summary: "Summary") -> str:
+    """Say whether a theory's speed agrees with a simulated one, both within their 95 % errors."""
+    low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
+    if summary.speed_mm_s is None or low is None or high is None:
         return "unknown"
-    off = row.speed_mm_s - speed
-    if abs(off) <= SURE * math.hypot(row.speed_sd_mm_s, se):
+    off = row.speed_mm_s - summary.speed_mm_s
+    if abs(off) <= math.hypot(SURE * row.speed_sd_mm_s, 0.5 * (high - low)):
         return "agree"
     return f"theory off by {off:+.0f}"
 
