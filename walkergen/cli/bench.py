@@ -91,6 +91,33 @@ def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> None:
     movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress)
 
 
+@app.command()
+def slide(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    scene: opt.SceneName = opt.SCENE,
+    measured: Annotated[
+        float | None, typer.Option("--measured", help="Slope at which it slid, deg.")
+    ] = None,
+    measured_sd: MeasuredSd = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
+    from walkergen.jobs.bench import inverse, make
+
+    chosen = opt.one_design(design, tilt, legs)
+    found = inverse.measured(measured, measured_sd, 1, 89.0)
+    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), found, pictures)
+    folder = _folder(chosen, out, "slide")
+    with show.progress("bench slide", wanted=not quiet) as progress:
+        report = make.slid(test, folder, progress)
+    _show(report, folder, json, quiet)
+
+
 def _folder(design: "Design", out: Path | None, what: str) -> Path:
     """Folder of a test: `out`, or one below out/ and the walker's name."""
     from walkergen.walker import names

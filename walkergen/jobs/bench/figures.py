@@ -1,14 +1,16 @@
 """Figures of the bench tests: curves from what the model needs to what is seen."""
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import STYLES, axes_of
 from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.inverse import Measured
+from walkergen.jobs.bench.slide import Incline
 
 BLUE, ORANGE = STYLES["flexible"][0], STYLES["braced"][0]
-GREY = "0.45"
+GREEN, GREY = "#009E73", "0.45"
 
 
 def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
@@ -28,6 +30,37 @@ def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | No
     axes.set_ylabel("rebound of the whole walker")
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
+    axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
+    return figure
+
+
+def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
+    """Draw the slope at which a walker gives way against friction, by the way it faces."""
+    figure, axes = axes_of(title)
+    fine = np.linspace(0.0, max(found.frictions), 200)
+    axes.plot(fine, np.degrees(np.arctan(fine)), ":", color=GREY, label="a rigid block")
+    looks = zip(found.by_heading.items(), ((BLUE, "o"), (ORANGE, "s"), (GREEN, "^")), strict=True)
+    for (facing, row), (colour, marker) in looks:
+        known = [
+            (friction, one.angle, one.toppled)
+            for friction, one in zip(found.frictions, row, strict=True)
+            if one.angle is not None
+        ]
+        slid = [(friction, angle) for friction, angle, toppled in known if not toppled]
+        fell = [(friction, angle) for friction, angle, toppled in known if toppled]
+        axes.plot(*np.array(slid).reshape(-1, 2).T, marker, color=colour, markersize=5,
+                  label=f"facing {facing}")  # fmt: skip
+        axes.plot(*np.array(fell).reshape(-1, 2).T, marker, color=colour, markersize=5,
+                  markerfacecolor="none")  # fmt: skip
+    slips = [pair for pair in zip(found.frictions, found.slips, strict=True) if pair[1] is not None]
+    if slips:
+        axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9,
+                  label="upper foot slips (statics)")  # fmt: skip
+    _draw_measured(axes, measured)
+    axes.set_xlabel("friction (contact.friction); open: it falls over")
+    axes.set_ylabel("slope at which it gives way (deg)")
+    axes.set_xlim(left=0.0)
+    axes.set_ylim(bottom=0.0)
     axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
     return figure
 

@@ -1,5 +1,6 @@
 """Inverse of a curve: from what was seen on the bench to what the model needs, with its errors."""
 
+import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -116,5 +117,12 @@ def in_words(found: Inverse, what: str, ends: tuple[float, float], where: str = 
 
 def _branch_in_words(one: Branch, ends: tuple[float, float]) -> str:
     cut = [f"{end:g}" for end, own in zip(ends, one[1:], strict=True) if own == end]
-    told = f"{one.value:.2f} (+{one.high - one.value:.2f}, -{one.value - one.low:.2f})"
+    up, down = one.high - one.value, one.value - one.low
+    digits = digits_of(max(up, down))
+    told = f"{one.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
     return told + (f", cut off at {' and '.join(cut)}" if cut else "")
+
+
+def digits_of(error: float) -> int:
+    """Digits after the point that show two of an error."""
+    return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.bench import drop, tables
+from walkergen.jobs.bench import drop, slide, tables
 from walkergen.jobs.bench import report as reports
 from walkergen.jobs.bench.inverse import Measured
 from walkergen.jobs.bench.report import Report
@@ -55,6 +55,20 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> Report:
         return figures.of_drop(found, report.title, how.turn_deg, test.measured)
 
     _write(report, test, how._asdict(), draw, folder)
+    return report
+
+
+def slid(test: Test, folder: Path, progress: Progress) -> Report:
+    """Tilt the plate under a walker; writes slide.csv, figure and page."""
+    found = slide.slide(test.scene, test.design, progress)
+    report = tables.of_slide(found, test.scene, test.design, test.measured)
+
+    def draw() -> "Figure":
+        from walkergen.jobs.bench import figures
+
+        return figures.of_slide(found, report.title, test.measured)
+
+    _write(report, test, {}, draw, folder)
     return report
 
 

@@ -38,12 +38,15 @@ def filmed(scene: Scene) -> Scene:
     return still(scene).model_copy(update={"run": run})
 
 
-def plan_of(scene: Scene, design: Design) -> Plan:
-    """Plan of a walker in space on the scene's plate at rest, with fine steps. Raises InputError."""
+def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
+    """Plan of a walker in space on the scene's plate at rest; `finer`: its steps over usual ones.
+
+    A step that the scene states stays as it is. Raises InputError.
+    """
     plan = prepare(still(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
         return plan
-    return plan._replace(world=plan.model.coarser(plan.world, FINER))
+    return plan._replace(world=plan.model.coarser(plan.world, finer))
 
 
 def with_contact(scene: Scene, **contact: float) -> Scene:

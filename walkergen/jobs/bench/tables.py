@@ -1,9 +1,13 @@
 """Tables, answers and settings of the bench tests."""
 
+import math
+from collections.abc import Sequence
+
 from walkergen.jobs.bench import inverse, still
 from walkergen.jobs.bench.drop import Dropped, Rebounds
 from walkergen.jobs.bench.inverse import Measured
 from walkergen.jobs.bench.report import Answer, Report, Rows, Value
+from walkergen.jobs.bench.slide import Incline
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -49,7 +53,57 @@ def of_drop(
     ]
     caption = f"{still.in_words(scene, design)}; dropped by {height:g} mm"
     title = f"Drop of {design.name}, {design.legs.tilt_deg:g} deg, {design.legs.kind}"
-    return Report("drop", title, caption, rows, answers, notes, _settings(answers))
+    keys = "contact.restitution", "contact.restitution_sd"
+    settings = _settings(answers[-1:], keys)
+    return Report("drop", title, caption, rows, answers, notes, settings)
+
+
+def of_slide(found: Incline, scene: Scene, design: Design, measured: Measured | None) -> Report:
+    """Report of an incline."""
+    lines: list[tuple[Value, ...]] = []
+    for place, friction in enumerate(found.frictions):
+        slid = {facing: row[place] for facing, row in found.by_heading.items()}
+        fell = ", ".join(facing for facing, one in slid.items() if one.toppled)
+        angles = [one.angle for one in slid.values()]
+        block = math.degrees(math.atan(friction))
+        lines.append((friction, block, *angles, found.slips[place], fell))
+    columns = ("friction", "block_deg", *(f"{facing}_deg" for facing in found.by_heading),
+               "uphill_slips_deg", "falls_over")  # fmt: skip
+    rows = Rows("slide", "slope at which it gives way, by the way it faces", columns, lines)
+    answers = []
+    for facing in ("downhill", "uphill"):
+        curve = found.curve(facing)
+        if measured is None or curve is None:
+            continue
+        one = inverse.invert(curve, measured)
+        ends = float(curve.at[0]), float(curve.at[-1])
+        told = inverse.in_words(one, "friction", ends)
+        answers.append(Answer(f"facing {facing}", told, one))
+    title = f"Incline under {design.name}, {design.legs.tilt_deg:g} deg, {design.legs.kind}"
+    caption = f"{still.in_words(scene, design)}; the plate is tilted slowly"
+    settings = _settings(answers[:1], ("contact.friction", "contact.friction_sd"))
+    notes = _on_inclines(found)
+    return Report("slide", title, caption, [rows], answers, notes, settings)
+
+
+def _on_inclines(found: Incline) -> list[str]:
+    """Notes on how far a walker is a rigid block, and on where it falls over."""
+    notes = [
+        f"facing downhill it slides like a rigid block, at tan(slope) = friction, within "
+        f"{found.off('downhill'):.2f} deg"
+    ]
+    if found.off("uphill") > 0.5:
+        notes.append(
+            "facing uphill its upper foot slips first where friction exceeds tan(tilt), and it "
+            "chatters down: let it face downhill, or take the other answer"
+        )
+    falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in found.edges.items())
+    most = math.tan(math.radians(found.edges["downhill"]))
+    notes.append(f"it falls over at (deg) {falls}: no friction beyond {most:.2f} shows")
+    notes.append(
+        "the model has one friction: nudge the walker, and take the slope at which it keeps sliding"
+    )
+    return notes
 
 
 _COLUMNS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
@@ -70,10 +124,9 @@ def _on_flatness(found: Dropped) -> list[str]:
     return [f"flat means a roll of at most {alike:g} deg: beyond it one corner lands alone"]
 
 
-def _settings(answers: list[Answer]) -> dict[str, float]:
-    """Restitution and its deviation, where the last answer (from the hand, if it is) has one."""
-    if not answers or len(answers[-1].inverse.branches) != 1 or answers[-1].inverse.everywhere:
+def _settings(answers: Sequence[Answer], keys: tuple[str, str]) -> dict[str, float]:
+    """Keys of a value and its deviation that the answer, if it is one, has a single branch for."""
+    if not answers or len(answers[0].inverse.branches) != 1 or answers[0].inverse.everywhere:
         return {}
-    (one,) = answers[-1].inverse.branches
-    sd = 0.5 * (one.high - one.low)
-    return {"contact.restitution": one.value, "contact.restitution_sd": sd}
+    (one,) = answers[0].inverse.branches
+    return dict(zip(keys, (one.value, 0.5 * (one.high - one.low)), strict=True))
