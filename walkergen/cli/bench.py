@@ -118,6 +118,41 @@ def slide(
     _show(report, folder, json, quiet)
 
 
+@app.command()
+def pluck(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    scene: opt.SceneName = opt.SCENE,
+    measured: Annotated[
+        float | None, typer.Option("--measured", help="Frequency heard, Hz, the body held.")
+    ] = None,
+    measured_sd: MeasuredSd = None,
+    decrement: Annotated[
+        float | None,
+        typer.Option("--decrement", help="Logarithm of a swing over the next on the same side."),
+    ] = None,
+    decrement_sd: Annotated[
+        float | None, typer.Option("--decrement-sd", help="Standard error of the decrement.")
+    ] = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
+    from walkergen.jobs.bench import inverse, make
+
+    chosen = opt.one_design(design, tilt, legs)
+    heard = inverse.measured(measured, measured_sd, 1, 1e6)
+    decay = inverse.measured(decrement, decrement_sd, 1, 100.0, "--decrement")
+    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), heard, pictures)
+    folder = _folder(chosen, out, "pluck")
+    with show.progress("bench pluck", wanted=not quiet) as progress:
+        report = make.plucked(test, decay, folder, progress)
+    _show(report, folder, json, quiet)
+
+
 def _folder(design: "Design", out: Path | None, what: str) -> Path:
     """Folder of a test: `out`, or one below out/ and the walker's name."""
     from walkergen.walker import names

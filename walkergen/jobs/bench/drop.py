@@ -169,6 +169,7 @@ def drop(
 
     Lengths in mm. Drops from the hand differ by pitch and roll, the same in every row.
     """
+    own = still.plan_of(scene, design)
     hand = from_hand(height, turn_deg, drops, scene.run.seed)
     few = hand[:FEW]
     rows: list[tuple[str, float, Scene, Design, Sequence[Let]]] = []
@@ -190,7 +191,7 @@ def drop(
         found.setdefault(what, []).append((at, rebounds(plan, chosen)))
     progress("first turn", len(rows), len(rows) + 1)
     by_label = [one for _, one in found.pop("restitution")]
-    turned = _by_turn(still.plan_of(scene, design), height)
+    turned = _by_turn(own, height)
     return Dropped(np.array(LABELS), by_label, found, turned)
 
 

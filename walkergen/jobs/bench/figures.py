@@ -1,5 +1,8 @@
 """Figures of the bench tests: curves from what the model needs to what is seen."""
 
+from collections.abc import Sequence
+
+import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -7,7 +10,10 @@ from matplotlib.figure import Figure
 from walkergen.files.figures import STYLES, axes_of
 from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.inverse import Measured
+from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.slide import Incline
+
+Points = Sequence[tuple[float, float]]
 
 BLUE, ORANGE = STYLES["flexible"][0], STYLES["braced"][0]
 GREEN, GREY = "#009E73", "0.45"
@@ -62,6 +68,27 @@ def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
     axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
+    return figure
+
+
+def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Points) -> Figure:
+    """Draw a leg of the model ringing, and the frequency heard against Young's modulus."""
+    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False}):
+        figure = Figure(figsize=(5.6, 5.2), layout="constrained")
+        top, bottom = figure.subplots(2, 1)
+    top.set_title(title, fontsize=10)
+    ringing = found.held
+    top.plot(1e3 * ringing.times, 1e3 * ringing.angles, color=BLUE)
+    top.set_xlabel("time (ms)")
+    top.set_ylabel("the model's leg (mrad)")
+    at, hertz = np.array(curve).T
+    bottom.plot(at, hertz, "o-", color=BLUE, markersize=4, label="printed leg, first mode")
+    hinge = hertz * found.held.frequency / found.cantilever
+    bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
+    _draw_measured(bottom, measured)
+    bottom.set_xlabel("Young's modulus (GPa, material.youngs_modulus_gpa)")
+    bottom.set_ylabel("frequency (Hz)")
+    bottom.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
     return figure
 
 

@@ -60,19 +60,23 @@ class Inverse(NamedTuple):
     """True when the whole curve agrees: the test does not tell."""
 
 
-def measured(value: float | None, sd: float | None, tries: int, most: float) -> Measured | None:
-    """Measured number as options give it; None without one. Raises InputError."""
+def measured(
+    value: float | None, sd: float | None, tries: int, most: float, flag: str = "--measured"
+) -> Measured | None:
+    """Measured number as the options `flag` and its -sd give it; None without. Raises InputError.
+
+    Both must be > 0 and at most `most`.
+    """
     if value is None and sd is None:
         return None
-    if value is None or sd is None:
-        given, missing = ("--measured", "--measured-sd") if sd is None else (
-            "--measured-sd", "--measured"
-        )  # fmt: skip
-        raise InputError(f"{given}: needs {missing} as well: 0.8 and its standard error 0.1, say")
-    if not 0.0 < value <= most:
-        raise InputError(f"--measured {value:g}: must be > 0 and <= {most:g}")
-    if not 0.0 < sd <= most:
-        raise InputError(f"--measured-sd {sd:g}: must be > 0 and <= {most:g}")
+    given = ((flag, value), (f"{flag}-sd", sd))
+    for (name, one), (other, missing) in (given, given[::-1]):
+        if missing is None:
+            raise InputError(f"{name} {one:g}: needs {other} as well, the number's standard error")
+        if one is not None and not 0.0 < one <= most:
+            raise InputError(f"{name} {one:g}: must be > 0 and <= {most:g}")
+    assert value is not None
+    assert sd is not None
     return Measured(value, sd, tries)
 
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.bench import drop, slide, tables
+from walkergen.jobs.bench import drop, pluck, slide, tables
 from walkergen.jobs.bench import report as reports
 from walkergen.jobs.bench.inverse import Measured
 from walkergen.jobs.bench.report import Report
@@ -69,6 +69,26 @@ def slid(test: Test, folder: Path, progress: Progress) -> Report:
         return figures.of_slide(found, report.title, test.measured)
 
     _write(report, test, {}, draw, folder)
+    return report
+
+
+def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> Report:
+    """Pluck a leg; writes pluck.csv, moduli.csv, damping.csv, figure and page.
+
+    Raises InputError for legs that do not swing.
+    """
+    progress("plucking", 0, 1)
+    found = pluck.pluck(test.scene, test.design)
+    report = tables.of_pluck(found, test.scene, test.design, test.measured, decrement)
+
+    def draw() -> "Figure":
+        from walkergen.jobs.bench import figures
+
+        curve = pluck.by_modulus(test.design, found.leg_mass)
+        return figures.of_pluck(found, report.title, test.measured, curve)
+
+    given = None if decrement is None else decrement._asdict()
+    _write(report, test, {"decrement": given}, draw, folder)
     return report
 
 

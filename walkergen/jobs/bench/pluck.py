@@ -9,6 +9,7 @@ with the hinge's.
 """
 
 import math
+from collections.abc import Mapping
 from typing import NamedTuple
 
 import numpy as np
@@ -40,6 +41,12 @@ BENT = 0.01
 HIGH_MM = 100.0
 """Height over the plate, mm: nothing is touched while the leg rings."""
 
+SHARES = (0.6, 0.7, 0.8, 0.9, 1.0, 1.1, 1.2, 1.3, 1.4)
+"""Young's moduli of the table, over the design's own."""
+
+RATIOS = (0.01, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2)
+"""Damping ratios of the table."""
+
 RING_PERIODS, PER_PERIOD = 12, 64
 """Swings that are simulated, and samples of each."""
 
@@ -60,9 +67,11 @@ class Ringing(NamedTuple):
 class Plucked(NamedTuple):
     """Frequencies of a leg, Hz."""
 
+    leg_mass: float
+    """Mass of the leg, g."""
     cantilever: float
     """First mode of the printed leg, its body held: what a microphone hears."""
-    hinges: dict[str, float]
+    hinges: Mapping[str, float]
     """Of the model's leg by legs.spring, undamped, its body held."""
     held: Ringing
     """The model's leg, simulated with the scene's spring and damping, its body held."""
@@ -83,18 +92,38 @@ def modulus(design: Design, leg_mass: float, frequency: float) -> float:
     return design.material.youngs_modulus_gpa * (frequency / own) ** 2
 
 
-def modulus_sd(design: Design, frequency: float, frequency_sd: float) -> float:
-    """Relative standard deviation of `modulus`: of frequency, thickness and the leg's mass.
+class Known(NamedTuple):
+    """Errors of what a frequency is turned into, relative standard deviations."""
 
-    Of the leg's mass counts what a balance leaves, since thickness scales it only where the mesh
-    weighs it: E = f^2 m l^3 / I, with m as s (or weighed) and I as s^3.
+    modulus: float
+    """Of Young's modulus, with the thickness taken from the design."""
+    thickness: float
+    """Of the thickness, with Young's modulus taken from the design."""
+    bending: float
+    """Of the product E s^3, which is what the model's hinge needs."""
+
+
+def errors(design: Design, relative: float) -> Known:
+    """Errors that follow from that of the frequency, `relative`, and from those of the design.
+
+    E I = f^2 m l^3 up to a number: I goes as s^3, and so does m as s where the mesh weighs the leg.
     """
-    power = 3.0 if design.weighed.leg_mass_g is not None else 2.0
-    return math.hypot(
-        2.0 * frequency_sd / frequency,
-        power * design.legs.thickness_sd_mm / design.leg_thickness,
-        0.01 * design.weighed.mass_sd_percent,
+    weighed = design.weighed.leg_mass_g is not None
+    mass = 0.01 * design.weighed.mass_sd_percent
+    thick = design.legs.thickness_sd_mm / design.leg_thickness
+    stiff = design.material.youngs_modulus_sd_gpa / design.material.youngs_modulus_gpa
+    power = 3.0 if weighed else 2.0
+    return Known(
+        math.hypot(2.0 * relative, power * thick, mass),
+        math.hypot(2.0 * relative, stiff, mass) / power,
+        math.hypot(2.0 * relative, 0.0 if weighed else thick, mass),
     )
+
+
+def thickness(design: Design, leg_mass: float, frequency: float) -> float:
+    """Thickness (mm) at which a leg swings at `frequency` (Hz), Young's modulus as it is."""
+    power = 2.0 / 3.0 if design.weighed.leg_mass_g is not None else 1.0
+    return float(design.leg_thickness * (frequency / cantilever(design, leg_mass)) ** power)
 
 
 def damping_ratio(decrement: float) -> float:
@@ -105,6 +134,18 @@ def damping_ratio(decrement: float) -> float:
 def decrement_of(ratio: float) -> float:
     """Logarithmic decrement of swings with a damping ratio below 1."""
     return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio * ratio)
+
+
+def by_modulus(design: Design, leg_mass: float) -> list[tuple[float, float]]:
+    """Young's moduli (GPa) about the design's, and the frequencies (Hz) that they give."""
+    own, frequency = design.material.youngs_modulus_gpa, cantilever(design, leg_mass)
+    return [(share * own, frequency * math.sqrt(share)) for share in SHARES]
+
+
+def by_damping() -> list[tuple[float, float, float]]:
+    """Damping ratios, their logarithmic decrements, and what is left of a swing at the next."""
+    pairs = [(ratio, decrement_of(ratio)) for ratio in RATIOS]
+    return [(ratio, decrement, math.exp(-decrement)) for ratio, decrement in pairs]
 
 
 def pluck(scene: Scene, design: Design) -> Plucked:
@@ -123,14 +164,15 @@ def pluck(scene: Scene, design: Design) -> Plucked:
         )
     mass = solids.mass_of(design)
     inertia = float(mass.j + mass.m * mass.c_A @ mass.c_A)
-    hinges = {
+    hinges: dict[str, float] = {
         name: compliance.natural_frequency(compliance.stiffness(design, name), inertia)
         for name in compliance.SPRING_FACTORS
     }
     loose = still.plan_of(scene, design)
     held = prepare(still.still(scene), design, scaled(mass, HELD, 1.0))
     own = hinges[scene.legs.spring]
-    return Plucked(cantilever(design, float(mass.m)), hinges, ring(held, own), _modes(loose))
+    leg = float(mass.m)
+    return Plucked(leg, cantilever(design, leg), hinges, ring(held, own), _modes(loose))
 
 
 def ring(plan: Plan, about: float) -> Ringing:
@@ -166,8 +208,10 @@ def _decrement(times: Array, angles: Array, frequency: float) -> float:
 
 
 def _modes(plan: Plan) -> tuple[float, ...]:
-    """Natural frequencies (Hz) of both hinges on a free body, rising; feet do not twist."""
+    """Natural frequencies (Hz) of both hinges on a free body, rising; not those of the twists."""
     walker = plan.world.walker
-    squares = np.linalg.eigvals(walker.hinge_mobility * walker.stiffness)
-    hinges = np.sqrt(np.sort(squares.real)) / (2.0 * math.pi)
-    return tuple(float(one) for one in hinges)
+    squares, shapes = np.linalg.eig(walker.hinge_mobility * walker.stiffness)
+    energy = walker.stiffness[:, None] * np.abs(shapes) ** 2
+    bends = energy[:: walker.freedoms].sum(axis=0) > 0.5 * energy.sum(axis=0)
+    found = np.sqrt(np.sort(squares.real[bends])) / (2.0 * math.pi)
+    return tuple(float(one) for one in found)

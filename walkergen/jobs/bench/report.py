@@ -1,7 +1,7 @@
 """Report of a bench test: tables, answers and settings, for the screen, Markdown, CSV and JSON."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, Literal, NamedTuple
 
 from rich import box
 from rich.table import Table
@@ -49,8 +49,9 @@ class Report(NamedTuple):
 def to_table(rows: Rows, form: box.Box = box.SIMPLE_HEAD) -> Table:
     """Table of rich with numbers to three or four digits."""
     table = Table(title=rows.title, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for column in rows.columns:
-        table.add_column(column.replace("_", " "), justify="right")
+    for column, first in zip(rows.columns, rows.rows[0], strict=True):
+        side: Literal["left", "right"] = "left" if isinstance(first, str) else "right"
+        table.add_column(column.replace("_", " "), justify=side)
     for row in rows.rows:
         table.add_row(*(_shown(value) for value in row))
     return table

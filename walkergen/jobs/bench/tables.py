@@ -3,9 +3,10 @@
 import math
 from collections.abc import Sequence
 
-from walkergen.jobs.bench import inverse, still
+from walkergen.jobs.bench import inverse, pluck, still
 from walkergen.jobs.bench.drop import Dropped, Rebounds
-from walkergen.jobs.bench.inverse import Measured
+from walkergen.jobs.bench.inverse import Branch, Inverse, Measured
+from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.report import Answer, Report, Rows, Value
 from walkergen.jobs.bench.slide import Incline
 from walkergen.scene import Scene
@@ -104,6 +105,75 @@ def _on_inclines(found: Incline) -> list[str]:
         "the model has one friction: nudge the walker, and take the slope at which it keeps sliding"
     )
     return notes
+
+
+def of_pluck(
+    found: Plucked,
+    scene: Scene,
+    design: Design,
+    measured: Measured | None,
+    decrement: Measured | None,
+) -> Report:
+    """Report of a plucked leg."""
+    spring, free = scene.legs.spring, found.free
+    lines: list[tuple[Value, ...]] = [
+        ("the printed leg, a cantilever; body held", found.cantilever),
+        *((f"hinge, spring = {name!r}; body held", one) for name, one in found.hinges.items()),
+        (f"hinge, {spring}, damped, simulated; body held", found.held.frequency),
+        (f"hinge, {spring}; body free, lowest", free[0]),
+        (f"hinge, {spring}; body free, highest", free[-1]),
+    ]
+    rows = Rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines)
+    moduli = Rows("moduli", "frequency heard, by Young's modulus", ("youngs_modulus_gpa", "hz"),
+                  pluck.by_modulus(design, found.leg_mass))  # fmt: skip
+    damping = Rows("damping", "swings that die out, by the leg's damping",
+                   ("damping_ratio", "decrement", "next_swing_over_swing"),
+                   pluck.by_damping())  # fmt: skip
+    answers: list[Answer] = []
+    settings: dict[str, float] = {}
+    notes = _on_plucking(found, scene)
+    if measured is not None:
+        known = pluck.errors(design, measured.sd / measured.value)
+        value = pluck.modulus(design, found.leg_mass, measured.value)
+        answers.append(_with_error("Young's modulus", value, known.modulus * value, "GPa"))
+        settings |= {"material.youngs_modulus_gpa": value,
+                     "material.youngs_modulus_sd_gpa": known.modulus * value}  # fmt: skip
+        thick = pluck.thickness(design, found.leg_mass, measured.value)
+        notes = [
+            f"or legs.flexible_thickness_mm = {thick:.3f} ± {known.thickness * thick:.3f} with "
+            f"{design.material.youngs_modulus_gpa:g} GPa: the frequency tells E s^3 only, "
+            f"within {100 * known.bending:.1f} %",
+            *notes,
+        ]
+    if decrement is not None:
+        ratio = pluck.damping_ratio(decrement.value)
+        sd = ratio * (1.0 - ratio * ratio) * decrement.sd / decrement.value
+        answers.append(_with_error("damping ratio of the leg", ratio, sd, ""))
+        settings |= {"legs.damping_ratio": ratio, "legs.damping_ratio_sd": sd}
+    title = f"Pluck of a leg of {design.name}, {design.legs.tilt_deg:g} deg"
+    caption = f"{still.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
+    return Report("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
+
+
+def _with_error(what: str, value: float, sd: float, unit: str) -> Answer:
+    """Answer with a symmetric error."""
+    digits = inverse.digits_of(sd)
+    told = f"{what} {value:.{digits}f} ± {sd:.{digits}f} {unit}".rstrip()
+    branch = Branch(value, value - sd, value + sd)
+    return Answer("", told, Inverse([branch], value, value, 0.0, False))
+
+
+def _on_plucking(found: Plucked, scene: Scene) -> list[str]:
+    """Notes on what swings in the model and what on the bench."""
+    own, spring = found.hinges[scene.legs.spring], scene.legs.spring
+    return [
+        f"hold the body: free, the legs swing at {found.free[0] / own:.3f} to "
+        f"{found.free[-1] / own:.3f} of it",
+        f"the model's hinge ({spring}) swings at {own / found.cantilever:.3f} of the leg that you "
+        "hear: 'cantilever' has its stiffness under a slow load, 'frequency' its first mode",
+        "the leg counts as a beam; one as wide as long is stiffer by up to 15 %, and a soft root "
+        "softens it: the modulus found is what this leg acts with, as the hinge needs it",
+    ]
 
 
 _COLUMNS = ("flat", "from_hand", "sd_of_a_drop", "fell_over")
