@@ -144,10 +144,11 @@ class Dropped(NamedTuple):
     def curve(self, flat: bool) -> Curve | None:
         """Curve from label to rebound, flat or from the hand; None with fewer than two points."""
         known = [
-            (label, one.flat, 0.0, 1) if flat else (label, one.mean, one.sd, max(one.tries, 1))
+            (label, one.flat, 0.0, 1) if flat else (label, one.mean, one.sd, one.tries)
             for label, one in zip(self.labels, self.by_label, strict=True)
+            if (one.flat is not None if flat else one.tries > 1)
         ]
-        columns = np.array([row for row in known if row[1] is not None], float)
+        columns = np.array(known, float)
         return Curve(*columns.T) if len(columns) > 1 else None
 
     @property
