@@ -73,6 +73,14 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
     assert found == pytest.approx(feet.restitution(ratio), abs=STEP_SCATTER)
 
 
+@pytest.mark.parametrize("label", [0.1, 0.3, 0.5, 0.8])
+def test_upright_hysteretic_feet_rebound_with_their_label_whatever_they_carry(label):
+    feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
+    scene = still.with_contact(LANE.model_copy(update={"feet": feet_of}), restitution=label)
+    plan = still.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
+    assert drop.rebound(plan, Let(10.0)).ratio == pytest.approx(label, abs=STEP_SCATTER)
+
+
 def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
     ideal = flat(tilt=0.0, damping=0.0, restitution=1.0)
     assert ideal == pytest.approx(1.0, abs=0.02)  # the legs ring a little afterwards
@@ -95,6 +103,16 @@ def test_one_corner_first_halves_the_rebound():
     plan = plan_of(restitution=0.8)
     level, rolled = (drop.rebound(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
     assert rolled < 0.5 * level
+
+
+def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
+    pitches = (0.0, 0.02, -0.02)
+    one, other = (
+        [drop.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio
+         for pitch in pitches] for side in (1.0, -1.0)
+    )  # fmt: skip
+    assert max(one[1:]) < one[0] - 3 * STEP_SCATTER
+    assert one == pytest.approx(other, abs=STEP_SCATTER)
 
 
 def test_what_counts_is_the_time_between_corners():
@@ -200,7 +218,7 @@ def test_a_walker_slides_at_the_angle_of_friction(tilt, kind, heading):
         assert slid.angle == pytest.approx(block, abs=RESOLVED + 0.02)  # what is left of its sway
 
 
-@pytest.mark.parametrize("friction", [0.25, 0.4, 0.7])
+@pytest.mark.parametrize("friction", [0.3, 0.4, 0.7])
 def test_facing_uphill_it_goes_where_statics_let_its_upper_foot_slip(friction):
     plan = plan_of(10.0, friction=friction)
     slips = slide.first_slip(plan, math.radians(10.0), friction)
@@ -208,6 +226,16 @@ def test_facing_uphill_it_goes_where_statics_let_its_upper_foot_slip(friction):
     assert slips < block - 1.0
     # Statics leave out the legs' weight, 7 % of the walker's
     assert slide.friction_angle(plan, 180.0).angle == pytest.approx(slips, abs=0.2)
+
+
+def test_near_the_friction_that_jams_it_goes_between_that_slip_and_the_block():
+    # Jamming from 0.23 on: there the foot that slips first need not take the walker along
+    for friction in (0.2, 0.25):
+        plan = plan_of(10.0, friction=friction)
+        slips = slide.first_slip(plan, math.radians(10.0), friction)
+        block = math.degrees(math.atan(friction))
+        found = slide.friction_angle(plan, 180.0).angle
+        assert slips - 2 * RESOLVED < found < block + 2 * RESOLVED
 
 
 def test_the_mirror_image_facing_the_other_way_slides_alike():

@@ -95,8 +95,8 @@ def _on_inclines(found: Incline) -> list[str]:
     ]
     if found.off("uphill") > 0.5:
         notes.append(
-            "facing uphill its upper foot slips first where friction exceeds tan(tilt), and it "
-            "chatters down: let it face downhill, or take the other answer"
+            "facing uphill its upper foot slips first where friction exceeds tan(tilt), and well "
+            "beyond the walker chatters down from there: let it face downhill"
         )
     falls = ", ".join(f"{edge:.1f} {facing}" for facing, edge in found.edges.items())
     most = math.tan(math.radians(found.edges["downhill"]))
