@@ -3,10 +3,10 @@
 The slope grows by steps with time to settle; one after which the walker keeps moving is taken back
 and halved. A rigid block slides at tan(angle) = friction, and so does a walker that faces downhill:
 legs and moments share the load out among its feet, but once all of them slide their sum counts
-(Amontons). One that faces uphill may go sooner where friction exceeds tan(tilt): its upper foot slips
-first. Where friction on a leg that leans against its sliding presses the foot on (docs/physics.md
-section 7: jamming, from 0.23 at 10 deg), the foot jumps, as chalk does, and the whole walker
-chatters down; where it does not, the other foot holds on to nearly the angle of a block.
+(Amontons). One that faces uphill may go sooner where friction exceeds tan(tilt): its upper foot
+slips first. Where friction on a leg that leans against its sliding presses the foot on
+(docs/physics.md section 7: jamming, from 0.23 at 10 deg), the foot jumps, as chalk does, and the
+walker chatters down; where it does not, the other foot holds on to nearly the angle of a block.
 """
 
 import math
