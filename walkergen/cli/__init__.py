@@ -10,6 +10,7 @@ from walkergen import __version__
 from walkergen.cli import (
     accuracy,
     analyse,
+    bench,
     check,
     explain,
     export,
@@ -39,6 +40,7 @@ for command in (
     report.report, reproduce.reproduce,
 ):  # fmt: skip
     app.command()(command)
+app.add_typer(bench.app, name="bench")
 app.add_typer(templates.app, name="templates")
 
 

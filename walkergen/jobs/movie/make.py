@@ -1,6 +1,6 @@
 """Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
@@ -42,6 +42,9 @@ PERIODS, PLAYING_S = 6.0, 10.0
 RACE_S = 3.0
 """Length of a race by default, s, in real time."""
 
+AT_REST_UM = 1e-6
+"""Amplitude below which a plate is said to be at rest, um."""
+
 FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
 
 FINE = 8
@@ -65,6 +68,8 @@ class Job(NamedTuple):
     """Seconds of the movie for each second of the run."""
     fps: int
     view: View = "side"
+    let_go: Callable[[Plan], Plan] | None = None
+    """Changes how a plan's walker starts; None: as in the ensemble's first run."""
 
     @property
     def frames(self) -> int:
@@ -230,7 +235,8 @@ def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Pla
     run = job.scene.run.model_copy(update={"seconds": seconds})
     scene = job.scene.model_copy(update={"run": run})
     mass = solids.mass_of(design)
-    return mass, prepare(scene, design, mass), interval
+    prepared = prepare(scene, design, mass)
+    return mass, prepared if job.let_go is None else job.let_go(prepared), interval
 
 
 def _check(design: Design, found: int, every: int, outcome: Outcome) -> None:
@@ -288,10 +294,14 @@ def settings(scene: Scene, models: Sequence[str]) -> str:
     law = f"({contact.law})"
     if "space" in models:
         law = f"(label of {scene.feet.damping} feet)"
+    shaken = (
+        f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
+        if 1e3 * drive.amplitude > AT_REST_UM
+        else "plate at rest"
+    )
     slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
     return (
-        f"{scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± "
-        f"{1e3 * drive.amplitude:.3g} µm; simulated: {', '.join(models)}, restitution "
+        f"{scene.name}: {shaken}; simulated: {', '.join(models)}, restitution "
         f"{contact.restitution:g} {law}, friction {contact.friction:g}"
         + (slope if scene.plate.slope_deg else "")
     )

@@ -1,0 +1,95 @@
+"""`bench drop`, `bench slide` and `bench pluck` as a user meets them."""
+
+import csv
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.jobs.bench import drop, slide
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name, few in (("TILTS", (10.0,)), ("FRICTIONS", (0.25,)), ("HEIGHTS", (10.0,))):
+        monkeypatch.setattr(drop, name, few)
+    monkeypatch.setattr(slide, "FRICTIONS", (0.2, 0.25, 0.3))
+    return lambda *words: CliRunner().invoke(app, ["bench", *words])
+
+
+def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
+    words = ("--tilt", "10", "--measured", "0.8", "--measured-sd", "0.05", "--drops", "6")
+    data = json.loads(run("drop", *words, "--out", "a", "--json").stdout)
+    level, hand = data["answers"]
+    assert level["branches"][0]["value"] == pytest.approx(0.745, abs=0.03)
+    assert "no foot restitution gives that at 10 deg" in hand["told"]
+    assert data["settings"] == {}
+    with (tmp_path / "a" / "drop.csv").open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    assert [float(row["restitution"]) for row in rows] == list(drop.LABELS)
+    assert np.all(np.diff([float(row["flat"]) for row in rows]) > 0)
+    names = {path.name for path in (tmp_path / "a").iterdir()}
+    assert {"drop.md", "drop.png", "drop.pdf", "tilts.csv", "manifest.json"} <= names
+    page = (tmp_path / "a" / "drop.md").read_text(encoding="utf-8")
+    assert "foot restitution 0.7" in page
+
+
+def test_a_flat_drop_sets_the_scene(run):
+    words = ("--roll-deg", "0", "--drops", "2", "--measured", "0.64", "--measured-sd", "0.05")
+    data = json.loads(run("drop", *words, "--no-pictures", "--json").stdout)
+    (only,) = data["answers"]
+    assert only["condition"] == "let go flat"
+    assert data["settings"]["contact.restitution"] == pytest.approx(0.5, abs=0.03)
+    assert 0.03 < data["settings"]["contact.restitution_sd"] < 0.12
+
+
+def test_an_incline_and_a_pluck_set_their_keys(run):
+    words = ("--measured", "14", "--measured-sd", "1", "--no-pictures", "--json")
+    found = json.loads(run("slide", *words).stdout)["settings"]
+    assert found["contact.friction"] == pytest.approx(math.tan(math.radians(14)), abs=2e-3)
+    assert found["contact.friction_sd"] == pytest.approx(0.0185, abs=1e-3)
+    words = ("--measured", "1700", "--measured-sd", "30", "--decrement", "0.4")
+    found = json.loads(run("pluck", *words, "--decrement-sd", "0.05", "--json").stdout)["settings"]
+    assert found["material.youngs_modulus_gpa"] == pytest.approx(2.72, abs=0.01)
+    assert found["legs.damping_ratio"] == pytest.approx(0.0635, abs=1e-4)
+    text = run("pluck").stdout
+    assert "hold the body" in text
+    assert "bench_pluck" in text
+
+
+@pytest.mark.slow
+def test_a_drop_is_filmed(run, tmp_path):
+    result = run("drop", "--height-mm", "1", "--drops", "2", "--movie", "a.gif", "--quiet")
+    assert result.exit_code == 0
+    assert result.stdout == ""
+    assert (tmp_path / "a.gif").read_bytes()[:6] == b"GIF89a"
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("drop", "--measured", "0.8"), "--measured 0.8: needs --measured-sd"),
+        (("drop", "--measured-sd", "0.1"), "--measured-sd 0.1: needs --measured"),
+        (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be > 0 and <= 1"),
+        (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be > 0"),
+        (("drop", "--height-mm", "-1"), "--height-mm -1: must lie in 0.01..1000"),
+        (("drop", "--height-mm", "nan"), "--height-mm nan: must lie in"),
+        (("drop", "--roll-deg", "90"), "--roll-deg 90: must lie in 0..20"),
+        (("drop", "--drops", "0"), "--drops 0: must lie in 2..1000"),
+        (("drop", "--movie", "a.mp4"), "--movie 'a.mp4': must end in .gif"),
+        (("drop", "--restitution", "0.01"), "contact.restitution = 0.01"),
+        (("pluck", "--legs", "braced"), "braced legs do not swing"),
+        (("pluck", "--decrement", "0.3"), "--decrement 0.3: needs --decrement-sd"),
+    ],
+)
+def test_bad_input_is_one_line_and_writes_nothing(run, tmp_path, words, told):
+    result = run(*words)
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+    assert "\n" not in str(result.exception)
+    assert list(tmp_path.iterdir()) == []

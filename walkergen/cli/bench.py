@@ -1,0 +1,177 @@
+"""The command `bench`, with `drop`, `slide` and `pluck` below it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.files.progress import Progress
+    from walkergen.jobs.bench.make import Drop, Test
+    from walkergen.jobs.bench.report import Report
+    from walkergen.walker.design import Design
+
+app = typer.Typer(
+    help="Simulate tests that a person can make with a phone, and invert what they measured.",
+    no_args_is_help=True,
+)
+
+FPS = 20
+"""Frames per second of the film of a drop."""
+
+MeasuredSd = Annotated[
+    float | None, typer.Option("--measured-sd", help="Standard error of the measured number.")
+]
+Tries = Annotated[
+    int, typer.Option("--tries", min=1, max=10_000, help="Tries whose mean was measured.")
+]
+
+
+@app.command()
+def drop(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    scene: opt.SceneName = opt.SCENE,
+    restitution: opt.Restitution = None,
+    friction: opt.Friction = None,
+    measured: Annotated[
+        float | None, typer.Option("--measured", help="Rebound seen: root of height over height.")
+    ] = None,
+    measured_sd: MeasuredSd = None,
+    tries: Tries = 1,
+    height_mm: Annotated[float, typer.Option("--height-mm", help="Height of the drop, mm.")] = 10.0,
+    roll_deg: Annotated[
+        float,
+        typer.Option("--roll-deg", help="Deviation of pitch and roll of drops from the hand, deg."),
+    ] = 1.0,
+    drops: Annotated[int, typer.Option("--drops", help="Drops from the hand for each point.")] = 24,
+    seed: opt.Seed = None,
+    movie: Annotated[
+        Path | None,
+        typer.Option("--movie", metavar="FILE", help="GIF of a drop from the hand; MP4 beside it."),
+    ] = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Drop a walker on a still plate: from its rebound to the restitution of its feet."""
+    from walkergen.jobs.bench import inverse, make
+
+    if movie is not None and movie.suffix.lower() != ".gif":
+        raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
+    chosen = opt.one_design(design, tilt, legs)
+    changes = opt.Changes(restitution=restitution, friction=friction, seed=seed)
+    found = inverse.measured(measured, measured_sd, tries, 1.0)
+    test = make.Test(chosen, opt.scene_of(scene, changes), found, pictures)
+    folder = _folder(chosen, out, "drop")
+    with show.progress("bench drop", wanted=not quiet) as progress:
+        how = make.Drop(height_mm, roll_deg, drops)
+        report = make.dropped(test, how, folder, progress)
+        if movie is not None:
+            _film(test, how, movie, progress)
+    _show(report, folder, json, quiet)
+
+
+def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> None:
+    """Film the first of the drops from the hand, from the release to where it rises no more."""
+    from walkergen.jobs.bench import drop, still
+    from walkergen.jobs.movie import make as movies
+
+    let = drop.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
+    scene = still.filmed(test.scene)
+    job = movies.plan(
+        [test.design], scene, seconds=drop.seconds_of(how.height), fps=FPS, view="perspective"
+    )
+    movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress)
+
+
+@app.command()
+def slide(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    scene: opt.SceneName = opt.SCENE,
+    measured: Annotated[
+        float | None, typer.Option("--measured", help="Slope at which it slid, deg.")
+    ] = None,
+    measured_sd: MeasuredSd = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
+    from walkergen.jobs.bench import inverse, make
+
+    chosen = opt.one_design(design, tilt, legs)
+    found = inverse.measured(measured, measured_sd, 1, 89.0)
+    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), found, pictures)
+    folder = _folder(chosen, out, "slide")
+    with show.progress("bench slide", wanted=not quiet) as progress:
+        report = make.slid(test, folder, progress)
+    _show(report, folder, json, quiet)
+
+
+@app.command()
+def pluck(
+    design: opt.DesignName = opt.PAPER,
+    tilt: opt.OneTilt = None,
+    legs: opt.OneKind = None,
+    scene: opt.SceneName = opt.SCENE,
+    measured: Annotated[
+        float | None, typer.Option("--measured", help="Frequency heard, Hz, the body held.")
+    ] = None,
+    measured_sd: MeasuredSd = None,
+    decrement: Annotated[
+        float | None,
+        typer.Option("--decrement", help="Logarithm of a swing over the next on the same side."),
+    ] = None,
+    decrement_sd: Annotated[
+        float | None, typer.Option("--decrement-sd", help="Standard error of the decrement.")
+    ] = None,
+    pictures: opt.Pictures = True,
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
+    from walkergen.jobs.bench import inverse, make
+
+    chosen = opt.one_design(design, tilt, legs)
+    heard = inverse.measured(measured, measured_sd, 1, 1e6)
+    decay = inverse.measured(decrement, decrement_sd, 1, 100.0, "--decrement")
+    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), heard, pictures)
+    folder = _folder(chosen, out, "pluck")
+    with show.progress("bench pluck", wanted=not quiet) as progress:
+        report = make.plucked(test, decay, folder, progress)
+    _show(report, folder, json, quiet)
+
+
+def _folder(design: "Design", out: Path | None, what: str) -> Path:
+    """Folder of a test: `out`, or one below out/ and the walker's name."""
+    from walkergen.walker import names
+
+    return out or Path("out") / design.name / f"bench_{what}_{names.part(design)}"
+
+
+def _show(report: "Report", folder: Path, json: bool, quiet: bool) -> None:
+    from walkergen.jobs.bench import report as reports
+
+    if json:
+        show.as_json(reports.as_dict(report) | {"folder": str(folder)})
+    elif not quiet:
+        from rich.console import Console
+
+        console = Console(highlight=False)
+        console.print(report.caption, markup=False)
+        for rows in report.tables:
+            console.print(reports.to_table(rows))
+        for line in reports.lines(report):
+            console.print(line, markup=False)
+        print(f"tables, page and figure in {folder}/")

@@ -1,0 +1,1 @@
+"""Bench tests of a walker, simulated: a drop, an incline, a plucked leg, and their inverses."""

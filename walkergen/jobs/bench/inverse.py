@@ -1,0 +1,132 @@
+"""Inverse of a curve: from what was seen on the bench to what the model needs, with its errors."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+
+Array = npt.NDArray[np.float64]
+
+FINE = 4001
+"""Points at which a curve is read between its own."""
+
+
+FAR = 2.0
+"""Errors beyond which a number does not belong to a curve."""
+
+
+class Curve(NamedTuple):
+    """Curve from what the model needs (`at`, rising) to what is seen."""
+
+    at: Array
+    seen: Array
+    spread: Array
+    """Standard deviation of what one try shows, from try to try."""
+    tries: Array
+    """Number of simulated tries that `seen` is the mean of."""
+
+
+class Measured(NamedTuple):
+    """Number seen on a real bench."""
+
+    value: float
+    sd: float
+    tries: int = 1
+    """Number of tries whose mean it is."""
+
+
+class Branch(NamedTuple):
+    """Interval of what the model needs that agrees with the measured within one error."""
+
+    value: float
+    low: float
+    high: float
+
+
+class Inverse(NamedTuple):
+    """Branches that agree with a measured number, and the place of the curve nearest to it."""
+
+    branches: Sequence[Branch]
+    nearest: float
+    shows: float
+    """What is seen at `nearest`."""
+    misses: float
+    """Distance there, in errors of the measured number and of the tries together."""
+    everywhere: bool
+    """True when the whole curve agrees: the test does not tell."""
+
+
+def measured(
+    value: float | None, sd: float | None, tries: int, most: float, flag: str = "--measured"
+) -> Measured | None:
+    """Measured number as the options `flag` and its -sd give it; None without. Raises InputError.
+
+    Both must be > 0 and at most `most`.
+    """
+    if value is None and sd is None:
+        return None
+    given = ((flag, value), (f"{flag}-sd", sd))
+    for (name, one), (other, missing) in (given, given[::-1]):
+        if missing is None:
+            raise InputError(f"{name} {one:g}: needs {other} as well, the number's standard error")
+        if one is not None and not 0.0 < one <= most:
+            raise InputError(f"{name} {one:g}: must be > 0 and <= {most:g}")
+    assert value is not None
+    assert sd is not None
+    return Measured(value, sd, tries)
+
+
+def invert(curve: Curve, found: Measured) -> Inverse:
+    """Branches of a curve that agree with a measured number.
+
+    Between its points the curve is cubic, and monotone. Errors are those of the number, and the
+    scatter of so many tries and of the simulated ones, in quadrature; a branch ends where the
+    distance is one error.
+    """
+    from scipy.interpolate import PchipInterpolator
+
+    at = np.linspace(curve.at[0], curve.at[-1], FINE)
+    seen = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
+    spread = np.interp(at, curve.at, curve.spread)
+    scatter = spread * np.sqrt(1.0 / found.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    away = (seen - found.value) / np.hypot(found.sd, scatter)
+    inside = np.abs(away) <= 1.0
+    edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
+    branches = []
+    for first, past in edges.reshape(-1, 2):
+        part = slice(first, past)
+        best = first + int(np.argmin(np.abs(away[part])))
+        branches.append(Branch(float(at[best]), float(at[first]), float(at[past - 1])))
+    best = int(np.argmin(np.abs(away)))
+    misses = float(abs(away[best]))
+    return Inverse(branches, float(at[best]), float(seen[best]), misses, bool(inside.all()))
+
+
+def in_words(found: Inverse, what: str, ends: tuple[float, float], where: str = "") -> str:
+    """Answer of an inverse in words; `ends` are those of the curve."""
+    if found.everywhere:
+        return f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
+    if not found.branches:
+        within = "" if found.misses > FAR else " within one error"
+        return (
+            f"no {what} gives that{within}{where}: nearest is {found.shows:.2f} at "
+            f"{found.nearest:.2f}, {found.misses:.1f} errors away"
+        )
+    return f"{what} " + ", or ".join(_branch_in_words(one, ends) for one in found.branches)
+
+
+def _branch_in_words(one: Branch, ends: tuple[float, float]) -> str:
+    cut = [f"{end:g}" for end, own in zip(ends, one[1:], strict=True) if own == end]
+    up, down = one.high - one.value, one.value - one.low
+    digits = digits_of(max(up, down))
+    told = f"{one.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
+    return told + (f", cut off at {' and '.join(cut)}" if cut else "")
+
+
+def digits_of(error: float) -> int:
+    """Digits after the point that show two of an error."""
+    return max(1 - math.floor(math.log10(error)), 0) if error > 0.0 else 3

@@ -1,0 +1,122 @@
+"""Bench tests: each simulated, inverted where a number was measured, and written to a folder."""
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.jobs.bench import drop, pluck, slide, tables
+from walkergen.jobs.bench import report as reports
+from walkergen.jobs.bench.inverse import Measured
+from walkergen.jobs.bench.report import Report
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+HIGHEST_MM, STEEPEST_DEG, MOST_DROPS = 1000.0, 20.0, 1000
+"""Largest height of a drop, deviation of its first turn, and number of drops from the hand."""
+
+
+class Test(NamedTuple):
+    """What every bench test needs: walker, feet, a number measured on a real bench, pictures."""
+
+    design: Design
+    scene: Scene
+    measured: Measured | None
+    pictures: bool
+
+
+class Drop(NamedTuple):
+    """Choices of a drop: height (mm), deviation of pitch and roll from the hand (deg), drops."""
+
+    height: float
+    turn_deg: float
+    drops: int
+
+
+def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> Report:
+    """Drop a walker; writes drop.csv and a table for all else that counts, figure and page.
+
+    Raises InputError before anything is simulated.
+    """
+    _check("--height-mm", how.height, 0.01, HIGHEST_MM)
+    _check("--roll-deg", how.turn_deg, 0.0, STEEPEST_DEG)
+    _check("--drops", how.drops, 2, MOST_DROPS)
+    found = drop.drop(test.scene, test.design, *how, progress)
+    report = tables.of_drop(found, test.scene, test.design, how.height, how.turn_deg, test.measured)
+
+    def draw() -> "Figure":
+        from walkergen.jobs.bench import figures
+
+        return figures.of_drop(found, report.title, how.turn_deg, test.measured)
+
+    _write(report, test, how._asdict(), draw, folder)
+    return report
+
+
+def slid(test: Test, folder: Path, progress: Progress) -> Report:
+    """Tilt the plate under a walker; writes slide.csv, figure and page."""
+    found = slide.slide(test.scene, test.design, progress)
+    report = tables.of_slide(found, test.scene, test.design, test.measured)
+
+    def draw() -> "Figure":
+        from walkergen.jobs.bench import figures
+
+        return figures.of_slide(found, report.title, test.measured)
+
+    _write(report, test, {}, draw, folder)
+    return report
+
+
+def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> Report:
+    """Pluck a leg; writes pluck.csv, moduli.csv, damping.csv, figure and page.
+
+    Raises InputError for legs that do not swing.
+    """
+    progress("plucking", 0, 1)
+    found = pluck.pluck(test.scene, test.design)
+    report = tables.of_pluck(found, test.scene, test.design, test.measured, decrement)
+
+    def draw() -> "Figure":
+        from walkergen.jobs.bench import figures
+
+        curve = pluck.by_modulus(test.design, found.leg_mass)
+        return figures.of_pluck(found, report.title, test.measured, curve)
+
+    given = None if decrement is None else decrement._asdict()
+    _write(report, test, {"decrement": given}, draw, folder)
+    return report
+
+
+def _check(flag: str, value: float, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
+
+
+def _write(
+    report: Report, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]", folder: Path
+) -> None:
+    """Write tables, page and figure of a report, and what was asked."""
+    target = Folder(folder)
+    for rows in report.tables:
+        target.write(f"{rows.name}.csv", reports.to_csv(rows).encode())
+    target.write(f"{report.bench}.md", reports.to_markdown(report).encode())
+    if test.pictures:
+        from walkergen.files import figures as pictures
+
+        figure = draw()
+        target.write(f"{report.bench}.png", pictures.png(figure))
+        target.write(f"{report.bench}.pdf", pictures.pdf(figure))
+    target.finish(
+        {
+            "bench": report.bench,
+            "design": test.design.model_dump(mode="json"),
+            "scene": test.scene.model_dump(mode="json"),
+            "measured": None if test.measured is None else test.measured._asdict(),
+            **choices,
+        }
+    )

@@ -1,0 +1,69 @@
+"""Still plates: a scene's feet and surface without its drive, for tests that a person can make."""
+
+import math
+
+from walkergen.scene import Arena, Drive, Scene
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+AT_REST = 1e-30
+"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
+"""
+
+
+FINER = 0.25
+"""Steps over those of long runs: a single bounce shows where in a step it landed, by 0.02 of its
+rebound at their length, by 0.004 at a quarter (10 deg, 8 to 12 mm)."""
+
+
+def still(scene: Scene) -> Scene:
+    """Scene in space on an endless level plate at rest, with the contact and feet of `scene`."""
+    off = {"second_harmonic": None, "plate_noise": None, "plate_slope": None, "lane_walls": None}
+    return scene.model_copy(
+        update={
+            "drive": Drive(frequency_hz=scene.drive.frequency, gamma=AT_REST),
+            "plate": scene.plate.model_copy(update={"slope_deg": 0.0, "noise_ratio": 0.0}),
+            "arena": Arena(kind="plane"),
+            "legs": scene.legs.model_copy(update={"model": "space"}),
+            "effects": scene.effects.model_copy(update=off),
+        }
+    )
+
+
+def filmed(scene: Scene) -> Scene:
+    """Scene of a film on a plate at rest, which begins when the walker is let go."""
+    run = scene.run.model_copy(update={"discard_seconds": 0.0})
+    return still(scene).model_copy(update={"run": run})
+
+
+def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
+    """Plan of a walker in space on the scene's plate at rest; `finer`: its steps over usual ones.
+
+    A step that the scene states stays as it is. Raises InputError.
+    """
+    plan = prepare(still(scene), design, solids.mass_of(design))
+    if scene.run.step_us is not None:
+        return plan
+    return plan._replace(world=plan.model.coarser(plan.world, finer))
+
+
+def with_contact(scene: Scene, **contact: float) -> Scene:
+    """Scene with other values in its [contact]."""
+    return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
+
+
+def in_words(scene: Scene, design: Design) -> str:
+    """Walker, model and feet of a test, as pages and tables name them."""
+    contact = scene.contact
+    return (
+        f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg; model space, "
+        f"{scene.feet.damping} feet, restitution {contact.restitution:g}, friction "
+        f"{contact.friction:g}; plate at rest"
+    )
+
+
+def free_fall(height: float, gravity: float) -> float:
+    """Time (s) in which a body falls by `height` (mm) under `gravity` (mm/s^2)."""
+    return math.sqrt(2.0 * max(height, 0.0) / gravity)
