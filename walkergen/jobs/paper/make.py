@@ -173,11 +173,16 @@ def assumptions_of(job: Job) -> list[Assumption]:
 def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
     low, high = job.tilts_deg[0], job.tilts_deg[-1]
     flexible = job.design.variant(kind="flexible")
+
+    def at_known_impact_speed(scene: Scene) -> Scene:
+        known = scene.prediction.model_copy(update={"impact_speed_factor_sd": 0.0})
+        return scene.model_copy(update={"prediction": known})
+
     return [
         Theory(
             one.name,
             mode,
-            prediction.curve(flexible, one.scene, mode, low, high),
+            prediction.curve(flexible, at_known_impact_speed(one.scene), mode, low, high),
             one.scene.prediction.impact_speed_factor,
             compare.stationary_type_three(flexible, one.scene, job.tilts_deg, mode),
         )

@@ -43,7 +43,8 @@ Beside the table:
 
 ± is twice the standard error over the runs; for landings over the tilts; of the theory twice the
 standard deviation that those of restitution, friction and masses give, with impact speed
-w = {factor:g} x the plate's peak speed. A number agrees when all of its ± lies within the paper's
+w = {factor:g} x the plate's peak speed: calibrated on the paper's 60 mm/s at 10 deg, so that this
+speed is no test of the theory. A number agrees when all of its ± lies within the paper's
 margin ("within x": x from the stated value), differs when none of it does, and is undecided in
 between. The bias of the time steps is not in ± (`walkergen accuracy` measures it).
 

@@ -43,9 +43,12 @@ def types_to_csv(points: Sequence[Point]) -> str:
 def theory_to_csv(theories: Sequence[Theory]) -> str:
     """Format as CSV, a line for each tilt of each predicted curve."""
     rows = (
-        [theory.assumption, theory.mode, *map(float, numbers), bool(sticks)]
+        [theory.assumption, theory.mode, float(tilt), float(speed), float(sd), bool(sticks)]
         for theory in theories
-        for *numbers, sticks in zip(*theory.curve, strict=True)
+        for curve in (theory.curve,)
+        for tilt, speed, sd, sticks in zip(
+            curve.tilt_deg, curve.speed, curve.sd, curve.can_stick, strict=True
+        )
     )
     columns = ("contact", "mode", "tilt_deg", "speed_mm_s", "speed_sd_mm_s", "a_foot_can_stick")
     return csv_text(columns, rows)
