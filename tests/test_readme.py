@@ -49,7 +49,7 @@ def test_the_python_runs_as_shown(tmp_path):
         words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
     )
     assert result.returncode == 0, result.stderr
-    assert re.match(r"0\.833 g, \d+ ± \d+ mm/s", result.stdout)
+    assert re.match(r"0\.833 g, \d+ mm/s, with 95 % \d+ to \d+ mm/s", result.stdout)
     assert (tmp_path / "walker.stl").stat().st_size > 500
 
 
