@@ -6,6 +6,7 @@ error is interpolated in it (walkergen/discrepancy.py).
 
 import json
 import sys
+import warnings
 from collections.abc import Iterator
 from typing import Any, NamedTuple
 
@@ -121,6 +122,7 @@ def fitted(flexible: Array, braced: Array) -> dict[str, Any]:
     Rows as `measure` makes them. What varies from print to print is in the noise of six prints'
     mean and in `sd` that of one.
     """
+    from sklearn.exceptions import ConvergenceWarning
     from sklearn.gaussian_process import GaussianProcessRegressor
     from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
 
@@ -134,7 +136,10 @@ def fitted(flexible: Array, braced: Array) -> dict[str, Any]:
     kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(np.full(x.shape[1], 3.0), (0.2, 200.0),
                                                        nu=1.5)  # fmt: skip
     process = GaussianProcessRegressor(kernel + WhiteKernel(0.02, (4e-4, 1.0)), alpha=se**2)
-    process.fit(x / scale, y)
+    with warnings.catch_warnings():
+        # A length at its bound says that a number does not matter: that is an answer.
+        warnings.simplefilter("ignore", ConvergenceWarning)
+        process.fit(x / scale, y)
     found = process.kernel_
     noise = float(np.sqrt(found.k2.noise_level))
     low, high = places.min(axis=0), places.max(axis=0)
