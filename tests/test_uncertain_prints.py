@@ -62,9 +62,23 @@ def test_bounds_hold_another_print_as_often_as_they_say():
 
 def _analysed_bounds(seed):
     _, halves = _synthetic(64, seed, statistical=4.0)
-    speeds = uncertain.without_statistics(halves)
-    low2, low1, high1, high2 = uncertain.bounds(speeds)
+    low2, low1, high1, high2 = uncertain.bounds(
+        halves.mean(axis=1), uncertain.statistical_error(halves)
+    )
     return (low2, high2), (low1, high1)
+
+
+def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
+    """Equal prints, noisy runs: the bounds are those of the mean, and nobody is to blame."""
+    rng = np.random.default_rng(8)
+    halves = 50.0 + rng.normal(0.0, [[4.0, 4.0]], (64, 2))
+    halves[:, 1] += 4.0  # statistical errors just above the scatter of the means
+    found = _analysed(draws(KNOWN, 64, 1), halves)
+    assert found.between_prints_mm_s == 0.0
+    low, _, _, high = found.bounds_mm_s
+    assert low < 52.0 < high
+    assert "not resolved" in dict(prints.rows(found))["between prints"]
+    assert found.shares == ()
 
 
 def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from walkergen.cli import show
 
 if TYPE_CHECKING:
+    from walkergen.jobs.simulate.uncertain import Uncertain
     from walkergen.scene import Scene
     from walkergen.uncertain import Share
     from walkergen.walker.design import Design
@@ -36,13 +37,24 @@ def simulate(
     table = Table(title=title, box=box.SIMPLE, show_header=False, padding=(0, 1))
     for name, value in prints.rows(found):
         table.add_row(name, value)
-    console = Console(highlight=False)
-    console.print(table)
-    shares(found.shares, "share of the variance between prints")
-    rest = f"{100 * found.unexplained:.0f} ± {100 * found.unexplained_se:.0f} %"
-    console.print(f"{prints.UNEXPLAINED}: {rest} (heights of its corners, and what the fit misses)")
+    Console(highlight=False).print(table)
+    if found.shares:
+        _show_shares(found)
     if out is not None:
         print(f"draws.csv, shares.csv and uncertain.png in {out}/")
+
+
+def _show_shares(found: "Uncertain") -> None:
+    """Print where the scatter between prints comes from."""
+    from rich.console import Console
+
+    from walkergen.jobs.simulate import prints
+
+    shares(found.shares, "share of the variance between prints")
+    rest = f"{100 * found.unexplained:.0f} ± {100 * found.unexplained_se:.0f} %"
+    Console(highlight=False).print(
+        f"{prints.UNEXPLAINED}: {rest} (heights of its corners, and what the fit misses)"
+    )
 
 
 def shares(found: "Sequence[Share]", title: str) -> None:

@@ -22,7 +22,10 @@ def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
     low2, low1, high1, high2 = found.bounds_mm_s
     yield "mean over prints", f"{found.speed_mm_s:.1f} ± {found.speed_se_mm_s:.2g} mm/s"
     yield "a print", f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %)"
-    yield "between prints", f"standard deviation {found.between_prints_mm_s:.1f} mm/s"
+    scatter = f"standard deviation {found.between_prints_mm_s:.1f} mm/s"
+    if not found.between_prints_mm_s:
+        scatter = "not resolved by runs so short; longer --seconds would"
+    yield "between prints", scatter
     yield "statistical", f"± {found.statistical_mm_s:.1f} mm/s of each short run, not in the bounds"
     outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())
     yield "runs", f"model {found.model}, a run a draw: {outcomes}"

@@ -1,5 +1,6 @@
 """Simulation of many prints, each with its own uncertain inputs: one short run a draw."""
 
+import math
 import os
 from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -48,7 +49,7 @@ class Uncertain(NamedTuple):
     bounds_mm_s: tuple[float, float, float, float]
     """Speeds below which 2.5, 16, 84 and 97.5 % of prints run."""
     shares: tuple[Share, ...]
-    """Parts of the variance between prints, by input."""
+    """Parts of the variance between prints, by input; none where runs so short resolve none."""
     unexplained: float
     """Part of it that no input explains: the heights of a print's corners, and the emulator's
     error."""
@@ -135,16 +136,17 @@ def analyse(
     half a run.
     """
     speeds, statistical = halves.mean(axis=1), statistical_error(halves)
-    shrunk = without_statistics(halves)
     mean, total = float(speeds.mean()), float(speeds.std(ddof=1))
-    between = float(shrunk.std(ddof=1))
-    low2, low1, high1, high2 = bounds(shrunk)
-    explained, errors = _explained(known, values, speeds, between, seed)
-    rest = 1.0 - float(explained[2, 0]), float(errors[2, 0])
+    between = math.sqrt(max(total**2 - statistical**2, 0.0))
+    shares: tuple[Share, ...] = ()
+    rest = rest_se = 0.0
+    if between > 0.0:
+        explained, errors = _explained(known, values, speeds, between, seed)
+        shares = uncertain.listed(known, explained[:2], errors[:2])
+        rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
-        model, len(speeds), outcomes, mean, total / np.sqrt(len(speeds)).item(), between,
-        statistical, (low2, low1, high1, high2),
-        uncertain.listed(known, explained[:2], errors[:2]), *rest, known, values, speeds,
+        model, len(speeds), outcomes, mean, total / math.sqrt(len(speeds)), between, statistical,
+        bounds(speeds, statistical), shares, rest, rest_se, known, values, speeds,
     )  # fmt: skip
 
 
@@ -153,20 +155,16 @@ def statistical_error(halves: Array) -> float:
     return 0.5 * float(np.sqrt(np.mean((halves[:, 1] - halves[:, 0]) ** 2)))
 
 
-def without_statistics(halves: Array) -> Array:
-    """Speeds of the draws, mm/s, drawn together until they scatter as prints alone do."""
-    speeds = halves.mean(axis=1)
-    mean, total = speeds.mean(), speeds.std(ddof=1)
-    between = np.sqrt(max(total**2 - statistical_error(halves) ** 2, 0.0))
-    return np.asarray(mean + (speeds - mean) * (between / total if total else 0.0))
+def bounds(speeds: Array, statistical: float) -> tuple[float, float, float, float]:
+    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
-
-def bounds(speeds: Array) -> tuple[float, float, float, float]:
-    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run.
-
-    Weibull's plotting positions make them hold another print as often as they say.
+    The draws are drawn together until they scatter as prints alone do, but not below the error of
+    their mean; Weibull's plotting positions make the bounds hold another print as often as they say.
     """
-    low2, low1, high1, high2 = np.quantile(speeds, QUANTILES, method="weibull").tolist()
+    mean, variance = speeds.mean(), float(speeds.var(ddof=1))
+    own = max(variance - statistical**2, variance / len(speeds))
+    drawn = mean + (speeds - mean) * math.sqrt(own / variance if variance else 0.0)
+    low2, low1, high1, high2 = np.quantile(drawn, QUANTILES, method="weibull").tolist()
     return low2, low1, high1, high2
 
 
@@ -189,7 +187,7 @@ def _explained(
         parts = uncertain.indices(known, mean, np.random.default_rng(seed))
         sample = uncertain.draws(known, uncertain.SHARE_POINTS, seed)
         explained = float(mean(sample).var())
-        part = min(explained / between**2, 1.0) if between else 0.0
+        part = min(explained / between**2, 1.0)
         return np.vstack([part * parts, np.full(len(known), part)])
 
     group = np.arange(len(speeds)) % GROUPS
