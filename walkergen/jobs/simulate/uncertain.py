@@ -159,7 +159,7 @@ def bounds(speeds: Array, statistical: float) -> tuple[float, float, float, floa
     """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, from draws of shape (n,), mm/s.
 
     The draws are drawn together until they scatter as prints alone do, but not below the error of
-    their mean; Weibull's plotting positions make the bounds hold another print as often as they say.
+    their mean. In Weibull's plotting positions bounds hold another print as often as they say.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     own = max(variance - statistical**2, variance / len(speeds))
