@@ -42,6 +42,10 @@ RANGES = {
 }  # fmt: skip
 """Column of the upper bound that stands in the cells of the lower one, by that column."""
 
+FIRST = ("tilt_deg", "legs", "speed_mm_s", "speed_low_68_mm_s", "speed_low_95_mm_s",
+         "sim_speed_mm_s", "sim_low_95_mm_s", "verdict")  # fmt: skip
+"""Columns that are seen without scrolling; the others follow as in the table."""
+
 NOTE = "note"
 
 
@@ -107,7 +111,9 @@ def table(made: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
     notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
     beside = {*ERRORS.values(), *RANGES.values()}
-    columns = [column for column in made[0].row if column not in beside]
+    listed = [column for column in made[0].row if column not in beside]
+    columns = [column for column in FIRST if column in listed]
+    columns += [column for column in listed if column not in FIRST]
     common = {
         column: first
         for column in columns
@@ -166,6 +172,8 @@ def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
         return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
     if column in RANGES and (upper := member.number(RANGES[column])) is not None:
         return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
+    if column in ("speed_mm_s", "speed_sd_mm_s"):
+        return Cell(_fixed(value), text)
     exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
     return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
 
