@@ -115,6 +115,8 @@ def simulate(
             trajectories.write(plan, trajectory, form, 1.0 / rate)
     if found.point.summary.runs < runs_asked:
         print(f"interrupted after {found.point.summary.runs} of {runs_asked} runs", file=sys.stderr)
+    for warning in found.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
     if json:
         show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
@@ -153,8 +155,9 @@ def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> d
         data["motion"] = motion_tables.as_dict(found.motion)
     if found.untold:
         data["motion"] = {"refused": found.untold}
-    if found.landings is not None:
-        data["landings"] = tables.landings_as_dict(found.landings)
+    if found.landings:
+        data["landings"] = tables.landings_as_dict(found)
+    data["step"] = tables.step_as_dict(found)
     if met is not None:
         obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
         data["chosen"] = met.choice._asdict() | {
@@ -199,11 +202,8 @@ def _show_summary(
         speed = f"{found.speed_mm_s:.2f} {error} mm/s"
         if measured.point.model == "space":
             speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
+        speed += tables.speed_by_step(measured)
     correlation = found.correlation_time_s
-    types = ", ".join(
-        f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
-    )
-    powers = ", ".join(f"{name} {1e-6 * value:.3g}" for name, value in found.energies_per_s.items())
     rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
     for name, value in (
         ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
@@ -214,11 +214,8 @@ def _show_summary(
         *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
         ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
-        ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
-        *tables.landing_rows(measured.landings),
-        ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
-        ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
-        ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),
+        *tables.statistic_rows(measured),
+        ("largest pitch", f"{found.max_pitch_deg:.2f} deg, an extreme: the more, the longer"),
         ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
         ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
     ):

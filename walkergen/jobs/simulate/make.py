@@ -1,6 +1,6 @@
 """Simulation of a walker: the speed of its runs and, in space, their motion and landings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -13,10 +13,11 @@ from walkergen.analysis.tracks import Track, Tracks
 from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
-from walkergen.simulation import points, trajectory
+from walkergen.simulation import points, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -29,11 +30,19 @@ class Simulated(NamedTuple):
     """Results of a simulation; motion and landings belong to walkers in space."""
 
     point: Point
+    verdicts: Mapping[str, Verdict]
+    """What the step leaves of each observable, by the names of `observables.NAMES`."""
+    warnings: Sequence[str]
+    """Warnings on the step."""
+    values: Mapping[str, float]
+    """Values of the same observables."""
+    errors: Mapping[str, float | None]
+    """Their standard errors, of the runs and the step together; None where either is unknown."""
     motion: Motion | None = None
     untold: str = ""
     """Reason why a walker in space has no `motion`; "" when it has one."""
-    landings: Landings | None = None
-    """Landings of the runs that ended well; None where they were not kept."""
+    landings: Sequence[Landings] = ()
+    """Landings of each run that ended well; none where they were not kept."""
 
 
 def asked(
@@ -56,18 +65,24 @@ def measure(one: Asked, progress: Progress) -> Simulated:
 
 
 def measured(point: Point, one: Asked) -> Simulated:
-    """What a simulated point says of motion and landings, which only walkers in space tell."""
+    """What a simulated point says of its step, and in space of motion and landings."""
+    plan = prepare(one.scene, one.design, one.mass)
+    verdicts = resolution.judge(plan, point.summary)
+    values = resolution.values(point.summary)
+    errors = resolution.errors(verdicts, point.summary)
+    found = Simulated(point, verdicts, resolution.warnings(plan), values, errors)
     if point.model != "space":
-        return Simulated(point)
+        return found
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
-        return Simulated(point, untold="no run ended well")
+        return found._replace(untold="no run ended well")
     tracks = tracks_of(good, one.scene.arena.kind == "lane", one.sample_interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
     least = max(motion.LAG_S, tracks.interval)
-    found = motion.analyse(tracks) if longest > 1.001 * least else None
-    untold = "" if found else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
-    return Simulated(point, found, untold, _landings(good) if one.impacts else None)
+    moved = motion.analyse(tracks) if longest > 1.001 * least else None
+    untold = "" if moved else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
+    landed = [_landings(result) for result in good] if one.impacts else []
+    return found._replace(motion=moved, untold=untold, landings=landed)
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
@@ -85,15 +100,11 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     return Tracks(tuple(tracks), interval or results[0].block_s, 0, "")
 
 
-def _landings(results: Sequence[RunResult]) -> Landings:
-    """Landings of runs on the plate; touches of a lane's walls have higher numbers than corners."""
-    parts = []
-    for result in results:
-        rows = impacts_of(result)
-        rows = rows[rows[:, 1] < landings.CORNERS]
-        corner, kind = rows[:, 1].astype(np.int64), rows[:, 6].astype(np.int64)
-        parts.append(landings.count(rows[:, 0], corner, rows[:, 3], kind, result.measured_s))
-    return landings.total(parts)
+def _landings(result: RunResult) -> Landings:
+    """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
+    rows = impacts_of(result)
+    rows = rows[rows[:, 1] < landings.CORNERS]
+    return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s)
 
 
 def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:
