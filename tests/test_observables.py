@@ -143,12 +143,12 @@ def test_in_space_a_step_five_times_finer_changes_nothing_by_more_than_its_error
 
 @pytest.mark.slow
 def test_low_labels_need_finer_steps_and_say_so():
-    own = plan_of("space", label=0.1)
-    assert resolution.fair_step(own) == pytest.approx(0.5 * own.world.options.step)
+    own = plan_of("space", label=0.05)
+    assert resolution.fair_step(own) == pytest.approx(0.25 * own.world.options.step)
     found = measured(own)
     assert all("--step" in one.reason for one in found[2].values())
-    fair = plan_of("space", label=0.1, step_us=1e6 * resolution.fair_step(own))
-    fine = plan_of("space", label=0.1, step_us=2e5 * resolution.fair_step(own), seconds=0.5)
+    fair = plan_of("space", label=0.05, step_us=1e6 * resolution.fair_step(own))
+    fine = plan_of("space", label=0.05, step_us=3e5 * resolution.fair_step(own), seconds=0.5)
     fair, fine = measured(fair), measured(fine)
     assert close(fair, fine, observables.NAMES) == []
     # The reason of the mark: with the limits of a fair step the own step would be wrong.
