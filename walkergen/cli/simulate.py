@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from walkergen.jobs.accuracy.choose import Met
     from walkergen.jobs.simulate.make import Simulated
     from walkergen.scene import Scene
-    from walkergen.simulation.ensemble import Summary
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
 
@@ -64,6 +63,9 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")
     ] = None,
+    of: Annotated[
+        str, typer.Option("--of", metavar="NAME", help="What --error is about, as JSON names it.")
+    ] = "speed_mm_s",
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -83,6 +85,8 @@ def simulate(
         raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
     if error is not None:
         _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
+    elif of != "speed_mm_s":
+        raise InputError(f"--of {of[:60]}: names what --error is about; give --error as well")
     changes = opt.Changes(
         restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
     )
@@ -102,9 +106,11 @@ def simulate(
             asked = make.asked(resolved_scene, chosen, mass, interval)
             found = make.measure(asked, progress)
         else:
-            met = _met(error, resolved_scene, chosen, mass, progress)
+            met = _met(error, of, resolved_scene, chosen, mass, progress)
             resolved_scene = met.scene
-            found = make.measured(met.point, points.Asked(met.scene, chosen, mass))
+            found = make.measured(
+                met.point, points.Asked(met.scene, chosen, mass), {met.of: met.choice.bias_bound}
+            )
             asked = make.asked(met.scene, chosen, mass, interval)
         runs_asked = resolved_scene.run.runs
         if tracks is not None:
@@ -124,11 +130,12 @@ def simulate(
 
 
 def _met(
-    error: str, scene: "Scene", design: "Design", mass: "MassProperties", progress: "Progress"
-) -> "Met":
+    error: str, of: str, scene: "Scene", design: "Design", mass: "MassProperties",
+    progress: "Progress",
+) -> "Met":  # fmt: skip
     from walkergen.jobs.accuracy import choose
 
-    return choose.meet(scene, design, mass, choose.parse(error), progress)
+    return choose.meet(scene, design, mass, choose.parse(error), progress, of)
 
 
 def _check_uncertain(**chosen: object) -> None:
@@ -159,26 +166,27 @@ def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> d
         data["landings"] = tables.landings_as_dict(found)
     data["step"] = tables.step_as_dict(found)
     if met is not None:
-        obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
+        obtained = None if math.isinf(met.error) else met.error
         data["chosen"] = met.choice._asdict() | {
             "setting": met.choice.setting.flags,
-            "error_mm_s": obtained,
-            "allowed_mm_s": met.allowed_mm_s,
+            "of": met.of,
+            "error": obtained,
+            "allowed": met.allowed,
         }
     return data
 
 
-def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
+def _met_rows(met: "Met") -> list[tuple[str, str]]:
     """Rows of the summary on what --error chose, the reason, and the error obtained."""
-    choice = met.choice
+    choice, unit = met.choice, "mm/s" if met.of == "speed_mm_s" else f"of {met.of}"
     source = "on record" if met.on_record else "measured just now"
-    bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s
-    verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
+    verdict = "within" if met.error <= met.allowed else "NOT within"
+    bars = math.nan if met.se is None else met.se
     return [
         ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
-        ("because", f"cheapest of the ladders {source}; its bias is at most "
-                    f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
-        ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
+        ("because", f"cheapest of the ladders {source} with a margin of two in the step; its bias "
+                    f"is at most {choice.bias_bound:.2g} {unit} (95 %)"),
+        ("error, 95 %", f"{met.error:.2g} {unit}, {verdict} the {met.allowed:.2g} asked "
                         f"(bias, and 2 x {bars:.2g} of the runs)"),
     ]  # fmt: skip
 
@@ -210,7 +218,7 @@ def _show_summary(
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),
-        *(_met_rows(met, found) if met is not None else ()),
+        *(_met_rows(met) if met is not None else ()),
         *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
         ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),

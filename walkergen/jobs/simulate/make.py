@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.analysis import landings, motion
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.tracks import Tracks, of_places
 from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
@@ -64,10 +64,14 @@ def measure(one: Asked, progress: Progress) -> Simulated:
     return measured(points.measure(one, progress), one)
 
 
-def measured(point: Point, one: Asked) -> Simulated:
-    """What a simulated point says of its step, and in space of motion and landings."""
+def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = None) -> Simulated:
+    """What a simulated point says of its step, and in space of motion and landings.
+
+    `studied` are largest errors (95 %) of the step that are known better, by name.
+    """
     plan = prepare(one.scene, one.design, one.mass)
     verdicts = resolution.judge(plan, point.summary)
+    verdicts |= {name: Verdict(error) for name, error in (studied or {}).items()}
     values = resolution.values(point.summary)
     errors = resolution.errors(verdicts, point.summary)
     found = Simulated(point, verdicts, resolution.warnings(plan), values, errors)
@@ -90,14 +94,9 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
     In a lane only the way along it counts, as in a film of one.
     """
-    tracks = []
-    for result in results:
-        places = result.places
-        if interval is not None:
-            places = trajectory.sampled(result)[:, 1:4]
-        position = places[:, :1] if lane else places[:, :2]
-        tracks.append(Track(result.number, position, None if lane else places[:, 2]))
-    return Tracks(tuple(tracks), interval or results[0].block_s, 0, "")
+    if interval is None:
+        return of_places([result.places for result in results], results[0].block_s, lane)
+    return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
 def _landings(result: RunResult) -> Landings:
