@@ -200,7 +200,7 @@ def test_errors_are_those_of_the_observable_asked_for():
 @pytest.mark.parametrize(
     ("error", "of", "told"),
     [
-        (Wanted(0.05, True), "impacts", "no observable; must be one of"),
+        (Wanted(0.05, True), "impacts", "must be one of speed_mm_s, impacts_per_s"),
         (Wanted(1.0, False), "contact_fraction", "only a mean speed is in mm/s"),
         (Wanted(0.05, True), "impacts_per_s", "impacts that shrink without end"),
         (Wanted(0.05, True), "type_fractions.III", "impacts that shrink without end"),

@@ -14,8 +14,9 @@ from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 
-LANDED, GROUPED = "landings", "groups"
-"""Names of the limits for rates of landings of single corners, and of groups of corners."""
+LANDED, GROUPED, MOTION = "landings", "groups", "motion"
+"""Names of what else a step moves in space: rates of landings of single corners and of groups of
+corners, and all that tracks tell."""
 
 LIMITS = {
     observables.SPEED: (0.10, 0.04),
@@ -50,6 +51,10 @@ ENDLESS = (
 )
 COARSE = "not resolved by this step: --method event"
 UNKNOWN = "the error of this step is not known: --error 5% measures it; --method event has none"
+TURNING = (
+    "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
+    "at one setting of 14 twice as large"
+)
 LONGER = "not resolved by this step: --step {fair:.2g} or less is"
 
 
@@ -65,7 +70,8 @@ class Verdict(NamedTuple):
 def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
     """Verdicts on all observables of a summary, by the names of `observables.NAMES`.
 
-    In space also on landings of corners and of groups of corners per second, as shares of a rate.
+    In space also on landings of corners and of groups of corners per second, as shares of a rate,
+    and on motion.
     """
     known = values(found)
     if plan.resolved.model != "space":
@@ -73,10 +79,11 @@ def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
     fair = fair_step(plan)
     part = plan.world.options.step / fair
     if part > 1.0 + 1e-9:
-        names = [*known, LANDED, GROUPED]
+        names = [*known, LANDED, GROUPED, MOTION]
         return dict.fromkeys(names, Verdict(None, LONGER.format(fair=_down(1e6 * fair))))
     known |= {LANDED: 1.0, GROUPED: 1.0}
-    return {name: _in_space(part, name, value) for name, value in known.items()}
+    verdicts = {name: _in_space(part, name, value) for name, value in known.items()}
+    return verdicts | {MOTION: Verdict(None, TURNING)}
 
 
 def values(found: Summary) -> dict[str, float]:

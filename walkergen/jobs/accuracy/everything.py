@@ -37,7 +37,8 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         "Bias of everything that is printed against the step",
         "bias, share of the value",
         "CPU time of a simulated second, s",
-        f"{true.setting.label} for all but the mean speed, whose own is in steps-long",
+        f"{true.setting.label}"
+        + ("" if survey.complete == "space" else ", for the mean speed the finest step"),
         rungs,
         (
             *notes,

@@ -27,9 +27,10 @@ SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
 def ladder_figure(ladder: Ladder) -> Figure:
     """Draw a line per series; open symbols are errors that may be zero, drawn at |error| + 2 SE."""
     with matplotlib.rc_context({"font.size": 9, "axes.spines.top": False}):
-        figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-        axes = figure.add_subplot()
         names = dict.fromkeys(rung.series for rung in ladder.rungs)
+        width = 9.5 if len(names) > CROWDED else 7.0
+        figure = Figure(figsize=(width, 4.6), layout="constrained")
+        axes = figure.add_subplot()
         for place, (series, style) in enumerate(zip(names, STYLES, strict=False)):
             rungs = [r for r in ladder.rungs if r.series == series and r.error is not None]
             _draw(axes, rungs, style, below=place % 2 == 1, crowded=len(names) > CROWDED)
@@ -38,7 +39,10 @@ def ladder_figure(ladder: Ladder) -> Figure:
                       label="not told from zero: |error| + 2 SE")  # fmt: skip
         axes.margins(x=0.15)
         _logarithmic(axes, ladder.cost, ladder.error, ladder.title)
-        axes.legend(frameon=False, fontsize=8)
+        if len(names) > CROWDED:
+            figure.legend(frameon=False, fontsize=8, loc="outside right center")
+        else:
+            axes.legend(frameon=False, fontsize=8)
     return figure
 
 

@@ -21,8 +21,7 @@ NAMES = (*observables.NAMES, *MOTION)
 def check(name: str) -> str:
     """Name of an observable, or InputError with the list of names."""
     if name not in NAMES:
-        known = "\n  ".join(NAMES)
-        raise InputError(f"--of {name[:60]!r}: no observable; must be one of\n  {known}")
+        raise InputError(f"--of {name[:60]!r}: must be one of {', '.join(NAMES)}")
     return name
 
 

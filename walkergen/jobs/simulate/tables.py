@@ -112,25 +112,26 @@ def speed_by_step(found: Simulated) -> str:
 def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on impacts, contact and powers; ± is of the runs and the step together."""
     told = functools.partial(_told, found)
-    yield "impacts", f"{told(observables.IMPACTS)} per second"
+    yield "impacts", told(observables.IMPACTS, unit=" per second")
     yield "by impulse", _shares(found, observables.BY_IMPULSE)
     yield "by number", _shares(found, observables.BY_NUMBER)
     if found.landings:
         yield from _landing_rows(found)
-    yield "in contact", f"{told(observables.CONTACT, 100.0)} % of the time"
+    yield "in contact", told(observables.CONTACT, 100.0, " % of the time")
     powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
     unaccounted = 100 * found.point.summary.energy_error
     yield "power, uW", f"{', '.join(powers)}; unaccounted {unaccounted:.2g} %"
     yield from ((mark, reason) for reason, mark in _marks(found).items())
 
 
-def _told(found: Simulated, name: str, scale: float = 1.0) -> str:
+def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
     """An observable with its error, or with the mark of the reason why it has none."""
     verdict, value = found.verdicts[name], scale * found.values[name]
     if verdict.error is None:
-        return f"{value:.4g} {_marks(found)[verdict.reason]}"
+        return f"{value:.4g}{unit} {_marks(found)[verdict.reason]}"
     error = found.errors[name]
-    return f"{value:.4g} ± ?" if error is None else with_error(Estimate(value, scale * error))
+    both = f"{value:.4g} ± ?" if error is None else with_error(Estimate(value, scale * error))
+    return f"{both}{unit}"
 
 
 def _marks(found: Simulated) -> dict[str, str]:
@@ -149,7 +150,9 @@ def _shares(found: Simulated, table: str) -> str:
         shares = (f"{100 * found.values[name]:.1f} %" for name in names)
         rows = ", ".join(f"{one} {share}" for one, share in zip(short, shares, strict=True))
         return f"{rows} {_marks(found)[reason]}" if rows else "none"
-    told = (f"{one} {_told(found, name, 100.0)} %" for one, name in zip(short, names, strict=True))
+    told = (
+        f"{one} {_told(found, name, 100.0, ' %')}" for one, name in zip(short, names, strict=True)
+    )
     return ", ".join(told) or "none"
 
 
@@ -201,7 +204,8 @@ def landings_as_dict(found: Simulated) -> dict[str, Any]:
 
 def step_as_dict(found: Simulated) -> dict[str, Any]:
     """What the step leaves of each observable, for JSON: its error, or the reason of none."""
-    known = {name: one.error for name, one in found.verdicts.items() if one.error is not None}
+    known = {name: found.verdicts[name].error for name in observables.NAMES}
+    known = {name: error for name, error in known.items() if error is not None}
     reasons: dict[str, list[str]] = {}
     for name, one in found.verdicts.items():
         if one.reason:
