@@ -97,6 +97,15 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
         (("simulate", "--error", "5"), "--error '5': write"),
         (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
         (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),
+        (
+            ("simulate", "--error", "5%", "--of", "power"),
+            "must be one of speed_mm_s, impacts_per_s",
+        ),
+        (("simulate", "--of", "contact_fraction"), "give --error as well"),
+        (
+            ("simulate", "--model", "compliant", "--error", "5%", "--of", "impacts_per_s"),
+            "impacts that shrink without end",
+        ),
     ],
 )
 def test_bad_input_is_named(run, words, told):
