@@ -102,10 +102,6 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
             "must be one of speed_mm_s, impacts_per_s",
         ),
         (("simulate", "--of", "contact_fraction"), "give --error as well"),
-        (
-            ("simulate", "--model", "compliant", "--error", "5%", "--of", "impacts_per_s"),
-            "impacts that shrink without end",
-        ),
     ],
 )
 def test_bad_input_is_named(run, words, told):
