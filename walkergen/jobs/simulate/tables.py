@@ -121,7 +121,8 @@ def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
     unaccounted = 100 * found.point.summary.energy_error
     yield "power, uW", f"{', '.join(powers)}; unaccounted {unaccounted:.2g} %"
-    yield from ((mark, reason) for reason, mark in _marks(found).items())
+    for reason, mark in _marks(found).items():
+        yield "note" if reason == resolution.TURNING else mark, reason
 
 
 def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
