@@ -40,7 +40,9 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
     result = run("accuracy", *words, "--only", "models,steps", "--budget", "1s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
-    assert set(found["ladders"]) == {"models", "steps-short", "steps-long", "frames"}
+    assert set(found["ladders"]) == {
+        "models", "steps-short", "steps-long", "observables", "frames",
+    }  # fmt: skip
     folder = tmp_path / found["folder"]
     for name in found["ladders"]:
         assert (folder / f"{name}.png").read_bytes().startswith(b"\x89PNG")
@@ -55,7 +57,7 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
 
     result = run("simulate", *words, "--error", "20%", "--json")
     met = json.loads(result.stdout)["chosen"]
-    assert 0 < met["error_mm_s"] <= met["allowed_mm_s"]
+    assert 0 < met["error"] <= met["allowed"]
     assert met["setting"].startswith("--model space --method step")
     told = run("simulate", *words, "--error", "20%").stdout
     assert "on record" in told
@@ -95,6 +97,11 @@ def test_ctrl_c_keeps_the_ladders_already_done(run, tmp_path, monkeypatch):
         (("simulate", "--error", "5"), "--error '5': write"),
         (("simulate", "--error", "5%", "--step", "3"), "--step 3.0: --error chooses it"),
         (("simulate", "--error", "5%", "--seconds", "3"), "--seconds 3.0: --error chooses it"),
+        (
+            ("simulate", "--error", "5%", "--of", "power"),
+            "must be one of speed_mm_s, impacts_per_s",
+        ),
+        (("simulate", "--of", "contact_fraction"), "give --error as well"),
     ],
 )
 def test_bad_input_is_named(run, words, told):

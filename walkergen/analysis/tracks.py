@@ -7,6 +7,7 @@ Both may have `particle` and `plate_speed_mm_s`, the plate's peak speed while th
 """
 
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -64,6 +65,19 @@ class Units(NamedTuple):
     """True when y grows downward in the file, as rows of an image do."""
     lane: bool = False
     """True when the walkers ran along a lane in x, so that y is ignored."""
+
+
+def of_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
+    """Tracks of simulated walkers, numbered in turn, `interval` s between samples.
+
+    Each of `places` has rows of x, y (mm, to the left of x) and heading (rad). In a `lane` only the
+    way along it counts, as in a film of one.
+    """
+    tracks = (
+        Track(number, rows[:, :1] if lane else rows[:, :2], None if lane else rows[:, 2])
+        for number, rows in enumerate(places)
+    )
+    return Tracks(tuple(tracks), interval, 0, "")
 
 
 def read(path: Path, units: Units) -> Tracks:

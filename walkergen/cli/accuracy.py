@@ -15,6 +15,9 @@ if TYPE_CHECKING:
 
 MOST_BUDGET = 86_400.0
 
+MOST_ROWS = 60
+"""Number of rows of a ladder beyond which only its notes are printed: files have the rows."""
+
 
 def accuracy(
     design: opt.DesignName = opt.PAPER,
@@ -82,7 +85,10 @@ def _show_study(found: "Study", folder: Path) -> None:
 
     console = Console(highlight=False)
     for ladder in found.ladders:
-        console.print(ladders.to_table(ladder))
+        if len(ladder.rungs) <= MOST_ROWS:
+            console.print(ladders.to_table(ladder))
+        else:
+            console.print(f"{ladder.title}: {len(ladder.rungs)} rows in {ladder.name}.md")
         console.print(f"error: {ladder.error}\nreference: {ladder.reference}", markup=False)
         for note in ladder.notes:
             console.print(f"- {note}", markup=False)

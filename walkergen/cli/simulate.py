@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from walkergen.jobs.accuracy.choose import Met
     from walkergen.jobs.simulate.make import Simulated
     from walkergen.scene import Scene
-    from walkergen.simulation.ensemble import Summary
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
 
@@ -64,6 +63,9 @@ def simulate(
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")
     ] = None,
+    of: Annotated[
+        str, typer.Option("--of", metavar="NAME", help="What --error is about, as JSON names it.")
+    ] = "speed_mm_s",
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -83,6 +85,8 @@ def simulate(
         raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
     if error is not None:
         _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
+    elif of != "speed_mm_s":
+        raise InputError(f"--of {of[:60]}: names what --error is about; give --error as well")
     changes = opt.Changes(
         restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
     )
@@ -102,9 +106,11 @@ def simulate(
             asked = make.asked(resolved_scene, chosen, mass, interval)
             found = make.measure(asked, progress)
         else:
-            met = _met(error, resolved_scene, chosen, mass, progress)
+            met = _met(error, of, resolved_scene, chosen, mass, progress)
             resolved_scene = met.scene
-            found = make.measured(met.point, points.Asked(met.scene, chosen, mass))
+            found = make.measured(
+                met.point, points.Asked(met.scene, chosen, mass), {met.of: met.choice.bias_bound}
+            )
             asked = make.asked(met.scene, chosen, mass, interval)
         runs_asked = resolved_scene.run.runs
         if tracks is not None:
@@ -115,6 +121,8 @@ def simulate(
             trajectories.write(plan, trajectory, form, 1.0 / rate)
     if found.point.summary.runs < runs_asked:
         print(f"interrupted after {found.point.summary.runs} of {runs_asked} runs", file=sys.stderr)
+    for warning in found.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
     if json:
         show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
@@ -122,11 +130,12 @@ def simulate(
 
 
 def _met(
-    error: str, scene: "Scene", design: "Design", mass: "MassProperties", progress: "Progress"
-) -> "Met":
+    error: str, of: str, scene: "Scene", design: "Design", mass: "MassProperties",
+    progress: "Progress",
+) -> "Met":  # fmt: skip
     from walkergen.jobs.accuracy import choose
 
-    return choose.meet(scene, design, mass, choose.parse(error), progress)
+    return choose.meet(scene, design, mass, choose.parse(error), progress, of)
 
 
 def _check_uncertain(**chosen: object) -> None:
@@ -153,29 +162,31 @@ def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> d
         data["motion"] = motion_tables.as_dict(found.motion)
     if found.untold:
         data["motion"] = {"refused": found.untold}
-    if found.landings is not None:
-        data["landings"] = tables.landings_as_dict(found.landings)
+    if found.landings:
+        data["landings"] = tables.landings_as_dict(found)
+    data["step"] = tables.step_as_dict(found)
     if met is not None:
-        obtained = None if math.isinf(met.error_mm_s) else met.error_mm_s
+        obtained = None if math.isinf(met.error) else met.error
         data["chosen"] = met.choice._asdict() | {
             "setting": met.choice.setting.flags,
-            "error_mm_s": obtained,
-            "allowed_mm_s": met.allowed_mm_s,
+            "of": met.of,
+            "error": obtained,
+            "allowed": met.allowed,
         }
     return data
 
 
-def _met_rows(met: "Met", found: "Summary") -> list[tuple[str, str]]:
+def _met_rows(met: "Met") -> list[tuple[str, str]]:
     """Rows of the summary on what --error chose, the reason, and the error obtained."""
-    choice = met.choice
+    choice, unit = met.choice, "mm/s" if met.of == "speed_mm_s" else f"of {met.of}"
     source = "on record" if met.on_record else "measured just now"
-    bars = math.nan if found.speed_se_mm_s is None else found.speed_se_mm_s
-    verdict = "within" if met.error_mm_s <= met.allowed_mm_s else "NOT within"
+    verdict = "within" if met.error <= met.allowed else "NOT within"
+    bars = math.nan if met.se is None else met.se
     return [
         ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
-        ("because", f"cheapest of the ladders {source}; its bias is at most "
-                    f"{choice.bias_bound_mm_s:.2g} mm/s (95 %)"),
-        ("error, 95 %", f"{met.error_mm_s:.2g} mm/s, {verdict} the {met.allowed_mm_s:.2g} asked "
+        ("because", f"cheapest of the ladders {source} with a margin of two in the step; its bias "
+                    f"is at most {choice.bias_bound:.2g} {unit} (95 %)"),
+        ("error, 95 %", f"{met.error:.2g} {unit}, {verdict} the {met.allowed:.2g} asked "
                         f"(bias, and 2 x {bars:.2g} of the runs)"),
     ]  # fmt: skip
 
@@ -199,26 +210,20 @@ def _show_summary(
         speed = f"{found.speed_mm_s:.2f} {error} mm/s"
         if measured.point.model == "space":
             speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
+        speed += tables.speed_by_step(measured)
     correlation = found.correlation_time_s
-    types = ", ".join(
-        f"{name} {100 * share:.1f} %" for name, share in found.type_fractions.items() if share
-    )
-    powers = ", ".join(f"{name} {1e-6 * value:.3g}" for name, value in found.energies_per_s.items())
     rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
     for name, value in (
         ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),
-        *(_met_rows(met, found) if met is not None else ()),
+        *(_met_rows(met) if met is not None else ()),
         *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
         ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
-        ("impacts", f"{found.impacts_per_s:.1f} per second: {types or 'none'}"),
-        *tables.landing_rows(measured.landings),
-        ("in contact", f"{100 * found.contact_fraction:.1f} % of the time"),
-        ("largest pitch", f"{found.max_pitch_deg:.2f} deg"),
-        ("power, uW", f"{powers}; unaccounted {100 * found.energy_error:.2g} %"),
+        *tables.statistic_rows(measured),
+        ("largest pitch", f"{found.max_pitch_deg:.2f} deg, an extreme: the more, the longer"),
         ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
         ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
     ):

@@ -4,6 +4,7 @@ Runs differ by height, pitch and phase of the drop, which each draws from its ow
 (seed, number): the first n of N runs equal an ensemble of n, to the bit, on any number of threads.
 """
 
+import functools
 import math
 import os
 import time
@@ -16,7 +17,7 @@ import numpy as np
 
 from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
-from walkergen.simulation import record
+from walkergen.simulation import observables, record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import (
     ENDED_WELL,
@@ -51,13 +52,17 @@ class Summary(NamedTuple):
     """Integrated autocorrelation time of the speed; None when the runs are too short to tell."""
     impacts_per_s: float
     type_fractions: dict[str, float]
-    """Share of each type of impact, and "sticking": share in which a foot sticks."""
+    """Share of each type in the number of impacts; "sticking": of those in which a foot sticks."""
+    type_fractions_by_impulse: dict[str, float]
+    """Share of each type in the normal impulse of the feet's landings."""
     contact_fraction: float
     max_pitch_deg: float
     energy_error: float
     """Largest energy error (`record.energy_error`) of a run."""
     energies_per_s: dict[str, float]
     """Mean powers in g mm^2/s^3 (nW): from the plate, lost to impacts, friction and damping."""
+    errors: dict[str, float | None]
+    """Standard errors by the runs' scatter, by the names of `observables`; None: too few runs."""
     outcomes: dict[str, int]
 
 
@@ -105,13 +110,11 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
     if good and mean is None:
         outcomes[Outcome.TOO_FEW.value] = len(good)
     bounds = [None] * 4 if mean is None else [*mean.interval(0.68), *mean.interval(0.95)]
-    counts = sum((result.tally.counts for result in results), np.zeros(9, np.int64))
-    sums = sum((result.tally.sums for result in results), np.zeros(7))
+    observed = observables.observe(results)
+    table = functools.partial(observables.of_table, observed)
     pitch = max((result.tally.sums[record.LARGEST_PITCH] for result in results), default=0.0)
     energy_error = max((result.energy_error for result in results), default=0.0)
-    simulated = float(sums[record.ELAPSED])
-    impacts = int(counts[record.IMPACTS])
-    names = ("from_plate", "impacts", "friction", "damping")
+    simulated = sum(float(result.tally.sums[record.ELAPSED]) for result in results)
     return Summary(
         runs=len(results),
         simulated_s=simulated,
@@ -124,18 +127,14 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
         speed_low_95_mm_s=bounds[2],
         speed_high_95_mm_s=bounds[3],
         correlation_time_s=correlation_time(good),
-        impacts_per_s=impacts / simulated if simulated else 0.0,
-        type_fractions={
-            name: int(count) / max(impacts, 1)
-            for name, count in zip((*record.KINDS, "sticking"), counts[1:], strict=True)
-        },
-        contact_fraction=float(sums[record.CONTACT_TIME]) / simulated if simulated else 0.0,
+        impacts_per_s=observed[observables.IMPACTS].value,
+        type_fractions=table(observables.BY_NUMBER),
+        type_fractions_by_impulse=table(observables.BY_IMPULSE),
+        contact_fraction=observed[observables.CONTACT].value,
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
-        energies_per_s={
-            name: float(sums[record.PLATE_WORK + place]) / simulated if simulated else 0.0
-            for place, name in enumerate(names)
-        },
+        energies_per_s=table(observables.POWERS),
+        errors={name: one.se for name, one in observed.items()},
         outcomes=dict(outcomes),
     )
 

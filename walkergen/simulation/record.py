@@ -23,6 +23,7 @@ IMPACTS, STICKING = 0, 8
 # Rows of `Tally.sums`.
 ELAPSED, CONTACT_TIME, LARGEST_PITCH = 0, 1, 2
 PLATE_WORK, IMPACT_LOSS, FRICTION_LOSS, DAMPING_LOSS = 3, 4, 5, 6
+IMPULSES = 6  # and the row of a type of impact in `Tally.counts`
 
 
 class Samples(NamedTuple):
@@ -50,8 +51,9 @@ class Tally(NamedTuple):
     counts: Counts
     """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
     sums: Array
-    """Shape (7,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
-    of the plate, losses (positive) to impacts, friction in lasting contact, damping and drag."""
+    """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
+    of the plate, losses (positive) to impacts, friction in lasting contact, damping and drag;
+    normal impulses (g mm/s) that the feet took in landings of each of KINDS."""
     samples: Samples | None
     events: Events | None
 
@@ -72,7 +74,7 @@ def new(
         samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), sample_interval)
     if event_room is not None:
         events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
-    return Tally(np.zeros(9, np.int64), np.zeros(7), samples, events)
+    return Tally(np.zeros(9, np.int64), np.zeros(14), samples, events)
 
 
 def without_room(tally: Tally) -> Tally:
@@ -109,6 +111,12 @@ def tally_impact(counts, kind, sticks):
     counts[row_of(kind)] += 1
     if sticks:
         counts[STICKING] += 1
+
+
+@kernel
+def add_impulse(sums, kind, F_y):
+    """Add the normal impulse (g mm/s) of one landing of a foot to those of its type."""
+    sums[IMPULSES + row_of(kind)] += F_y
 
 
 @kernel

@@ -2,14 +2,23 @@
 
 import math
 import re
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.jobs.accuracy import kept
-from walkergen.jobs.accuracy.speeds import FINEST_SHARE, STEP_RUNS, Measured, Setting, Survey
+from walkergen.jobs.accuracy import kept, observed
+from walkergen.jobs.accuracy.speeds import (
+    FINEST_SHARE,
+    STEP_RUNS,
+    Measured,
+    Setting,
+    Survey,
+    complete,
+)
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import observables, points, resolution
+from walkergen.simulation.observables import SPEED
 from walkergen.simulation.points import Point
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -22,6 +31,9 @@ SHORTEST = 0.5
 
 PILOT_S = 30.0
 """Wall time in which the ladders are measured when nothing is on record, s."""
+
+MARGIN = 1.9
+"""Ratio of steps on a ladder that counts as two."""
 
 ATTEMPTS = 3
 """Number of ensembles tried, each longer than the last, until the error is met."""
@@ -42,9 +54,10 @@ class Choice(NamedTuple):
     """Setting that meets the error, and the runs that it needs."""
 
     setting: Setting
-    bias_bound_mm_s: float
-    """Upper limit of the setting's systematic error with 95 % confidence."""
-    se_mm_s: float
+    bias_bound: float
+    """Upper limit of the setting's systematic error with 95 % confidence, as all errors here in the
+    unit of the observable."""
+    se: float
     """Standard error that the runs may have."""
     runs: int
     seconds: float
@@ -60,11 +73,15 @@ class Met(NamedTuple):
     scene: Scene
     """Scene with the chosen setting."""
     point: Point
-    error_mm_s: float
+    error: float
     """Error obtained with 95 % confidence: the bias's bound and twice the standard error."""
-    allowed_mm_s: float
+    allowed: float
     on_record: bool
     """True when the ladders had been measured in an earlier survey."""
+    se: float | None
+    """Standard error of the observable in the ensemble."""
+    of: str
+    """Name of the observable."""
 
 
 def parse(text: str) -> Wanted:
@@ -83,16 +100,26 @@ def parse(text: str) -> Wanted:
 
 
 def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
-    """Allowed error in mm/s. Raises InputError for a share of a speed that may be zero."""
+    """Allowed error in the observable's unit. Raises InputError for a share of what may be zero."""
     if not wanted.relative:
         return wanted.value
     unit = survey.unit(reference)
-    if not unit.relative:
-        raise InputError(
-            f"--error {wanted}: the mean speed, {reference.speed_mm_s:.2g} ± "
-            f"{reference.se_mm_s:.2g} mm/s, may be zero; give the error in mm/s: --error 1mm/s"
-        )
-    return wanted.value * unit.mm_s
+    if unit.relative:
+        return wanted.value * unit.size
+    told = f"--error {wanted}: {survey.title}, {reference.value:.2g} ± {reference.se:.2g}"
+    if survey.of == SPEED:
+        raise InputError(f"{told} mm/s, may be zero; give the error in mm/s: --error 1mm/s")
+    raise InputError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
+
+
+def check(wanted: Wanted, of: str, scene: Scene, design: Design) -> None:
+    """Refuse errors of observables that no setting gives. Raises InputError."""
+    observed.check(of)
+    if of != SPEED and not wanted.relative:
+        raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
+    counted = of == observables.IMPACTS or of.startswith(f"{observables.BY_NUMBER}.")
+    if counted and complete(scene, design) != "space":
+        raise InputError(f"--of {of}: {resolution.ENDLESS}")
 
 
 def candidates(survey: Survey, progress: Progress) -> list[Measured]:
@@ -106,13 +133,19 @@ def candidates(survey: Survey, progress: Progress) -> list[Measured]:
 def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
     """Choose the setting that meets the error in the least CPU time.
 
-    The 95 % bound of the bias and twice the standard error together stay within the error. Raises
-    InputError when the measured biases are not known well enough for that.
+    The 95 % bound of the bias and twice the standard error together stay within the error. A step
+    counts only if one twice as long (or the longest that is measured in space, where longer steps
+    are refused) has a bias within the error as well: beyond the next step there may be a cliff.
+    Raises InputError when the measured biases are not known well enough for that.
     """
     found = candidates(survey, progress)
     reference = survey.reference(progress)
     error = allowed(wanted, survey, reference)
-    offers = (_offer(survey, one, reference, error) for one in found)
+    offers = (
+        _offer(survey, one, reference, error)
+        for one in found
+        if all(_within(survey, other, reference, error) for other in margin(survey, one, found))
+    )
     choices = [offer for offer in offers if offer is not None]
     if not choices:
         raise InputError(_too_fine(wanted, error, survey, reference))
@@ -121,8 +154,8 @@ def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
 
 def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured) -> str:
     """Advice on the budget that would give the reference's mean speed to a third of the error."""
-    assert reference.se_mm_s is not None
-    known = 2.0 * reference.se_mm_s
+    assert reference.se is not None
+    known = 2.0 * reference.se
     spent = reference.cpu_s / FINEST_SHARE / survey.cores
     budget = _up(spent * max(3.0 * known / error, 1.0) ** 2)
     return (
@@ -131,9 +164,30 @@ def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured)
     )
 
 
+def margin(survey: Survey, one: Measured, found: Sequence[Measured]) -> list[Measured | None]:
+    """What must be within the error for `one` to count: a step twice as long; [None] without any.
+
+    Steps on a ladder are rounded: 1.9 times as long is twice. Events have no step.
+    """
+    step = one.setting.step_us
+    if step is None:
+        return []
+    steps = {other.setting.step_us or 0.0: other for other in found}
+    longer = sorted(other for other in steps if other > step)
+    twice = [other for other in longer if other >= MARGIN * step]
+    if survey.complete == "space":
+        twice = twice or longer[-1:]
+    return [steps[twice[0]] if twice else None]
+
+
+def _within(survey: Survey, one: Measured | None, reference: Measured, error: float) -> bool:
+    bound = None if one is None else survey.bound(one, reference)
+    return bound is not None and bound < 0.9 * error
+
+
 def _offer(survey: Survey, one: Measured, reference: Measured, error: float) -> Choice | None:
     bound = survey.bound(one, reference)
-    if bound is None or bound >= 0.9 * error:
+    if bound is None or not _within(survey, one, reference, error):
         return None
     se = 0.5 * (error - bound)
     time = max(SLACK * one.variance_time / se**2, STEP_RUNS * SHORTEST)
@@ -149,13 +203,19 @@ def _up(seconds: float) -> float:
 
 
 def meet(
-    scene: Scene, design: Design, mass: MassProperties, wanted: Wanted, progress: Progress
+    scene: Scene,
+    design: Design,
+    mass: MassProperties,
+    wanted: Wanted,
+    progress: Progress,
+    of: str = SPEED,
 ) -> Met:
-    """Simulate with the cheapest setting that meets the error, according to the measured ladders.
+    """Simulate with the cheapest setting that meets the error of the observable `of`.
 
     Ladders not on record are measured first, and kept. Raises InputError when no setting can do.
     """
-    survey = Survey(scene, design, mass, PILOT_S)
+    check(wanted, of, scene, design)
+    survey = Survey(scene, design, mass, PILOT_S, of)
     on_record = kept.recall(survey) > 0
     choice = choose(survey, wanted, progress)
     kept.remember(survey)
@@ -163,12 +223,12 @@ def meet(
     for _ in range(ATTEMPTS):
         chosen = survey.scene_of(choice.setting, seconds=choice.seconds, runs=choice.runs)
         point = points.measure(points.Asked(chosen, design, mass), progress)
-        se = point.summary.speed_se_mm_s
+        se = observed.values(point, chosen)[of][1]
         if se is None or point.summary.runs < choice.runs:  # interrupted: shown as it is
-            return Met(choice, chosen, point, math.inf, error, on_record)
-        obtained = choice.bias_bound_mm_s + 2.0 * se
+            return Met(choice, chosen, point, math.inf, error, on_record, se, of)
+        obtained = choice.bias_bound + 2.0 * se
         if obtained <= error:
             break
-        longer = _up(choice.seconds * SLACK * (se / choice.se_mm_s) ** 2)
+        longer = _up(choice.seconds * SLACK * (se / choice.se) ** 2)
         choice = choice._replace(seconds=longer)
-    return Met(choice, chosen, point, obtained, error, on_record)
+    return Met(choice, chosen, point, obtained, error, on_record, se, of)

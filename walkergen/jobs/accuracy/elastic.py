@@ -86,8 +86,8 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     """Measure the bias of the mean speed against the length of frozen frames, at the own step."""
     reference = survey.reference(progress)
     unit = survey.unit(reference)
-    assert reference.speed_mm_s is not None
-    assert reference.se_mm_s is not None
+    assert reference.value is not None
+    assert reference.se is not None
     plan, (own,) = survey.plan(survey.own), survey.measure([survey.own], progress)
     seconds = max(FRAME_SHARE * survey.budget_s / own.cpu_per_s / FRAME_RUNS, 1.0)
     plan = plan.lasting(seconds=round(seconds, 1), runs=FRAME_RUNS)
@@ -99,8 +99,8 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         good = set(found.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         error = se = None
         if good and found.speed_mm_s is not None and found.speed_se_mm_s is not None:
-            error = abs(found.speed_mm_s - reference.speed_mm_s) / unit.mm_s
-            se = float(np.hypot(found.speed_se_mm_s, reference.se_mm_s)) / unit.mm_s
+            error = abs(found.speed_mm_s - reference.value) / unit.size
+            se = float(np.hypot(found.speed_se_mm_s, reference.se)) / unit.size
         details: dict[str, float | str | None] = {
             "steps_in_a_frame": float(frame),
             "frame_us": 1e6 * frame * plan.world.options.step,
@@ -117,7 +117,7 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         "Bias of the mean speed against the time for which pose and contact directions are frozen",
         f"bias of the mean speed, {unit.name}",
         "CPU time of a simulated second, s",
-        f"{reference.setting.label}: {reference.speed_mm_s:.2f} ± {reference.se_mm_s:.2f} mm/s",
+        f"{reference.setting.label}: {reference.value:.2f} ± {reference.se:.2f} mm/s",
         rungs,
         ("The bias includes that of the step, which is the same in all rungs.",),
     )

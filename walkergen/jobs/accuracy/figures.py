@@ -17,6 +17,9 @@ STYLES = (
     ("#E69F00", "-", "v"), ("#56B4E9", "--", "P"), ("#000000", "-.", "X"), ("#999999", ":", "*"),
 )  # fmt: skip
 
+CROWDED = 6
+"""Number of series beyond which only the ends of a series are named."""
+
 SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
 """Relative errors that the figure of choices marks with a line."""
 
@@ -24,18 +27,22 @@ SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
 def ladder_figure(ladder: Ladder) -> Figure:
     """Draw a line per series; open symbols are errors that may be zero, drawn at |error| + 2 SE."""
     with matplotlib.rc_context({"font.size": 9, "axes.spines.top": False}):
-        figure = Figure(figsize=(7.0, 4.6), layout="constrained")
-        axes = figure.add_subplot()
         names = dict.fromkeys(rung.series for rung in ladder.rungs)
+        width = 9.5 if len(names) > CROWDED else 7.0
+        figure = Figure(figsize=(width, 4.6), layout="constrained")
+        axes = figure.add_subplot()
         for place, (series, style) in enumerate(zip(names, STYLES, strict=False)):
             rungs = [r for r in ladder.rungs if r.series == series and r.error is not None]
-            _draw(axes, rungs, style, below=place % 2 == 1)
+            _draw(axes, rungs, style, below=place % 2 == 1, crowded=len(names) > CROWDED)
         if any(rung.error_sd for rung in ladder.rungs):
             axes.plot([], [], "o", color="0.5", markerfacecolor="white",
                       label="not told from zero: |error| + 2 SE")  # fmt: skip
         axes.margins(x=0.15)
         _logarithmic(axes, ladder.cost, ladder.error, ladder.title)
-        axes.legend(frameon=False, fontsize=8)
+        if len(names) > CROWDED:
+            figure.legend(frameon=False, fontsize=8, loc="outside right center")
+        else:
+            axes.legend(frameon=False, fontsize=8)
     return figure
 
 
@@ -48,7 +55,9 @@ def _logarithmic(axes: Axes, cost: str, error: str, title: str) -> None:
     axes.grid(visible=True, which="major", color="0.9")
 
 
-def _draw(axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below: bool) -> None:
+def _draw(
+    axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below: bool, crowded: bool
+) -> None:
     colour, line, marker = style
     shown = [(rung, *_shown(rung)) for rung in rungs]
     shown = [one for one in shown if one[1] > 0]
@@ -63,8 +72,9 @@ def _draw(axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below:
     for rung, error, told in shown:
         face = colour if told else "white"
         axes.plot(rung.cpu_s, error, marker, color=colour, markerfacecolor=face, markersize=5)
-    # Long series are named at their ends only.
-    for rung, error, _ in shown if len(shown) <= 8 else (shown[0], shown[-1]):
+    # Long series, and many, are named at their ends only.
+    ends = len(shown) > 8 or (crowded and len(shown) > 1)
+    for rung, error, _ in (shown[0], shown[-1]) if ends else shown:
         _name(
             axes,
             rung.setting.removeprefix(f"{series} ") if label else rung.setting,
@@ -109,7 +119,7 @@ def choice_figure(
             time = np.geomspace(0.5, 1e5, 200)
             cost = one.cpu_per_s * (time + one.runs * one.discard_seconds)
             error = bound + 2.0 * np.sqrt(one.variance_time / time)
-            axes.plot(cost, error / unit.mm_s, line, color=colour, label=one.setting.label)
+            axes.plot(cost, error / unit.size, line, color=colour, label=one.setting.label)
         _mark_shares(axes, unit.relative)
         error_name = f"error of the mean speed, 95 %, {unit.name}"
         _logarithmic(axes, "CPU time, s (one core)", error_name, title)

@@ -8,7 +8,16 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.accuracy import choose, elastic, kept, models, shape, statistics, steps
+from walkergen.jobs.accuracy import (
+    choose,
+    elastic,
+    everything,
+    kept,
+    models,
+    shape,
+    statistics,
+    steps,
+)
 from walkergen.jobs.accuracy import tables as ladders
 from walkergen.jobs.accuracy.ladder import Ladder, machine
 from walkergen.jobs.accuracy.speeds import Survey
@@ -42,7 +51,7 @@ class Study(NamedTuple):
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "models": (models.ladder,),
-    "steps": (steps.short, steps.long, elastic.frames),
+    "steps": (steps.short, steps.long, everything.ladder, elastic.frames),
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
@@ -125,7 +134,7 @@ def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
         choice = choose.choose(survey, wanted, progress)
     except InputError as refused:
         return Answer(str(wanted), "-", None, None, None, str(refused).partition(": ")[2])
-    bias = choice.bias_bound_mm_s
-    why = f"bias at most {bias:.2g} mm/s, ± {choice.se_mm_s:.2g} for the runs"
+    bias = choice.bias_bound
+    why = f"bias at most {bias:.2g} mm/s, ± {choice.se:.2g} for the runs"
     expected = choice.cpu_s / survey.cores
     return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, expected, why)

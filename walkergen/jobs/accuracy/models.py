@@ -54,15 +54,15 @@ def certificate(survey: Survey, progress: Progress) -> str:
     (other,) = survey.measure([survey.certifying], progress)
     bias = survey.bias(other, reference)
     told = (
-        f"{reference.setting.label}: {reference.speed_mm_s:.2f} ± {reference.se_mm_s:.2f} mm/s "
+        f"{reference.setting.label}: {reference.value:.2f} ± {reference.se:.2f} mm/s "
         f"({reference.runs} runs of {reference.seconds:g} s)"
     )
     if bias is None:
         return f"{told}; NOT certified: {other.setting.label} ends as {other.outcomes}"
-    found = f"{other.setting.label} {other.speed_mm_s:.2f} ± {other.se_mm_s:.2f}"
-    if abs(bias.mm_s) <= 2.0 * bias.se_mm_s:
+    found = f"{other.setting.label} {other.value:.2f} ± {other.se:.2f}"
+    if abs(bias.size) <= 2.0 * bias.se:
         return f"{told}; certified to ± {bias.bound:.2g} mm/s: {found}, which agrees"
-    return f"{told}; NOT certified: {found}, {abs(bias.mm_s) / bias.se_mm_s:.1f} errors away"
+    return f"{told}; NOT certified: {found}, {abs(bias.size) / bias.se:.1f} errors away"
 
 
 def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
@@ -70,8 +70,8 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     unit = survey.unit(reference)
     contact, w = survey.scene.contact, survey.scene.impact_speed
     modes: tuple[Mode, ...] = ("paper", "coulomb") if contact.law == "poisson" else ("coulomb",)
-    assert reference.speed_mm_s is not None
-    assert reference.se_mm_s is not None
+    assert reference.value is not None
+    assert reference.se is not None
     for mode in modes:
 
         def call(mode: Mode = mode) -> np.ndarray[Any, Any]:
@@ -79,10 +79,10 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
             return factors(survey.mass, e, mu, mode, contact.law).mean
 
         speed = float(call()) * w
-        error = abs(speed - reference.speed_mm_s) / unit.mm_s
+        error = abs(speed - reference.value) / unit.size
         details = {"speed_mm_s": speed, "speed_se_mm_s": None, "simulated_s": None, "outcomes": ""}
         name = "paper's eq. 15" if mode == "paper" else "Coulomb formula"
-        yield Rung(name, name, error, reference.se_mm_s / unit.mm_s, cpu_time(call), details)
+        yield Rung(name, name, error, reference.se / unit.size, cpu_time(call), details)
 
 
 def rung_of(
@@ -93,8 +93,8 @@ def rung_of(
     return Rung(
         f"{found.setting.model}, {found.setting.method}",
         found.setting.label,
-        None if bias is None else abs(bias.mm_s) / unit.mm_s,
-        None if bias is None else bias.se_mm_s / unit.mm_s,
+        None if bias is None else abs(bias.size) / unit.size,
+        None if bias is None else bias.se / unit.size,
         found.cpu_s if bias is None else found.cost_of(unit.fine),
         (own or {}) | _details_of(found),
     )
@@ -103,8 +103,8 @@ def rung_of(
 def _details_of(found: Measured) -> Details:
     """Details of a measured speed: the further columns of the table."""
     return {
-        "speed_mm_s": found.speed_mm_s,
-        "speed_se_mm_s": found.se_mm_s,
+        "speed_mm_s": found.value,
+        "speed_se_mm_s": found.se,
         "simulated_s": found.runs * found.seconds,
         "outcomes": found.outcomes,
     }

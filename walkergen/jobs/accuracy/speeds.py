@@ -1,19 +1,21 @@
-"""Mean speeds by every model, method and step: measured once each, with their costs."""
+"""Speeds and all else by every model, method and step: measured once each, with their costs."""
 
 import math
 import os
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
+from walkergen.jobs.accuracy import observed
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import points
+from walkergen.simulation import points, resolution
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import MethodName
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.model import Plan
+from walkergen.simulation.observables import SPEED
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Point
 from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels, simulate
@@ -68,13 +70,13 @@ PLANAR = (
 
 
 class Measured(NamedTuple):
-    """Mean speed obtained with a setting, and its cost."""
+    """Value of an observable (the mean speed, mm/s) obtained with a setting, and its cost."""
 
     setting: Setting
-    speed_mm_s: float | None
-    """Mean speed; None when not all runs ended well."""
-    se_mm_s: float | None
-    """Standard error of the speed; None when the data are too few."""
+    value: float | None
+    """None when not all runs ended well."""
+    se: float | None
+    """Standard error of the value; None when the data are too few."""
     runs: int
     seconds: float
     """Measured time of each run, s."""
@@ -83,6 +85,15 @@ class Measured(NamedTuple):
     correlation_time_s: float | None
     outcomes: str
     """Ways in which the runs ended, with their numbers."""
+    observed: Mapping[str, Sequence[float | None]] = {}
+    """Values and standard errors of all observables, by their names."""
+
+    def seen(self, of: str) -> "Measured":
+        """The same measurement of another observable."""
+        if of == SPEED:
+            return self
+        value, se = self.observed.get(of, (None, None))
+        return self._replace(value=value if self.value is not None else None, se=se)
 
     @property
     def cpu_per_s(self) -> float:
@@ -91,53 +102,56 @@ class Measured(NamedTuple):
 
     @property
     def variance_time(self) -> float:
-        """Squared standard error of the mean speed times the measured time, mm^2/s."""
-        assert self.se_mm_s is not None
-        return self.se_mm_s**2 * self.runs * self.seconds
+        """Squared standard error times the measured time, (unit of the value)^2 s."""
+        assert self.se is not None
+        return self.se**2 * self.runs * self.seconds
 
     def cost_of(self, se: float) -> float:
-        """CPU time (s) for a mean speed with standard error `se` (mm/s), with discarded starts."""
+        """CPU time (s) for a value with the standard error `se`, with discarded starts."""
         return self.cpu_per_s * (self.variance_time / se**2 + self.runs * self.discard_seconds)
 
 
 class Bias(NamedTuple):
-    """Systematic difference of a setting's mean speed from the reference's."""
+    """Systematic difference of a setting's value from the reference's, with its error."""
 
-    mm_s: float
-    se_mm_s: float
+    size: float
+    se: float
 
     @property
     def bound(self) -> float:
-        """Upper limit of the bias's size with 95 % confidence, mm/s."""
-        return abs(self.mm_s) + 2.0 * self.se_mm_s
+        """Upper limit of the bias's size with 95 % confidence."""
+        return abs(self.size) + 2.0 * self.se
 
     @property
     def certain(self) -> float:
-        """Size of the bias where it differs from zero by two standard errors, else 0; mm/s."""
-        return abs(self.mm_s) if abs(self.mm_s) > 2.0 * self.se_mm_s else 0.0
+        """Size of the bias where it differs from zero by two standard errors, else 0."""
+        return abs(self.size) if abs(self.size) > 2.0 * self.se else 0.0
 
 
 class Unit(NamedTuple):
-    """Unit in which errors of mean speeds are given."""
+    """Unit in which errors are given."""
 
-    mm_s: float
+    size: float
     name: str
     relative: bool
-    """True when errors are given as a share of the mean speed."""
+    """True when errors are given as a share of the value."""
     fine: float
-    """Standard error to which costs refer, mm/s: 1 % of the speed, or 0.1 mm/s."""
+    """Standard error to which costs refer: 1 % of the value, or 0.1 mm/s."""
 
 
 class Survey:
     """Measurements of settings for one walker in one scene, each made once and kept."""
 
-    def __init__(self, scene: Scene, design: Design, mass: MassProperties, budget_s: float) -> None:
-        """`budget_s`: wall time for all settings of the complete model, on all cores."""
+    def __init__(
+        self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED
+    ) -> None:
+        """Survey of an observable; `budget_s`: wall time for settings of the complete model."""
+        self.of = of
         self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1
         self.budget_s = budget_s * self.cores
         self.known: dict[Setting, Measured] = {}
-        self.complete = _complete(scene, design)
+        self.complete = complete(scene, design)
 
     @property
     def events(self) -> list[Setting]:
@@ -153,7 +167,7 @@ class Survey:
     def steps(self) -> list[Setting]:
         """Settings of the complete model by steps, finest first; the finest is the reference."""
         if self.complete == "space":
-            found = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
+            found = [_round(share * self.fair_us) for share in STEPS_IN_SPACE]
         else:
             period = 1e6 / self.scene.drive.frequency
             found = [_round(period / part) for part in STEPS_PER_PERIOD]
@@ -167,6 +181,12 @@ class Survey:
         scene = self.scene.model_copy(update={"run": run})
         plan = prepare(_as(scene, Setting("space", "step", None)), self.design, self.mass)
         return float(1e6 * plan.world.options.step)
+
+    @cached_property
+    def fair_us(self) -> float:
+        """Longest step in space, us, whose error is known: shorter where feet are damped much."""
+        plan = prepare(_as(self.scene, Setting("space", "step", None)), self.design, self.mass)
+        return 1e6 * resolution.fair_step(plan)
 
     @property
     def own(self) -> Setting:
@@ -192,7 +212,7 @@ class Survey:
             if setting not in self.known:
                 own = part(progress, place, len(settings))
                 self.known[setting] = self._measured(setting, own)
-        return [self.known[setting] for setting in settings]
+        return [self.known[setting].seen(self.of) for setting in settings]
 
     def ensemble(
         self, setting: Setting, runs: int, seconds: float, progress: Progress
@@ -202,41 +222,56 @@ class Survey:
         simulated = runs * (seconds + self.scene.run.discard_seconds)
         return point.results, point.summary.cpu_s / simulated
 
-    def reference(self, progress: Progress) -> Measured:
-        """Measure the finest step of the complete model.
+    def showing(self, of: str) -> "Survey":
+        """The same survey, with the same measurements, of another observable."""
+        other = Survey(self.scene, self.design, self.mass, 0.0, of)
+        other.budget_s, other.known = self.budget_s, self.known
+        return other
 
-        Raises InputError when it gives no mean speed with an error bar.
+    def reference(self, progress: Progress) -> Measured:
+        """Measure the setting that counts as true: the finest step of the complete model.
+
+        In a plane it is the method by events for all but the speed, since steps of any length
+        absorb small rebounds. Raises InputError when it gives no value with an error bar.
         """
-        (found,) = self.measure(self.steps[:1], progress)
-        if found.speed_mm_s is None or found.se_mm_s is None:
+        true = [*self.events, *self.steps] if self.of != SPEED else self.steps
+        (found,) = self.measure(true[:1], progress)
+        if found.value is None or found.se is None:
             raise InputError(
-                f"{self.scene.name}: the runs end as {found.outcomes}: there is no mean speed "
+                f"{self.scene.name}: the runs end as {found.outcomes}: there is no {self.title} "
                 "whose error could be studied; try another drive, tilt or restitution"
             )
         return found
 
+    @property
+    def title(self) -> str:
+        """Name of the observable in sentences."""
+        return "mean speed" if self.of == SPEED else self.of
+
     def unit(self, reference: Measured) -> Unit:
-        """Unit of errors: the reference's mean speed, or mm/s where that may be zero."""
-        assert reference.speed_mm_s is not None
-        assert reference.se_mm_s is not None
-        size = abs(reference.speed_mm_s)
-        if size > CLEAR * reference.se_mm_s:
-            return Unit(size, "share of the mean speed", True, 0.01 * size)
-        return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
+        """Unit of errors: the reference's value, or 1 (mm/s) where that may be zero."""
+        assert reference.value is not None
+        assert reference.se is not None
+        size = abs(reference.value)
+        if size > CLEAR * reference.se:
+            return Unit(size, f"share of the {self.title}", True, 0.01 * size)
+        if self.of == SPEED:
+            return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
+        return Unit(1.0, f"{self.of} itself, which may be zero", False, reference.se)
 
     def bias(self, measured: Measured, reference: Measured) -> Bias | None:
-        """Bias of a setting against the reference; None when it gave no mean speed."""
-        if measured.speed_mm_s is None or measured.se_mm_s is None:
+        """Bias of a setting against the reference; None when it gave no value."""
+        if measured.value is None or measured.se is None:
             return None
-        assert reference.speed_mm_s is not None
-        assert reference.se_mm_s is not None
+        assert reference.value is not None
+        assert reference.se is not None
         if measured.setting == reference.setting:
-            return Bias(0.0, reference.se_mm_s)
-        difference = measured.speed_mm_s - reference.speed_mm_s
-        return Bias(difference, math.hypot(measured.se_mm_s, reference.se_mm_s))
+            return Bias(0.0, reference.se)
+        difference = measured.value - reference.value
+        return Bias(difference, math.hypot(measured.se, reference.se))
 
     def bound(self, measured: Measured, reference: Measured) -> float | None:
-        """Upper limit of a setting's bias, mm/s, with 95 % confidence; None without a speed.
+        """Upper limit of a setting's bias with 95 % confidence; None without a value.
 
         Significant biases of finer steps count as well: where a coarse step does better than a
         finer step, errors of opposite signs happen to cancel.
@@ -244,12 +279,12 @@ class Survey:
         bias = self.bias(measured, reference)
         if bias is None:
             return None
-        return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se_mm_s)
+        return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se)
 
     def _finer(self, measured: Measured, reference: Measured) -> float:
-        """Largest significant bias of finer steps, mm/s; infinite where a finer step failed."""
+        """Largest significant bias of finer steps; infinite where a finer step failed."""
         biases = [
-            self.bias(one, reference)
+            self.bias(one.seen(self.of), reference)
             for one in self.known.values()
             if one.setting.method == "step"
             and one.setting.model == measured.setting.model
@@ -289,7 +324,8 @@ class Survey:
         per_run = self.budget_s * self._share(setting) / runs
         cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
         seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
-        summary = self._run(setting, runs, seconds, progress).summary
+        point = self._run(setting, runs, seconds, progress)
+        summary = point.summary
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         return Measured(
             setting,
@@ -301,10 +337,11 @@ class Survey:
             summary.cpu_s,
             summary.correlation_time_s,
             listed(summary.outcomes),
+            observed.values(point, self.scene_of(setting)),
         )
 
 
-def _complete(scene: Scene, design: Design) -> ModelName:
+def complete(scene: Scene, design: Design) -> ModelName:
     """Model that counts as the truth: that of the scene, or what `auto` takes at no error."""
     if scene.legs.model == "compliant":
         return "compliant"

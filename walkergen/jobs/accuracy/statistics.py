@@ -37,11 +37,11 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     for runs in RUN_COUNTS:
         for length in (length for length in LENGTHS if length <= 0.5 * seconds):
             parts = _parts(results, runs, length)
-            rungs.append(_rung(parts, results, unit.mm_s, cpu_per_s, own.discard_seconds))
+            rungs.append(_rung(parts, results, unit.size, cpu_per_s, own.discard_seconds))
     told = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
     notes = [f"Correlation time of the speed: {told}."]
     if bias is not None:
-        share = bias.bound / unit.mm_s
+        share = bias.bound / unit.size
         notes.append(
             f"Bias of {survey.own.label}: at most {share:.2g}, with 95 % confidence. Where the "
             "statistical error is below that, more time does not help: take a smaller step."

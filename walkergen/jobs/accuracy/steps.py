@@ -85,8 +85,8 @@ def long(survey: Survey, progress: Progress) -> Ladder:
         bias = survey.bias(found, reference)
         own: Details = {
             "step_us": found.setting.step_us,
-            "bias_mm_s": None if bias is None else bias.mm_s,
-            "bias_se_mm_s": None if bias is None else bias.se_mm_s,
+            "bias_mm_s": None if bias is None else bias.size,
+            "bias_se_mm_s": None if bias is None else bias.se,
         }
         rungs.append(rung_of(survey, found, reference, own))
     return Ladder(

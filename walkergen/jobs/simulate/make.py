@@ -1,6 +1,6 @@
 """Simulation of a walker: the speed of its runs and, in space, their motion and landings."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -9,14 +9,15 @@ import numpy as np
 from walkergen.analysis import landings, motion
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.tracks import Tracks, of_places
 from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
-from walkergen.simulation import points, trajectory
+from walkergen.simulation import points, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -29,11 +30,19 @@ class Simulated(NamedTuple):
     """Results of a simulation; motion and landings belong to walkers in space."""
 
     point: Point
+    verdicts: Mapping[str, Verdict]
+    """What the step leaves of each observable, by the names of `observables.NAMES`."""
+    warnings: Sequence[str]
+    """Warnings on the step."""
+    values: Mapping[str, float]
+    """Values of the same observables."""
+    errors: Mapping[str, float | None]
+    """Their standard errors, of the runs and the step together; None where either is unknown."""
     motion: Motion | None = None
     untold: str = ""
     """Reason why a walker in space has no `motion`; "" when it has one."""
-    landings: Landings | None = None
-    """Landings of the runs that ended well; None where they were not kept."""
+    landings: Sequence[Landings] = ()
+    """Landings of each run that ended well; none where they were not kept."""
 
 
 def asked(
@@ -55,19 +64,29 @@ def measure(one: Asked, progress: Progress) -> Simulated:
     return measured(points.measure(one, progress), one)
 
 
-def measured(point: Point, one: Asked) -> Simulated:
-    """What a simulated point says of motion and landings, which only walkers in space tell."""
+def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = None) -> Simulated:
+    """What a simulated point says of its step, and in space of motion and landings.
+
+    `studied` are largest errors (95 %) of the step that are known better, by name.
+    """
+    plan = prepare(one.scene, one.design, one.mass)
+    verdicts = resolution.judge(plan, point.summary)
+    verdicts |= {name: Verdict(error) for name, error in (studied or {}).items()}
+    values = resolution.values(point.summary)
+    errors = resolution.errors(verdicts, point.summary)
+    found = Simulated(point, verdicts, resolution.warnings(plan), values, errors)
     if point.model != "space":
-        return Simulated(point)
+        return found
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
-        return Simulated(point, untold="no run ended well")
+        return found._replace(untold="no run ended well")
     tracks = tracks_of(good, one.scene.arena.kind == "lane", one.sample_interval)
     longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
     least = max(motion.LAG_S, tracks.interval)
-    found = motion.analyse(tracks) if longest > 1.001 * least else None
-    untold = "" if found else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
-    return Simulated(point, found, untold, _landings(good) if one.impacts else None)
+    moved = motion.analyse(tracks) if longest > 1.001 * least else None
+    untold = "" if moved else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
+    landed = [_landings(result) for result in good] if one.impacts else []
+    return found._replace(motion=moved, untold=untold, landings=landed)
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
@@ -75,25 +94,16 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
 
     In a lane only the way along it counts, as in a film of one.
     """
-    tracks = []
-    for result in results:
-        places = result.places
-        if interval is not None:
-            places = trajectory.sampled(result)[:, 1:4]
-        position = places[:, :1] if lane else places[:, :2]
-        tracks.append(Track(result.number, position, None if lane else places[:, 2]))
-    return Tracks(tuple(tracks), interval or results[0].block_s, 0, "")
+    if interval is None:
+        return of_places([result.places for result in results], results[0].block_s, lane)
+    return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
-def _landings(results: Sequence[RunResult]) -> Landings:
-    """Landings of runs on the plate; touches of a lane's walls have higher numbers than corners."""
-    parts = []
-    for result in results:
-        rows = impacts_of(result)
-        rows = rows[rows[:, 1] < landings.CORNERS]
-        corner, kind = rows[:, 1].astype(np.int64), rows[:, 6].astype(np.int64)
-        parts.append(landings.count(rows[:, 0], corner, rows[:, 3], kind, result.measured_s))
-    return landings.total(parts)
+def _landings(result: RunResult) -> Landings:
+    """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
+    rows = impacts_of(result)
+    rows = rows[rows[:, 1] < landings.CORNERS]
+    return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s)
 
 
 def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:

@@ -1,14 +1,19 @@
 """Tables of simulated walkers: what the model is, how they move, how they land."""
 
-from collections.abc import Iterator, Mapping
+import functools
+import math
+from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
-from walkergen.analysis.estimates import IN_A_LANE, with_error
-from walkergen.analysis.landings import TOGETHER_S, Landings, shares_by_impulse
+import numpy as np
+
+from walkergen.analysis.estimates import IN_A_LANE, Estimate, with_error
+from walkergen.analysis.landings import TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
 from walkergen.jobs.simulate.make import Simulated
 from walkergen.scene import Scene
-from walkergen.simulation.record import KINDS
+from walkergen.simulation import observables, resolution
+from walkergen.simulation.observables import POWER_ROWS
 
 MOVED = {
     "lane_speed": ("along x", "mm/s"),
@@ -22,6 +27,19 @@ MOVED = {
     "crossover_time": ("crossover", "s, ballistic to diffusive"),
 }
 """Names and units of the estimates that a summary shows."""
+
+RARE = 1e-3
+"""Share of a type below which a summary leaves it out; JSON has it."""
+
+CORNERS = ("back_left", "back_right", "front_left", "front_right")
+
+COUNTED: dict[str, Callable[[Landings], int]] = {
+    "back_left": lambda one: int(one.corners[0]), "back_right": lambda one: int(one.corners[1]),
+    "front_left": lambda one: int(one.corners[2]), "front_right": lambda one: int(one.corners[3]),
+    "back_edge": lambda one: int(one.edges[0]), "front_edge": lambda one: int(one.edges[1]),
+    "both_feet": lambda one: one.pairs, "alone": lambda one: one.alone,
+}  # fmt: skip
+"""Numbers of landings, and of groups of them, that a summary shows."""
 
 
 def model_in_words(found: Simulated, scene: Scene) -> str:
@@ -83,14 +101,68 @@ def _exponents(motion: Motion) -> str:
     )
 
 
-def landing_rows(found: Landings | None) -> Iterator[tuple[str, str]]:
-    """Rows of a summary on landings: types by impulse, and numbers by corner, edge and foot."""
-    if found is None or not found.duration > 0:
-        return
-    shares = _by_impulse(found)
-    told = ", ".join(f"{name} {100 * one:.1f} %" for name, one in shares.items())
-    yield "by impulse", told or "none"
-    per = {name: f"{value:.1f}" for name, value in _rates(found).items()}
+def speed_by_step(found: Simulated) -> str:
+    """Addition to the mean speed and its statistical error: what the step may do to it."""
+    verdict = found.verdicts[observables.SPEED]
+    if verdict.error is None:
+        return f" {_marks(found)[verdict.reason]}"
+    return f" ± {verdict.error:.2g} by the step (95 %)" if verdict.error else ""
+
+
+def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
+    """Rows of a summary on impacts, contact and powers; ± is of the runs and the step together."""
+    told = functools.partial(_told, found)
+    yield "impacts", told(observables.IMPACTS, unit=" per second")
+    yield "by impulse", _shares(found, observables.BY_IMPULSE)
+    yield "by number", _shares(found, observables.BY_NUMBER)
+    if found.landings:
+        yield from _landing_rows(found)
+    yield "in contact", told(observables.CONTACT, 100.0, " % of the time")
+    powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
+    unaccounted = 100 * found.point.summary.energy_error
+    yield "power, uW", f"{', '.join(powers)}; unaccounted {unaccounted:.2g} %"
+    for reason, mark in _marks(found).items():
+        yield "note" if reason == resolution.TURNING else mark, reason
+
+
+def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
+    """An observable with its error, or with the mark of the reason why it has none."""
+    verdict, value = found.verdicts[name], scale * found.values[name]
+    if verdict.error is None:
+        return f"{value:.4g}{unit} {_marks(found)[verdict.reason]}"
+    error = found.errors[name]
+    both = f"{value:.4g} ± ?" if error is None else with_error(Estimate(value, scale * error))
+    return f"{both}{unit}"
+
+
+def _marks(found: Simulated) -> dict[str, str]:
+    """Marks (a), (b) ... of the reasons why observables are not resolved."""
+    reasons = dict.fromkeys(one.reason for one in found.verdicts.values() if one.reason)
+    return {reason: f"({letter})" for reason, letter in zip(reasons, "abc", strict=False)}
+
+
+def _shares(found: Simulated, table: str) -> str:
+    """Shares of the types that are not rare, in percent; a reason common to all comes once."""
+    own = (name for name in found.values if name.startswith(f"{table}."))
+    names = [name for name in own if found.values[name] >= RARE]
+    short = [name.partition(".")[2] for name in names]
+    reason = found.verdicts[f"{table}.I"].reason
+    if reason:
+        shares = (f"{100 * found.values[name]:.1f} %" for name in names)
+        rows = ", ".join(f"{one} {share}" for one, share in zip(short, shares, strict=True))
+        return f"{rows} {_marks(found)[reason]}" if rows else "none"
+    told = (
+        f"{one} {_told(found, name, 100.0, ' %')}" for one, name in zip(short, names, strict=True)
+    )
+    return ", ".join(told) or "none"
+
+
+def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
+    """Rows of a summary on landings: numbers by corner, edge and foot."""
+    per = {
+        name: f"{value:.1f}" if error is None else with_error(Estimate(value, error))
+        for name, (value, error) in _rates(found).items()
+    }
     yield (
         "by corner, /s",
         f"back {per['back_left']} left, {per['back_right']} right; "
@@ -103,24 +175,41 @@ def landing_rows(found: Landings | None) -> Iterator[tuple[str, str]]:
     )
 
 
-def _rates(found: Landings) -> Mapping[str, float]:
-    """Landings per second, by corner, edge and foot. Corners with z > 0 are on the right."""
+def _rates(found: Simulated) -> Mapping[str, tuple[float, float | None]]:
+    """Landings per second, by corner, edge and foot, with errors; corners with z > 0 are right.
+
+    ± is of the runs and the step together; None where either is unknown.
+    """
     counts = {
-        "back_left": found.corners[0], "back_right": found.corners[1],
-        "front_left": found.corners[2], "front_right": found.corners[3],
-        "back_edge": found.edges[0], "front_edge": found.edges[1],
-        "both_feet": found.pairs, "alone": found.alone,
-    }  # fmt: skip
-    return {name: float(number) / found.duration for name, number in counts.items()}
+        name: np.array([count(one) for one in found.landings], dtype=float)
+        for name, count in COUNTED.items()
+    }
+    time = np.array([one.duration for one in found.landings])
+    rates = {}
+    for name, numbers in counts.items():
+        value, se = observables.quotient(numbers, time)
+        kind = resolution.LANDED if name in CORNERS else resolution.GROUPED
+        step = found.verdicts[kind].error
+        known = se is not None and step is not None
+        error = math.hypot(se or 0.0, 0.5 * value * (step or 0.0)) if known else None
+        rates[name] = (value, error)
+    return rates
 
 
-def _by_impulse(found: Landings) -> dict[str, float]:
-    """Shares of the types that occur in the normal impulse, by their names, in their order."""
-    shares = shares_by_impulse(found)
-    return {name: shares[kind] for name, kind in KINDS.items() if shares.get(kind)}
+def landings_as_dict(found: Simulated) -> dict[str, Any]:
+    """Landings for JSON: rates per second, and their errors."""
+    rates = {f"{name}_per_s": one for name, one in _rates(found).items()}
+    values = {name: value for name, (value, _) in rates.items()}
+    return values | {"errors": {name: error for name, (_, error) in rates.items()}}
 
 
-def landings_as_dict(found: Landings) -> dict[str, Any]:
-    """Landings for JSON: rates per second, and shares of types in the normal impulse."""
-    rates = {f"{name}_per_s": value for name, value in _rates(found).items()}
-    return rates | {"type_fractions_by_impulse": _by_impulse(found)}
+def step_as_dict(found: Simulated) -> dict[str, Any]:
+    """What the step leaves of each observable, for JSON: its error, or the reason of none."""
+    known = {name: found.verdicts[name].error for name in observables.NAMES}
+    known = {name: error for name, error in known.items() if error is not None}
+    reasons: dict[str, list[str]] = {}
+    for name, one in found.verdicts.items():
+        if one.reason:
+            reasons.setdefault(one.reason, []).append(name)
+    unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
+    return {"errors_95": known, "not_resolved": unresolved, "warnings": list(found.warnings)}

@@ -28,7 +28,7 @@ from walkergen.simulation.compliant.chain import (
     shift,
 )
 from walkergen.simulation.drive import velocity
-from walkergen.simulation.record import Tally, note_event, tally_impact
+from walkergen.simulation.record import Tally, add_impulse, note_event, tally_impact
 from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
@@ -250,6 +250,7 @@ def one_foot(world, restitution, state, now, foot):
     F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
     accelerate(world.walker.legs, state, push(now.chain, F))
     tally_impact(tally.counts, hit.kind, hit.sticks)
+    add_impulse(tally.sums, hit.kind, hit.F_y)
     tally.sums[record.PLATE_WORK] += hit.F_y * velocity(world.drive, state[PHASE])
     tally.sums[record.IMPACT_LOSS] -= 0.5 * (hit.F_x * (v_x + hit.v_x) + hit.F_y * (v_y + hit.v_y))
     note_event(tally.events, tally.sums[record.ELAPSED], foot, hit.F_x, hit.F_y, v_x, v_y, hit.kind)
@@ -278,6 +279,7 @@ def both_feet(world, restitution, state, now):
         else:
             kind = III_MIRRORED if stops else TYPE_IV
         tally_impact(tally.counts, kind, abs(kind) == TYPE_III)
+        add_impulse(tally.sums, kind, F_y)
         note_event(tally.events, tally.sums[record.ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 

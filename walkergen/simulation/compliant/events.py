@@ -44,7 +44,13 @@ from walkergen.simulation.compliant.flow import (
     slopes_of,
 )
 from walkergen.simulation.drive import TWO_PI, velocity
-from walkergen.simulation.record import next_sample, note_event, take_sample, tally_impact
+from walkergen.simulation.record import (
+    add_impulse,
+    next_sample,
+    note_event,
+    take_sample,
+    tally_impact,
+)
 from walkergen.simulation.world import (
     FAILED,
     FOLDED,
@@ -205,6 +211,7 @@ def _stop_jam(world, state, now, closed, sliding):
             F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
             kind = TYPE_III if v_x > 0.0 else III_MIRRORED
             tally_impact(tally.counts, kind, True)
+            add_impulse(tally.sums, kind, F_y)
             note_event(tally.events, tally.sums[record.ELAPSED], foot, F_x, F_y, v_x, v_y, kind)
 
 

@@ -15,7 +15,7 @@ import math
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import height, velocity
 from walkergen.simulation.effects.acting import across, along
-from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, note_event
+from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, add_impulse, note_event
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
 from walkergen.simulation.relaxed.state import (
     back_tensor,
@@ -129,6 +129,7 @@ def _torque(r, hit):
 
 @kernel
 def _note(tally, t, foot, hit, scale, v_x, v_y):
+    add_impulse(tally.sums, hit.kind, scale * hit.F_y)
     note_event(tally.events, t, foot, scale * hit.F_x, scale * hit.F_y, v_x, v_y, hit.kind)
 
 

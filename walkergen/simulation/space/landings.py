@@ -50,14 +50,19 @@ def _land(state, at, t, u_n, u_a, u_c):
 
 
 @lean
-def leave(state, at, k, counts, events):
-    """Count the landing of contact k that has ended; `at` is the place of its row in the state."""
+def leave(state, at, k, on_plate, tally):
+    """Count the landing of contact k that has ended; `at` is the place of its row in the state.
+
+    Impulses are added up for landings `on_plate`, not for touches of a lane's walls.
+    """
     stop = int(state[at + STOP])
     kind = TYPES_FORWARD[stop] if state[at + U_A] >= 0.0 else TYPES_BACKWARD[stop]
-    record.tally_impact(counts, kind, state[at + MODE] == STICK)
+    record.tally_impact(tally.counts, kind, state[at + MODE] == STICK)
     state[at + MODE] = OPEN
+    if on_plate:
+        record.add_impulse(tally.sums, kind, state[at + J_N])
     record.note_event(
-        events, state[at + LANDED], k, state[at + J_A], state[at + J_N],
+        tally.events, state[at + LANDED], k, state[at + J_A], state[at + J_N],
         state[at + U_A], state[at + U_N], kind,
     )  # fmt: skip
 

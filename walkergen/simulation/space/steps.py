@@ -150,7 +150,7 @@ def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, t
         k = int(contacts[i, NUMBER])
         at = first + ROW * k
         if settle(state, contacts, i, at, unloading, t, h, sums):
-            leave(state, at, k, tally.counts, tally.events)
+            leave(state, at, k, upward[k] == 0, tally)
         sums[record.PLATE_WORK] += h * lifted * contacts[i, FORCE + upward[k]]
         for p in range(3):
             contacts[i, SPEED + p] = 2.0 * contacts[i, MIDDLE + p] - contacts[i, SPEED + p]

@@ -1,0 +1,46 @@
+"""Everything that is printed of an ensemble, by its name, with its standard error."""
+
+from walkergen.analysis import motion
+from walkergen.analysis.tracks import of_places
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.simulation import observables, resolution
+from walkergen.simulation.points import Point
+from walkergen.simulation.run import ENDED_WELL
+
+MOTION = {
+    "motion.rotational_diffusion_rad2_s": "rotational_diffusion",
+    "motion.diffusivity_mm2_s": "diffusivity",
+}
+"""Names of the statistics of motion that are studied: how headings turn, how walkers spread."""
+
+NAMES = (*observables.NAMES, *MOTION)
+"""Names of all observables, as `simulate --json` has them."""
+
+
+def check(name: str) -> str:
+    """Name of an observable, or InputError with the list of names."""
+    if name not in NAMES:
+        raise InputError(f"--of {name[:60]!r}: must be one of {', '.join(NAMES)}")
+    return name
+
+
+def values(point: Point, scene: Scene) -> dict[str, tuple[float | None, float | None]]:
+    """Values and standard errors of a point's observables; without those that it refuses."""
+    summary = point.summary
+    errors = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
+    known: dict[str, tuple[float | None, float | None]] = {
+        name: (value, errors[name]) for name, value in resolution.values(summary).items()
+    }
+    return known | _motion(point, scene.arena.kind == "lane")
+
+
+def _motion(point: Point, lane: bool) -> dict[str, tuple[float | None, float | None]]:
+    """How the walkers of a point turn and spread, where their runs are long enough to tell."""
+    good = [result for result in point.results if result.outcome in ENDED_WELL]
+    if not good or len(good[0].places) < 4:
+        return {}
+    tracks = of_places([result.places for result in good], good[0].block_s, lane)
+    found = motion.analyse(tracks).estimates
+    named = ((name, found[own]) for name, own in MOTION.items())
+    return {name: (one.value, one.se) for name, one in named if one.value is not None}

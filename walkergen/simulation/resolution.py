@@ -1,0 +1,177 @@
+"""What a time step resolves: how far each observable may be off by it, or that this is not known.
+
+Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md section 5.
+"""
+
+import math
+from collections.abc import Mapping
+from typing import NamedTuple
+
+from walkergen.simulation import observables
+from walkergen.simulation.compliant.lengths import DAMPED
+from walkergen.simulation.effects.resolve import MethodName
+from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+
+LANDED, GROUPED, MOTION = "landings", "groups", "motion"
+"""Names of what else a step moves in space: rates of landings of single corners and of groups of
+corners, and all that tracks tell."""
+
+LIMITS = {
+    observables.SPEED: (0.10, 0.04),
+    observables.IMPACTS: (0.15, 0.06),
+    observables.CONTACT: (0.06, 0.04),
+    f"{observables.POWERS}.from_plate": (0.07, 0.04),
+    f"{observables.POWERS}.impacts": (0.08, 0.05),
+    f"{observables.POWERS}.friction": (0.12, 0.05),
+    f"{observables.POWERS}.damping": (0.10, 0.05),
+    LANDED: (0.18, 0.08),
+    GROUPED: (0.40, 0.15),
+}
+"""Largest errors (95 %) in space at the step that feet of a `FAIR` label take by themselves, and at
+half of it, as shares of the value: the largest of 14 settings (tilts of 0 to 35 deg, labels of 0.2
+to 0.8, friction 0.1 and 0.25, 60 and 90 Hz, 1.8 and 2.6 g, viscous and hysteretic, braced) against
+a tenth of the step, 24 s each."""
+
+SHARES = {
+    "I": (0.025, 0.015), "II": (0.06, 0.03), "III": (0.08, 0.04), "IV": (0.015, 0.015),
+    "from rest": (0.01, 0.01), "II mirrored": (0.025, 0.025), "III mirrored": (0.025, 0.025),
+    "sticking": (0.04, 0.025),
+}  # fmt: skip
+"""The same for shares of types, by impulse and by number, as differences of shares."""
+
+FAIR, STRONG = 0.2, 0.1
+"""Labels of viscous feet below which their damping needs half of that step, and a quarter of it: by
+the own step the speed is 13 % low at 0.1 (3 % by half of it) and 67 % at 0.02 (21 % by half)."""
+
+ENDLESS = (
+    "not resolved: impacts that shrink without end are counted down to a cut-off, so the number "
+    "grows as that shrinks, by steps and by events; see the types by impulse"
+)
+COARSE = "not resolved by this step: --method event"
+UNKNOWN = "the error of this step is not known: --error 5% measures it; --method event has none"
+TURNING = (
+    "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
+    "at one setting of 14 twice as large"
+)
+LONGER = "not resolved by this step: --step {fair:.2g} or less is"
+
+
+class Verdict(NamedTuple):
+    """Knowledge of how far a step leaves an observable off."""
+
+    error: float | None
+    """Largest error by the step (95 %), in the observable's unit; None where it is not known."""
+    reason: str = ""
+    """Reason why it is not known, and what would resolve the observable; "" where it is."""
+
+
+def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
+    """Verdicts on all observables of a summary, by the names of `observables.NAMES`.
+
+    In space also on landings of corners and of groups of corners per second, as shares of a rate,
+    and on motion.
+    """
+    known = values(found)
+    if plan.resolved.model != "space":
+        return {name: _in_a_plane(plan.resolved.method, name) for name in known}
+    fair = fair_step(plan)
+    part = plan.world.options.step / fair
+    if part > 1.0 + 1e-9:
+        names = [*known, LANDED, GROUPED, MOTION]
+        return dict.fromkeys(names, Verdict(None, LONGER.format(fair=_down(1e6 * fair))))
+    known |= {LANDED: 1.0, GROUPED: 1.0}
+    verdicts = {name: _in_space(part, name, value) for name, value in known.items()}
+    return verdicts | {MOTION: Verdict(None, TURNING)}
+
+
+def values(found: Summary) -> dict[str, float]:
+    """Values of all observables of a summary, by the names of `observables.NAMES`."""
+    known = {
+        observables.SPEED: found.speed_mm_s or 0.0,
+        observables.IMPACTS: found.impacts_per_s,
+        observables.CONTACT: found.contact_fraction,
+    }
+    tables = {
+        observables.POWERS: found.energies_per_s,
+        observables.BY_IMPULSE: found.type_fractions_by_impulse,
+        observables.BY_NUMBER: found.type_fractions,
+    }
+    for table, entries in tables.items():
+        known |= {f"{table}.{name}": value for name, value in entries.items()}
+    return known
+
+
+def _in_a_plane(method: MethodName, name: str) -> Verdict:
+    if name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}."):
+        return Verdict(None, ENDLESS)
+    if method == "event":
+        return Verdict(0.0)
+    return Verdict(None, UNKNOWN if name == observables.SPEED else COARSE)
+
+
+def _in_space(part: float, name: str, value: float) -> Verdict:
+    """Verdict for a step that is `part` (at most 1) of the longest to which the limits apply."""
+    kind = name.partition(".")[2] if name not in LIMITS else ""
+    whole, half = SHARES[kind] if kind else LIMITS[name]
+    # Between the two a power of the step; below in proportion to it.
+    share = half * 2.0 * part if part < 0.5 else whole * part ** math.log2(whole / half)
+    return Verdict(share if kind and value > 0.0 else share * abs(value))
+
+
+def fair_step(plan: Plan) -> float:
+    """Longest step (s) in space to which `LIMITS` apply: the model's own, less for low labels."""
+    run = plan.scene.run.model_copy(update={"step_us": None})
+    scene = plan.scene.model_copy(update={"run": run})
+    own = float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)
+    if plan.scene.feet.damping != "viscous" or plan.scene.contact.restitution >= FAIR:
+        return own
+    return 0.5 * own if plan.scene.contact.restitution >= STRONG else 0.25 * own
+
+
+def _down(value: float) -> float:
+    """Round down to two significant digits."""
+    digit = 10.0 ** (math.floor(math.log10(value)) - 1)
+    return math.floor(value / digit + 1e-9) * digit
+
+
+def longest_step(plan: Plan) -> float:
+    """Step (s) of a walker on springs beyond which every rebound is absorbed, else infinity.
+
+    Legs that are hit swing back within twice that step, by half a period of their slower mode or
+    by their damper: it ends before their rebound (`compliant.lengths.swings_back`).
+    """
+    legs = getattr(plan.world.walker, "legs", None)
+    if plan.resolved.model == "space" or plan.resolved.method == "event" or legs is None:
+        return math.inf
+    slower = min(legs.swing.mobility_1, legs.swing.mobility_2)
+    swing = math.pi / math.sqrt(legs.stiffness * slower)
+    damped = DAMPED / (legs.damping * slower) if legs.damping > 0.0 else math.inf
+    return 0.5 * min(swing, damped)
+
+
+def warnings(plan: Plan) -> list[str]:
+    """Warnings on the plan's step: longer than what the legs' swing allows."""
+    longest, step = longest_step(plan), getattr(plan.world.options, "step", 0.0)
+    if step <= longest:
+        return []
+    return [
+        f"run.step_us = {1e6 * step:g}: beyond {1e6 * longest:.3g} legs swing back within two "
+        "steps, every rebound is absorbed, and the speed is wrong (by 70 to 90 % at 10 deg); at "
+        f"most {0.5e6 * longest:.2g}, half of it, or method 'event'"
+    ]
+
+
+def errors(verdicts: Mapping[str, Verdict], found: Summary) -> dict[str, float | None]:
+    """Standard errors of the runs' scatter and the step together; None where either is unknown.
+
+    Half of a largest error of 95 % counts as one standard deviation.
+    """
+    scatter = {**found.errors, observables.SPEED: found.speed_se_mm_s}
+    both = {}
+    for name, se in scatter.items():
+        verdict = verdicts[name]
+        unknown = se is None or verdict.error is None
+        both[name] = None if unknown else math.hypot(se or 0.0, 0.5 * (verdict.error or 0.0))
+    return both
