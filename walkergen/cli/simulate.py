@@ -187,7 +187,7 @@ def _met_rows(met: "Met") -> list[tuple[str, str]]:
         ("because", f"cheapest of the ladders {source} with a margin of two in the step; its bias "
                     f"is at most {choice.bias_bound:.2g} {unit} (95 %)"),
         ("error, 95 %", f"{met.error:.2g} {unit}, {verdict} the {met.allowed:.2g} asked "
-                        f"(bias, and 2 x {bars:.2g} of the runs)"),
+                        f"(bias, and by Student's t the {bars:.2g} of the runs)"),
     ]  # fmt: skip
 
 
@@ -206,7 +206,7 @@ def _show_summary(
     bars = found.speed_se_mm_s
     speed = "none: no run ended well"
     if found.speed_mm_s is not None:
-        error = "standard error unknown: too few data" if bars is None else f"± {bars:.2g}"
+        error = "standard error unknown: needs 4 runs" if bars is None else f"± {bars:.2g}"
         speed = f"{found.speed_mm_s:.2f} {error} mm/s"
         if measured.point.model == "space":
             speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
@@ -218,6 +218,7 @@ def _show_summary(
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),
+        *tables.bound_rows(found),
         *(_met_rows(met) if met is not None else ()),
         *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),

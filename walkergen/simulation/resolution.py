@@ -5,7 +5,7 @@ Measured with `walkergen accuracy --only steps` and by hand, see docs/physics.md
 
 import math
 from collections.abc import Mapping
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.simulation import observables
 from walkergen.simulation.compliant.lengths import DAMPED
@@ -161,6 +161,23 @@ def warnings(plan: Plan) -> list[str]:
         "steps, every rebound is absorbed, and the speed is wrong (by 70 to 90 % at 10 deg); at "
         f"most {0.5e6 * longest:.2g}, half of it, or method 'event'"
     ]
+
+
+def bounded(verdicts: Mapping[str, Verdict], found: Summary) -> Summary:
+    """The summary with the step's error in the bounds of the speed; None where it is not known.
+
+    Half-widths add in squares: the step's is a largest error, which leaves 95 % and more inside.
+    """
+    speed, error = found.speed_mm_s, verdicts[observables.SPEED].error
+    changed: dict[str, Any] = {}
+    for level, part in (("68", 0.5), ("95", 1.0)):
+        names = [f"speed_{end}_{level}_mm_s" for end in ("low", "high")]
+        low, high = (getattr(found, name) for name in names)
+        changed |= dict.fromkeys(names)
+        if speed is not None and error is not None and low is not None and high is not None:
+            half = math.hypot(0.5 * (high - low), part * error)
+            changed |= {names[0]: speed - half, names[1]: speed + half}
+    return found._replace(**changed)
 
 
 def errors(verdicts: Mapping[str, Verdict], found: Summary) -> dict[str, float | None]:

@@ -16,6 +16,7 @@ from walkergen.jobs.accuracy.speeds import (
     Survey,
     complete,
 )
+from walkergen.numerics.statistics import Mean
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.observables import SPEED
@@ -226,7 +227,8 @@ def meet(
         se = observed.values(point, chosen)[of][1]
         if se is None or point.summary.runs < choice.runs:  # interrupted: shown as it is
             return Met(choice, chosen, point, math.inf, error, on_record, se, of)
-        obtained = choice.bias_bound + 2.0 * se
+        known = Mean(0.0, se, choice.runs - 1.0).interval(0.95)[1]
+        obtained = choice.bias_bound + known
         if obtained <= error:
             break
         longer = _up(choice.seconds * SLACK * (se / choice.se) ** 2)

@@ -74,6 +74,7 @@ def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = Non
     verdicts |= {name: Verdict(error) for name, error in (studied or {}).items()}
     values = resolution.values(point.summary)
     errors = resolution.errors(verdicts, point.summary)
+    point = point._replace(summary=resolution.bounded(verdicts, point.summary))
     found = Simulated(point, verdicts, resolution.warnings(plan), values, errors)
     if point.model != "space":
         return found

@@ -26,6 +26,11 @@ def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
     if not found.between_prints_mm_s:
         scatter = "not resolved by runs so short; longer --seconds would"
     yield "between prints", scatter
+    step = found.by_step_mm_s
+    yield (
+        "by the step",
+        ("not known: see `simulate` without --uncertain" if step is None else f"± {step:.2g} mm/s"),
+    )
     yield "statistical", f"± {found.statistical_mm_s:.1f} mm/s of each short run, not in the bounds"
     outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())
     yield "runs", f"model {found.model}, a run a draw: {outcomes}"
@@ -46,6 +51,7 @@ def as_dict(found: Uncertain) -> dict[str, Any]:
         "speed_high_95_mm_s": high2,
         "between_prints_mm_s": found.between_prints_mm_s,
         "statistical_mm_s": found.statistical_mm_s,
+        "by_step_mm_s": found.by_step_mm_s,
         "shares": [share._asdict() for share in found.shares],
         "unexplained": {"share": found.unexplained, "se": found.unexplained_se},
     }

@@ -13,6 +13,7 @@ from walkergen.analysis.motion import Motion
 from walkergen.jobs.simulate.make import Simulated
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
+from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.observables import POWER_ROWS
 
 MOVED = {
@@ -107,6 +108,19 @@ def speed_by_step(found: Simulated) -> str:
     if verdict.error is None:
         return f" {_marks(found)[verdict.reason]}"
     return f" ± {verdict.error:.2g} by the step (95 %)" if verdict.error else ""
+
+
+def bound_rows(found: Summary) -> Iterator[tuple[str, str]]:
+    """Row of a summary with the bounds of the mean speed, where runs and step give any."""
+    low, high = found.speed_low_95_mm_s, found.speed_high_95_mm_s
+    if low is not None and high is not None:
+        yield (
+            "95 % bounds",
+            (
+                f"{low:.1f} to {high:.1f} mm/s, by runs and step; --uncertain adds what design and "
+                "scene do not know"
+            ),
+        )
 
 
 def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:

@@ -14,8 +14,9 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.numerics import emulator, statistics
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.uncertain import Input, Share
@@ -46,8 +47,10 @@ class Uncertain(NamedTuple):
     """Standard deviation of the speed from print to print, statistics of short runs taken out."""
     statistical_mm_s: float
     """Standard error of one draw's speed by the shortness of its run."""
+    by_step_mm_s: float | None
+    """Largest error of the mean by the time step (95 %); None where it is not known."""
     bounds_mm_s: tuple[float, float, float, float]
-    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run."""
+    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run, the step's error included."""
     shares: tuple[Share, ...]
     """Parts of the variance between prints, by input; none where runs so short resolve none."""
     unexplained: float
@@ -90,7 +93,21 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     for point in found:
         name = point.results[0].outcome.value
         outcomes[name] = outcomes.get(name, 0) + 1
-    return analyse(model, known, values[good], halves, outcomes, scene.run.seed)
+    result = analyse(model, known, values[good], halves, outcomes, scene.run.seed)
+    plan = prepare(scene, design, solids.mass_of(design))
+    summary = found[0].summary._replace(speed_mm_s=result.speed_mm_s)
+    return with_step(result, resolution.judge(plan, summary)[observables.SPEED].error)
+
+
+def with_step(found: Uncertain, error: float | None) -> Uncertain:
+    """Results with the error of the step (mm/s, 95 %; None: not known) added to the bounds."""
+    mean, known = found.speed_mm_s, error or 0.0
+    parts = (known, 0.5 * known, 0.5 * known, known)
+    low2, low1, high1, high2 = (
+        mean + math.copysign(math.hypot(end - mean, part), end - mean)
+        for end, part in zip(found.bounds_mm_s, parts, strict=True)
+    )
+    return found._replace(by_step_mm_s=error, bounds_mm_s=(low2, low1, high1, high2))
 
 
 def _asked(scene: Scene, design: Design, known: Sequence[Input], row: Array, number: int) -> Asked:
@@ -146,7 +163,7 @@ def analyse(
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
         model, len(speeds), outcomes, mean, total / math.sqrt(len(speeds)), between, statistical,
-        bounds(speeds, statistical), shares, rest, rest_se, known, values, speeds,
+        None, bounds(speeds, statistical), shares, rest, rest_se, known, values, speeds,
     )  # fmt: skip
 
 
