@@ -63,35 +63,49 @@ class Response(NamedTuple):
 
     emulator: Emulator
     floor: float
-    """Scatter between prints that stand, mm/s; 0 where prints do not differ."""
+    """Scatter between prints that stand, mm/s, as simulated; 0 where prints do not differ."""
     share: float
     """Scatter over speed, which joins `floor` as its square does."""
+    still: float
+    """Speed (mm/s) below which a scatter that is learnt no longer falls with the speed."""
 
-    def scatter(self, speed: Array) -> Array:
-        """Standard deviation between prints at mean speeds (mm/s)."""
-        return np.hypot(self.floor, self.share * speed)
+    def __call__(self, x: Array) -> tuple[Array, Array, Array]:
+        """Mean speed, the emulator's error of it, and the scatter between prints, each (k,), mm/s.
+
+        Columns of x (k, parameters) beyond those simulated are a scatter over speed.
+        """
+        wide = len(self.emulator.centre)
+        mean, sd = self.emulator(x[:, :wide])
+        scatter = np.hypot(self.floor, self.share * mean)
+        if x.shape[1] > wide:
+            scatter = x[:, wide] * np.hypot(mean, self.still)
+        return mean, sd, scatter
 
 
-def shares(ground: Ground, count: int) -> Array:
-    """Shares of the priors for `count` walkers, by a scrambled Sobol sequence, (count, inputs).
+STILL = 0.1
+"""Speed over that of the plate below which a learnt scatter no longer falls with the speed."""
 
-    Columns: the parameters, then what differs from print to print.
+
+def spread(ground: Ground, count: int) -> Array:
+    """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
+
+    A scrambled Sobol sequence.
     """
     from scipy.stats import qmc
 
-    wide = len(ground.unknown.parameters) + len(ground.unknown.printed)
-    sequence = qmc.Sobol(wide, rng=np.random.default_rng(ground.scene.run.seed))
-    return np.asarray(sequence.random_base2(math.ceil(math.log2(count)))[:count])
+    parameters, seed = ground.unknown.simulated, ground.scene.run.seed
+    sequence = qmc.Sobol(len(parameters), rng=np.random.default_rng(seed))
+    return values(parameters, sequence.random_base2(math.ceil(math.log2(count)))[:count])
 
 
 def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
-    """Speeds (mm/s) of simulated walkers with parameters `x` (n, parameters), NaN where they fall.
+    """Speeds (mm/s) of simulated walkers with parameters `x` (n, simulated), NaN where they fall.
 
     A print and a start each, from the scene's seed, the setting and the number of the batch. What
     was simulated before is not simulated again; Ctrl-C loses only the runs under way.
     """
     prints, seeds = _prints(ground, setting, len(x), batch)
-    names = [one.prior.name for one in ground.unknown.parameters]
+    names = [one.prior.name for one in ground.unknown.simulated]
     names += [one.name for one in ground.unknown.printed]
     scene = _short(ground, setting)
     asked = []
@@ -154,7 +168,7 @@ def _short(ground: Ground, setting: Setting) -> Scene:
 
 
 def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:
-    """Emulate speeds y (n,), NaN where there is none, at parameters x (n, parameters).
+    """Emulate speeds y (n,), NaN where there is none, at x (n, simulated parameters).
 
     Scatter about the emulator grows with speed; it counts as that between prints where prints
     differ, and otherwise as noise of short runs. Raises InputError when too many walkers fell.
@@ -175,7 +189,8 @@ def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Respo
     excess = float(np.sqrt(np.mean((found.left_out / found.left_out_sd) ** 2)))
     floor, share = floor * excess, share * excess
     found = emulator.fit(x, y, noise * excess)
-    return Response(found, floor, share) if prints_differ else Response(found, 0.0, 0.0)
+    still = STILL * setting.plate_speed
+    return Response(found, *((floor, share) if prints_differ else (0.0, 0.0)), still)
 
 
 def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
@@ -190,11 +205,6 @@ def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
         (floor, share), _ = nnls(columns * weight[:, None], residual**2 * weight)
         weight = 1.0 / np.maximum(columns @ (floor, share), (0.3 * typical) ** 2)
     return max(math.sqrt(floor), 0.1 * typical), math.sqrt(share)
-
-
-def spread(ground: Ground, count: int) -> Array:
-    """Parameters of `count` walkers spread over their priors, shape (count, parameters)."""
-    return values(ground.unknown.parameters, shares(ground, count))
 
 
 def batches(

@@ -105,7 +105,7 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     rows = lessons.learnt(parameters, known.draws)
     notes = [
-        *lessons.unlearnt(rows), *lessons.trades(parameters, known.draws),
+        *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, known.draws),
         *lessons.misfit(known, len(seen.speed), job.model), *notes, *_caveats(ground),
     ]  # fmt: skip
     learned = Learned(
@@ -189,7 +189,7 @@ def _refined(
     first = posterior.sample(
         ground.unknown.parameters, observed, _responses(ground, settings, x, y), seed, progress
     )
-    drawn = first.draws[:: len(first.draws) // SECOND][:SECOND]
+    drawn = _some(first, ground, SECOND)
     more = emulated.batches(ground, settings, drawn, progress, 1)
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
@@ -202,9 +202,15 @@ def _emulated_ahead(
     ground: Ground, ahead: Sequence[Setting], known: Posterior, progress: Progress
 ) -> list[Response]:
     """Responses in settings not measured, over the posterior, where alone they are needed."""
-    drawn = known.draws[:: len(known.draws) // AHEAD][:AHEAD]
+    drawn = _some(known, ground, AHEAD)
     y = emulated.batches(ground, ahead, drawn, progress, 2)
     return _responses(ground, ahead, drawn, y)
+
+
+def _some(known: Posterior, ground: Ground, count: int) -> Array:
+    """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
+    wide = len(ground.unknown.simulated)
+    return known.draws[:: len(known.draws) // count][:count, :wide]
 
 
 def _responses(
@@ -230,8 +236,8 @@ def _bands(
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
         with alone():
             speeds = posterior.speeds(known.draws, response, rng)
+            scatter = float(np.median(response(known.draws)[2]))
         ends = [float(one) for one in np.quantile(speeds, LEVELS)]
-        scatter = float(response.scatter(np.array(ends[:1]))[0])
         place = (setting.tilt, setting.plate_speed, is_measured)
         found.append(Band._make((*place, *ends, scatter)))
     return found
@@ -243,16 +249,8 @@ def _caveats(ground: Ground) -> list[str]:
         "scene.toml and design.toml hold means and standard deviations; how parameters go "
         "together stands in posterior.csv, and only bands.csv knows it"
     ]
-    if not ground.unknown.prints_differ:
-        found.insert(
-            0,
-            "how prints differ (feet.unevenness_um) is not in the bands: "
-            + (
-                "the scene switches it off"
-                if ground.model == "space"
-                else "the model compliant knows nothing of it, space does"
-            ),
-        )
+    if ground.model == "space" and not ground.unknown.prints_differ:
+        found.insert(0, "the scene has no unevenness: bands leave out how prints differ")
     return found
 
 
@@ -269,8 +267,8 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
     """Scene with what was learnt; held values keep the standard deviations of the scene."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
-        table, _, key = KEYS[row.name].partition(".")
-        if table in ("contact", "legs") and row.name != "thickness_mm":
+        if row.name in ("restitution", "friction", "damping_ratio"):
+            table, _, key = KEYS[row.name].partition(".")
             data[table] |= {key: row.mean, f"{key}_sd": row.sd}
     data["legs"]["model"] = job.model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"

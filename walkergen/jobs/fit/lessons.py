@@ -69,7 +69,7 @@ def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     """
     if len(parameters) < 2:
         return []
-    logs = np.log(np.maximum(draws, 1e-6))
+    logs = np.log(np.maximum(draws[:, : len(parameters)], 1e-6))
     sd = logs.std(axis=0)
     levels, vectors = np.linalg.eigh(np.corrcoef(logs.T))
     found = []

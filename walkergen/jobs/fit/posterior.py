@@ -127,8 +127,8 @@ def likelihood(
     """
     total, squares = np.zeros(len(x)), np.zeros(len(x))
     for seen, response in zip(observed, responses, strict=True):
-        mean, sd = response.emulator(x)
-        variance = seen.se**2 + response.scatter(mean)[:, None] ** 2
+        mean, sd, scatter = response(x)
+        variance = seen.se**2 + scatter[:, None] ** 2
         residual = seen.speed - mean[:, None]
         known = np.sum(1.0 / variance, axis=1)
         pull = np.sum(residual / variance, axis=1)
@@ -142,6 +142,5 @@ def likelihood(
 
 def speeds(x: Array, response: Response, rng: np.random.Generator) -> Array:
     """Draws of the speed of a new print for each draw of the parameters, shape (k,)."""
-    mean, sd = response.emulator(x)
-    mean = mean + sd * rng.normal(size=len(x))
-    return np.asarray(mean + response.scatter(mean) * rng.normal(size=len(x)))
+    mean, sd, scatter = response(x)
+    return np.asarray(mean + np.hypot(sd, scatter) * rng.normal(size=len(x)))
