@@ -25,28 +25,27 @@ DRAWS = 512
 
 
 def to_table(rows: Sequence[Learnt], title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """Table of every parameter: after the fit, its 68 and 95 % intervals, before the fit."""
+    """Table of every parameter: after the fit, and before it."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("parameter", "mean ± sd", "68 %", "95 %", "before", "sd over before's"):
+    for heading in ("parameter", "mean ± sd", "95 % interval", "before"):
         table.add_column(heading)
     for row in rows:
         table.add_row(
             row.name.replace("_", " "), with_error(Estimate(row.mean, row.sd)),
-            f"{row.low_68:.3g} to {row.high_68:.3g}", f"{row.low_95:.3g} to {row.high_95:.3g}",
-            row.prior, f"{row.narrowed:.2f}",
+            f"{row.low_95:.3g} to {row.high_95:.3g}", row.prior,
         )  # fmt: skip
     return table
 
 
 def bands_table(bands: "Sequence[Band]", form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """Table of the predicted speeds of one more print, by tilt."""
+    """Table of the speeds of one more print, by tilt."""
     table = Table(box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("tilt, deg", "plate, mm/s", "speed, mm/s", "68 %", "90 %", "95 %", ""):
+    for heading in ("tilt", "plate, mm/s", "one more print, mm/s", "68 %", "95 %", ""):
         table.add_column(heading)
     for band in bands:
         table.add_row(
             f"{band.tilt_deg:g}", f"{band.plate_speed_mm_s:.1f}", f"{band.speed_mm_s:.1f}",
-            f"{band.low_68:.1f} to {band.high_68:.1f}", f"{band.low_90:.1f} to {band.high_90:.1f}",
+            f"{band.low_68:.1f} to {band.high_68:.1f}",
             f"{band.low_95:.1f} to {band.high_95:.1f}",
             "measured" if band.measured else "predicted",
         )  # fmt: skip
