@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from walkergen.analysis.fits import Speeds
@@ -62,15 +63,15 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     tilt = np.array([band.tilt_deg for band in chosen])
     figure, axes = axes_of(title)
     colour, line, marker = STYLES["flexible"]
-    for level, shade in ((95, 0.12), (90, 0.16), (68, 0.25)):
+    for level, shade in ((95, 0.15), (90, 0.28), (68, 0.5)):
         low, high = (
             np.array([getattr(band, f"{end}_{level}") for band in chosen])
             for end in ("low", "high")
         )
+        paler = 1.0 - shade * (1.0 - np.array(to_rgb(colour)))
         axes.fill_between(
-            tilt, low, high, color=colour, alpha=shade, linewidth=0,
-            label=f"one more print, {level} %",
-        )  # fmt: skip
+            tilt, low, high, color=paler, linewidth=0, label=f"one more print, {level} %"
+        )
     middle = np.array([band.speed_mm_s for band in chosen])
     axes.plot(tilt, middle, line, color=colour, linewidth=1)
     axes.plot(tilt, middle, ".", color=colour, label="simulated")

@@ -20,7 +20,6 @@ from walkergen.jobs.fit.emulated import Ground, Response, Setting
 from walkergen.jobs.fit.lessons import Learnt
 from walkergen.jobs.fit.parameters import KEYS, ModelName, PriorName, held, unknown
 from walkergen.jobs.fit.posterior import Observed, Posterior
-from walkergen.numerics.emulator import alone
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -123,6 +122,8 @@ def parameters_of(ground: Ground) -> list[str]:
 
 def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
     """Rows of flexible walkers with their errors, and notes on those left out."""
+    if not len(found.speed):
+        raise InputError(f"{path}: no row is usable: {found.bad}")
     if found.se is None:
         raise InputError(
             f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
@@ -234,9 +235,8 @@ def _bands(
     found = []
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
-        with alone():
-            speeds = posterior.speeds(known.draws, response, rng)
-            scatter = float(np.median(response(known.draws)[2]))
+        speeds = posterior.speeds(known.draws, response, rng)
+        scatter = float(np.median(response(known.draws[:: posterior.KEPT // 64])[2]))
         ends = [float(one) for one in np.quantile(speeds, LEVELS)]
         place = (setting.tilt, setting.plate_speed, is_measured)
         found.append(Band._make((*place, *ends, scatter)))

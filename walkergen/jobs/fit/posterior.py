@@ -85,13 +85,13 @@ def _chain(
     logarithm: Callable[[Array], Array], wide: int, rng: np.random.Generator, progress: Progress
 ) -> tuple[Array, int, float]:
     """Draws in z of all chains, (n, wide), how many steps they took, and their correlation time."""
-    from emcee import EnsembleSampler, moves
+    from emcee import EnsembleSampler, State, moves
 
     start = _start(logarithm, wide, rng)
     mixed = [(moves.DEMove(), 0.8), (moves.DESnookerMove(), 0.2)]
     sampler = EnsembleSampler(*start.shape, logarithm, moves=mixed, vectorize=True)
-    state = np.random.RandomState(int(rng.integers(2**32))).get_state()
-    time = np.inf
+    stream = np.random.RandomState(int(rng.integers(2**32))).get_state()
+    state, time = State(start, random_state=stream), np.inf
     while sampler.iteration < ENOUGH * time:
         if sampler.iteration >= LONGEST:
             raise InputError(
@@ -99,8 +99,7 @@ def _chain(
                 "of them): hold a parameter, --fix NAME=VALUE, or take --prior scene"
             )
         progress("learning", min(sampler.iteration, 4 * CHUNK), 5 * CHUNK)
-        first = sampler.iteration == 0
-        sampler.run_mcmc(start if first else None, CHUNK, rstate0=state if first else None)
+        sampler.run_mcmc(state if sampler.iteration == 0 else None, CHUNK)
         time = max(1.0, float(np.max(sampler.get_autocorr_time(tol=0))))
     chain = sampler.get_chain(discard=int(4 * time), flat=True)
     return chain, sampler.iteration, time
@@ -142,5 +141,6 @@ def likelihood(
 
 def speeds(x: Array, response: Response, rng: np.random.Generator) -> Array:
     """Draws of the speed of a new print for each draw of the parameters, shape (k,)."""
-    mean, sd, scatter = response(x)
+    with alone():
+        mean, sd, scatter = response(x)
     return np.asarray(mean + np.hypot(sd, scatter) * rng.normal(size=len(x)))
