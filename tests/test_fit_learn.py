@@ -232,3 +232,14 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     everything = dict.fromkeys(parameters.KEYS, 0.3)
     with pytest.raises(parameters.InputError, match="nothing is left to learn"):
         parameters.unknown(scene, design, "space", "flat", everything)
+
+
+def test_another_plate_speed_keeps_the_frequency_and_the_ground_has_no_end(ground):
+    arena = ground.scene.arena.model_copy(update={"length_mm": 100.0})
+    there = ground._replace(scene=ground.scene.model_copy(update={"arena": arena}))
+    scene = emulated._short(there, setting()._replace(plate_speed=40.0))
+    assert scene.drive.peak_speed == pytest.approx(40.0)
+    assert scene.drive.frequency == pytest.approx(ground.scene.drive.frequency)
+    assert scene.arena.length_mm is None
+    own = emulated._short(there, setting()._replace(plate_speed=there.scene.drive.peak_speed))
+    assert own.drive == there.scene.drive
