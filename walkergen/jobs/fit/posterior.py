@@ -19,8 +19,8 @@ from walkergen.numerics.emulator import alone
 Array = npt.NDArray[np.float64]
 
 WALKERS = 48
-CHUNK, LONGEST = 500, 10_000
-"""Steps between two looks at the correlation time, and steps after which sampling gives up."""
+CHUNK, LONGEST = 500, 30_000
+"""Steps before the first look at the correlation time, and steps after which sampling gives up."""
 
 ENOUGH = 50
 """Correlation times that a chain needs before its own estimate of them holds (emcee's rule)."""
@@ -98,8 +98,9 @@ def _chain(
                 f"the posterior did not converge in {LONGEST} steps (correlation time {time:.0f} "
                 "of them): hold a parameter, --fix NAME=VALUE, or take --prior scene"
             )
-        progress("learning", min(sampler.iteration, 4 * CHUNK), 5 * CHUNK)
-        sampler.run_mcmc(state if sampler.iteration == 0 else None, CHUNK)
+        done = sampler.iteration
+        progress("learning", done, max(3 * CHUNK, 2 * done))
+        sampler.run_mcmc(state if done == 0 else None, max(CHUNK, done // 2))
         time = max(1.0, float(np.max(sampler.get_autocorr_time(tol=0))))
     chain = sampler.get_chain(discard=int(4 * time), flat=True)
     return chain, sampler.iteration, time
