@@ -154,7 +154,7 @@ def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short,
     assert result.exception is None, result.exception
     told = " ".join(result.stdout.split())
     assert "not learnt from these speeds" in told
-    assert "1 rows with braced legs left out" in told
+    assert "rows of braced legs left out, which tell nothing of contact: 1" in told
     folder = tmp_path / "out" / "speeds" / "fit"
     with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
         (band,) = csv.DictReader(stream)

@@ -67,7 +67,8 @@ def fit(
     The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or
     braced; otherwise the design's) and plate_speed_mm_s (otherwise the scene's). The theory is
     fitted by least squares; a simulated model by emulators and sampling, with bands for one more
-    print at every tilt. Both write scene.toml and design.toml for `walkergen family`.
+    print at every tilt: there a row is one print, its standard error that of its film. Both write
+    scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
 

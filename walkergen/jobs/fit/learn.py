@@ -111,13 +111,8 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
         known, len(seen.speed), rows, bands, notes, _scene(job, scene, rows, path),
         _design(design, rows, path), folder,
     )  # fmt: skip
-    _write(learned, job, seen, path, parameters_of(ground))
+    _write(learned, job, seen, path)
     return learned
-
-
-def parameters_of(ground: Ground) -> list[str]:
-    """Names of the parameters that are learnt, in the order of the draws' columns."""
-    return [one.name for one in ground.unknown.parameters]
 
 
 def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
@@ -137,7 +132,7 @@ def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
         )
     notes = [found.bad] if found.bad else []
     if braced.any():
-        notes.append(f"{braced.sum()} rows with braced legs left out: they tell nothing of contact")
+        notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
     kept = ~braced
     seen = Measured(
         found.tilt[kept], ["flexible"] * int(kept.sum()), found.speed[kept], found.se[kept],
@@ -289,9 +284,10 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
     return validate(data, Design, "fitted design")
 
 
-def _write(learned: Learned, job: Job, seen: Measured, path: Path, names: Sequence[str]) -> None:
+def _write(learned: Learned, job: Job, seen: Measured, path: Path) -> None:
     """Write the files of a fit."""
     target, told = Folder(learned.folder), caption(job)
+    names = [row.name for row in learned.rows]
     text = tables.to_markdown(learned, path.name, told)
     comment = f"Learnt from {path.name}: {told}"
     for name, content in (
