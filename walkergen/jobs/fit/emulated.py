@@ -1,7 +1,8 @@
 """Emulated speeds: short simulated runs over the parameters, and a Gaussian process through them.
 
-Every setting (a walker on a plate) has an emulator of its own. One over tilt as well would have
-to follow the kink where legs begin to slip, at tan(tilt) near the friction.
+Every setting (a walker on a plate) has an emulator of its own. One over tilt as well predicts
+speeds left out no better (rms 9 to 11 mm/s at 10 deg with 64 walkers a tilt), and its errors are
+wrong: the scatter of prints, which it takes as one, falls from 13 mm/s at 8 deg to 1.4 at 35 deg.
 """
 
 import math
