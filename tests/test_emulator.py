@@ -44,3 +44,16 @@ def test_residuals_left_out_are_those_of_fits_without_the_value():
 def test_too_few_values_are_refused():
     with pytest.raises(ValueError, match="8"):
         emulator.fit(np.zeros((7, 1)), np.zeros(7))
+
+
+@pytest.mark.parametrize("known", [True, False])
+def test_its_short_way_is_that_of_scikit_learn(known):
+    x = _points(40, 3)
+    y = _function(x) + np.random.default_rng(6).normal(0.0, 2.0, 40)
+    found = emulator.fit(x, y, np.full(40, 2.0) if known else None)
+    fresh = _points(50, 4)
+    mean, sd = found(fresh)
+    rival = found.process.predict((fresh - found.centre) / found.scale, return_std=True)
+    # Inverting the factor costs some digits of a variance that is a small difference.
+    assert mean == pytest.approx(rival[0], rel=1e-9)
+    assert sd == pytest.approx(rival[1], rel=1e-6)

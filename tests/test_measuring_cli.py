@@ -157,7 +157,8 @@ def test_fit_writes_a_scene_that_predicts_the_speeds(run, tmp_path):
     assert "legs is 'brased', not one of flexible, braced" in told
     folder = tmp_path / "out" / "speeds" / "fit"
     assert {path.name for path in folder.iterdir()} == {
-        "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json", "scene.toml", "speeds.csv",
+        "design.toml", "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json", "scene.toml",
+        "speeds.csv",
     }  # fmt: skip
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]

@@ -1,5 +1,6 @@
 """Emulator: a Gaussian process through noisy values of a slow function, with its own error."""
 
+import math
 import warnings
 from typing import Any, NamedTuple
 
@@ -28,10 +29,25 @@ class Emulator(NamedTuple):
     left_out_sd: Array
     """Standard deviations that the process gives these residuals, noise included, shape (n,)."""
 
+    factor: Array
+    """Inverse of the Cholesky factor of the values' covariance, shape (n, n)."""
+
     def __call__(self, x: Array) -> tuple[Array, Array]:
-        """Mean and standard deviation of the function, noise left out; x of shape (k, d)."""
-        mean, sd = self.process.predict((x - self.centre) / self.scale, return_std=True)
-        return mean, sd
+        """Mean and standard deviation of the function, noise left out; x of shape (k, d).
+
+        As `process.predict` gives them, whose checks take five times the time of its work.
+        """
+        from scipy.spatial.distance import cdist
+
+        process = self.process
+        variance, lengths = process.kernel_.k1.constant_value, process.kernel_.k2.length_scale
+        given = (x - self.centre) / self.scale
+        distance = math.sqrt(5.0) * cdist(given / lengths, process.X_train_ / lengths)
+        alike = variance * (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
+        mean = process._y_train_mean + process._y_train_std * (alike @ process.alpha_)
+        told = np.sum((alike @ self.factor.T) ** 2, axis=1)
+        sd = process._y_train_std * np.sqrt(np.maximum(variance - told, 0.0))
+        return np.ravel(mean), sd
 
 
 def alone() -> Any:
@@ -80,11 +96,11 @@ def fit(
         # A length at its bound says that an input does not matter: that is an answer.
         warnings.simplefilter("ignore", ConvergenceWarning)
         process.fit((x - centre) / scale, y)
-    factor = process.L_
-    inverse = np.linalg.inv(factor @ factor.T)
+    factor = np.linalg.inv(process.L_)
+    inverse = factor.T @ factor
     residual = process.alpha_ / np.diag(inverse) * spread
     sd = spread / np.sqrt(np.diag(inverse))
     if noise is None:  # the white part is noise, which predictions of the function leave out
         noise = np.full(len(y), spread * np.sqrt(process.kernel_.k2.noise_level))
         process.kernel_ = process.kernel_.k1
-    return Emulator(process, centre, scale, noise, np.ravel(residual), sd)
+    return Emulator(process, centre, scale, noise, np.ravel(residual), sd, factor)

@@ -1,14 +1,20 @@
-"""Figure of measured speeds with the theory fitted to them."""
+"""Figures of measured speeds with the theory fitted to them, or with what a model makes of them."""
 
 from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
+from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 
 from walkergen.analysis.fits import Speeds
+from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import STYLES, axes_of
 from walkergen.walker.design import Kind
+
+if TYPE_CHECKING:
+    from walkergen.jobs.fit.learn import Band
 
 Array = npt.NDArray[np.float64]
 
@@ -42,5 +48,40 @@ def fit_figure(
         )  # fmt: skip
     axes.set_xlabel("tilt of the legs (deg)")
     axes.set_ylabel("speed (mm/s)" if same else "speed / plate speed")
+    axes.legend(frameon=False)
+    return figure
+
+
+def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
+    """Draw speeds against tilt on the plate that is predicted: measured, and bands of one more.
+
+    Bands are computed at the dots alone; between them they are joined by straight lines.
+    """
+    plates = [band.plate_speed_mm_s for band in bands if not band.measured]
+    plate = plates[0] if plates else bands[0].plate_speed_mm_s
+    chosen = [band for band in bands if band.plate_speed_mm_s == plate]
+    tilt = np.array([band.tilt_deg for band in chosen])
+    figure, axes = axes_of(title)
+    colour, line, marker = STYLES["flexible"]
+    for level, shade in ((95, 0.15), (90, 0.28), (68, 0.5)):
+        low, high = (
+            np.array([getattr(band, f"{end}_{level}") for band in chosen])
+            for end in ("low", "high")
+        )
+        paler = 1.0 - shade * (1.0 - np.array(to_rgb(colour)))
+        axes.fill_between(
+            tilt, low, high, color=paler, linewidth=0, label=f"one more print, {level} %"
+        )
+    middle = np.array([band.speed_mm_s for band in chosen])
+    axes.plot(tilt, middle, line, color=colour, linewidth=1)
+    axes.plot(tilt, middle, ".", color=colour, label="simulated")
+    assert seen.se is not None
+    shown = seen.plate_speed == plate
+    axes.errorbar(
+        seen.tilt[shown], seen.speed[shown], seen.se[shown], fmt=marker, color="black",
+        markerfacecolor="white", markersize=5, capsize=3, label="measured", zorder=3,
+    )  # fmt: skip
+    axes.set_xlabel("tilt of the legs (deg)")
+    axes.set_ylabel(f"speed (mm/s) on a plate of {plate:.1f} mm/s")
     axes.legend(frameon=False)
     return figure

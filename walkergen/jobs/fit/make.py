@@ -75,8 +75,8 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds and write tables, figures and a scene.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
-    where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, fit.png, fit.pdf, manifest.json.
-    Raises InputError, before anything is written, for unusable input.
+    where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, design.toml (as given), fit.png,
+    fit.pdf, manifest.json. Raises InputError, before anything is written, for unusable input.
     """
     found = measured.read(path, job.design.legs.kind, job.scene.drive.peak_speed)
     tilt, legs = found.tilt, found.legs
@@ -93,7 +93,9 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     target.write("fit.md", fit_tables.to_markdown(result, path.name, told, notes).encode())
     points = fit_tables.points_to_csv(tilt, legs, speeds, result.predicted)
     target.write("speeds.csv", points.encode())
-    target.write("scene.toml", templates.dump(scene, f"Fitted to {path.name}: {told}").encode())
+    comment = f"Fitted to {path.name}: {told}"
+    target.write("scene.toml", templates.dump(scene, comment).encode())
+    target.write("design.toml", templates.dump(job.design, comment).encode())
     if job.pictures:
         _write_figures(fitted, job, path.name, target)
     facts: dict[str, Any] = {

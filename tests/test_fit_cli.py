@@ -1,0 +1,162 @@
+"""`fit --model` as a user meets it: print, film, fit, predict; and what it refuses."""
+
+import csv
+import json
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import WalkergenError
+from walkergen.files import templates
+from walkergen.jobs.fit import emulated, kept, learn
+from walkergen.scene import Scene
+from walkergen.simulation import points
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setattr(kept.kernels, "cache", lambda name: tmp_path)
+
+    def call(*words):
+        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+
+    return call
+
+
+HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "words", "hint"),
+    [
+        ("10,60,2\n", ("--model", "rigid"), "one of theory, compliant, space"),
+        ("10,60,2\n", ("--prior", "flat"), "--prior: the theory has none"),
+        ("10,60,2\n", ("--predict", "10"), "--predict: the theory has none"),
+        ("10,60,2\n", ("--model", "space", "--prior", "none"), "one of flat, scene"),
+        ("10,60,2\n", ("--model", "space", "--mode", "paper"), "a mode of the theory"),
+        ("10,60,2\n", ("--model", "space", "--fix", "impact_speed_factor=1"), "one of restitution"),
+        ("10,60,2\n", ("--model", "space", "--fix", "restitution=0"), "0.02..1 (model space)"),
+        ("10,60,2\n", ("--model", "space", "--fix", "friction=nan"), "must lie in"),
+        ("10,60,2\n", ("--model", "space", "--predict", "80"), "tilt up to"),
+        ("10,60,2\n", ("--model", "space", "--predict", "0:39:0.5"), "at most 40 together"),
+        ("10,60,2\n", ("--model", "space", "--law", "newton"), "elastic feet"),
+        ("10,60,2\n", ("--model", "compliant", "--scene", "plane-90hz"), "cannot turn"),
+        ("10,60,0\n", ("--model", "space"), "speed_se_mm_s must be > 0"),
+        ("10,60,\n", ("--model", "space"), "no column speed_se_mm_s"),
+        ("10,nan,2\n", ("--model", "space"), "speed_mm_s"),
+        ("80,60,2\n", ("--model", "space"), "tilt up to"),
+        ("10,60,2\n", ("--model", "space", "--fix", "thickness_mm=12.5"), "a leg leaves the body"),
+        ("", ("--model", "space"), "no"),
+    ],
+)
+def test_bad_input_is_one_clear_line(run, tmp_path, rows, words, hint):
+    (tmp_path / "speeds.csv").write_text(HEAD + rows)
+    result = run("fit", "speeds.csv", *words)
+    assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
+    assert hint in str(result.exception)
+    assert len(str(result.exception).splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_braced_rows_alone_teach_nothing(run, tmp_path):
+    (tmp_path / "speeds.csv").write_text(
+        "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n10,0.3,0.5,braced\n15,0.1,0.5,braced\n"
+    )
+    result = run("fit", "speeds.csv", "--model", "space")
+    assert "all rows have braced legs" in str(result.exception)
+
+
+@pytest.fixture
+def short(monkeypatch):
+    """Fits by a third of the walkers, simulated for less long."""
+    for name, count in (("FIRST", 32), ("SECOND", 12), ("AHEAD", 16)):
+        monkeypatch.setattr(learn, name, count)
+    monkeypatch.setattr(emulated, "SECONDS", {"compliant": 1.5, "space": 1.0})
+
+
+def filmed(tilts, restitution, friction):
+    """Speeds of simulated walkers, mm/s, as a file for `fit`."""
+    scene = templates.load("lane-90hz", "scenes", Scene)
+    changes = {
+        "contact": {"restitution": restitution, "friction": friction},
+        "run": {"seconds": 6.0, "runs": 2},
+        "legs": {"model": "compliant"},
+    }
+    scene = scene.model_copy(
+        update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
+    )
+    design = templates.load("koumakis2016", "walkers", Design)
+    lines = []
+    for tilt in tilts:
+        member = design.variant(tilt_deg=tilt)
+        asked = points.Asked(scene, member, solids.mass_of(member))
+        speed = points.measure(asked, lambda what, done, total: None).summary.speed_mm_s
+        lines.append(f"{tilt:g},{speed:.2f},2\n")
+    return HEAD + "".join(lines)
+
+
+@pytest.mark.slow
+def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
+    (tmp_path / "speeds.csv").write_text(filmed((8.0, 12.0, 20.0), 0.6, 0.2))
+    words = ("fit", "speeds.csv", "--model", "compliant", "--predict", "15", "--json")
+    result = run(*words)
+    assert result.exception is None, result.exception
+    found = json.loads(result.stdout)
+    for name, hidden in (("restitution", 0.6), ("friction", 0.2)):
+        row = found["parameters"][name]
+        assert abs(row["mean"] - hidden) < 3.5 * row["sd"], name
+        assert row["narrowed"] < 0.5, name
+    assert any("not learnt" in note and "youngs_modulus_gpa" in note for note in found["notes"])
+    folder = tmp_path / "out" / "speeds" / "fit"
+    assert {path.name for path in folder.iterdir()} == {
+        "bands.csv", "design.toml", "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json",
+        "posterior.csv", "scene.toml", "speeds.csv",
+    }  # fmt: skip
+    with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
+        bands = {float(row["tilt_deg"]): row for row in csv.DictReader(stream)}
+    assert [one["measured"] for one in bands.values()] == ["1", "1", "0", "1"]
+    order = ("low_95", "low_90", "low_68", "speed_mm_s", "high_68", "high_90", "high_95")
+    for band in bands.values():
+        ends = [float(band[name]) for name in order]
+        assert ends == sorted(ends)
+    truth = float(filmed((15.0,), 0.6, 0.2).splitlines()[1].split(",")[1])
+    low, middle, high = (float(bands[15.0][name]) for name in order[::3])
+    # One tilt is no test of coverage: it may lie out by half as much again as the 95 % ends.
+    assert 1.5 * (low - middle) < truth - middle < 1.5 * (high - middle)
+
+    before = {path.name: path.read_bytes() for path in folder.iterdir()}
+    run(*words)  # from what was kept: the same bytes
+    assert {path.name: path.read_bytes() for path in folder.iterdir()} == before
+
+    toml = [str(folder / name) for name in ("design.toml", "scene.toml")]
+    family = run("family", toml[0], "--scene", toml[1], "--tilt", "15", "--legs", "flexible",
+                 "--json", "--no-pictures")  # fmt: skip
+    (row,) = json.loads(family.stdout)["rows"]
+    assert row["tilt_deg"] == 15
+    scene = templates.load(toml[1], "scenes", Scene)
+    assert scene.legs.model == "compliant"
+    learnt = found["parameters"]
+    assert scene.contact.restitution_sd == pytest.approx(learnt["restitution"]["sd"])
+    design = templates.load(toml[0], "walkers", Design)
+    assert design.legs.thickness_sd_mm == pytest.approx(learnt["thickness_mm"]["sd"])
+
+
+@pytest.mark.slow
+def test_one_measured_speed_in_space_names_what_it_cannot_tell_apart(run, short, tmp_path):
+    (tmp_path / "speeds.csv").write_text(
+        "tilt_deg,speed_mm_s,speed_se_mm_s,legs\n15,42,1,flexible\n15,0.2,1,braced\n"
+    )
+    result = run("fit", "speeds.csv", "--model", "space", "--predict", "15", "--no-pictures")
+    assert result.exception is None, result.exception
+    told = " ".join(result.stdout.split())
+    assert "not learnt from these speeds" in told
+    assert "rows of braced legs left out, which tell nothing of contact: 1" in told
+    folder = tmp_path / "out" / "speeds" / "fit"
+    with (folder / "bands.csv").open(encoding="utf-8", newline="") as stream:
+        (band,) = csv.DictReader(stream)
+    assert float(band["low_95"]) < 42.0 < float(band["high_95"])
+    assert float(band["print_scatter_mm_s"]) > 1.0  # prints differ by 5 % at 15 deg

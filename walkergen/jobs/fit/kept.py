@@ -1,0 +1,31 @@
+"""Simulated speeds of earlier fits, in the user's cache: a file for each walker in its scene."""
+
+import hashlib
+import json
+from pathlib import Path
+
+from walkergen.files import output
+from walkergen.numerics import kernels
+from walkergen.scene import Scene
+from walkergen.simulation import points
+from walkergen.walker.design import Design
+
+
+def place(scene: Scene, design: Design) -> Path:
+    """File of the speeds of this walker in this scene, for this version."""
+    text = json.dumps(points.facts(scene, design), sort_keys=True)
+    return kernels.cache("fit") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
+
+
+def remember(path: Path, speeds: dict[str, float | None]) -> None:
+    """Save speeds (mm/s, None where a walker has none) by the keys of their points."""
+    output.write(path, json.dumps(speeds, allow_nan=False).encode())
+
+
+def recall(path: Path) -> dict[str, float | None]:
+    """Load what was saved; nothing where there is no file, or one cut short."""
+    try:
+        found = json.loads(path.read_text(encoding="utf-8"))
+        return {str(key): None if one is None else float(one) for key, one in found.items()}
+    except (OSError, ValueError, TypeError, AttributeError):
+        return {}

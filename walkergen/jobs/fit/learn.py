@@ -1,0 +1,315 @@
+"""Fit of a simulated model: measured speeds in, what they teach and what follows from it out."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import speeds as measured
+from walkergen.analysis.speeds import Measured
+from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.files.config import validate
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.jobs.fit import emulated, lessons, posterior
+from walkergen.jobs.fit import learnt_tables as tables
+from walkergen.jobs.fit.emulated import Ground, Response, Setting
+from walkergen.jobs.fit.lessons import Learnt
+from walkergen.jobs.fit.parameters import KEYS, ModelName, PriorName, held, unknown
+from walkergen.jobs.fit.posterior import Observed, Posterior
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+FIRST, SECOND, AHEAD = 64, 32, 48
+"""Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
+
+MOST_SETTINGS = 40
+"""Number of settings (tilts on plates), measured and predicted, that a fit simulates at most."""
+
+LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
+"""Median and ends of the 95, 90 and 68 % bands."""
+
+
+class Job(NamedTuple):
+    """Choices of a fit by simulation."""
+
+    design: Design
+    scene: Scene
+    model: ModelName
+    prior: PriorName
+    fixed: Mapping[str, float]
+    """Parameters that are held at given values."""
+    ahead: Sequence[float] | None
+    """Tilts to predict, deg; None for those of the design's family."""
+    pictures: bool
+
+
+class Band(NamedTuple):
+    """Predicted speeds (mm/s) of one more print in a setting: median, and ends of bands."""
+
+    tilt_deg: float
+    plate_speed_mm_s: float
+    measured: bool
+    """True where speeds were measured; the prediction there has learnt from them."""
+    speed_mm_s: float
+    low_95: float
+    low_90: float
+    low_68: float
+    high_68: float
+    high_90: float
+    high_95: float
+    print_scatter_mm_s: float
+    """Standard deviation between prints, which the bands contain."""
+
+
+class Learned(NamedTuple):
+    """Result of a fit by simulation, and the folder it was written to."""
+
+    posterior: Posterior
+    speeds: int
+    """Number of measured speeds."""
+    rows: tuple[Learnt, ...]
+    bands: list[Band]
+    notes: list[str]
+    scene: Scene
+    """Scene with the contact and damping as learnt."""
+    design: Design
+    """Design with the thickness and Young's modulus as learnt."""
+    folder: Path
+
+
+def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
+    """Learn from a CSV file of speeds by simulation and write tables, figures, scene, design.
+
+    Columns as in `make.fit`; speed_se_mm_s is needed. Writes fit.csv, fit.md, speeds.csv,
+    bands.csv, posterior.csv, scene.toml, design.toml, fit.png, fit.pdf, manifest.json. Raises
+    InputError, before anything is written, for unusable input.
+    """
+    found = measured.read(path, job.design.legs.kind, job.scene.drive.peak_speed)
+    seen, notes = _flexible(found, path)
+    scene, design = held(job.scene, job.design, job.fixed)
+    ground = Ground(scene, job.model, unknown(scene, design, job.model, job.prior, job.fixed))
+    settings, observed = _observed(design, seen)
+    ahead = _ahead(job, design, seen, settings)
+    known, responses = _refined(ground, settings, observed, progress)
+    parameters = ground.unknown.parameters
+    bands = _bands(ground, settings, responses, known, True)
+    later = _emulated_ahead(ground, ahead, known, progress)
+    bands += _bands(ground, ahead, later, known, False)
+    bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
+    rows = lessons.learnt(parameters, known.draws)
+    notes = [
+        *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, known.draws),
+        *lessons.misfit(known, len(seen.speed), job.model), *notes, *_caveats(ground),
+    ]  # fmt: skip
+    learned = Learned(
+        known, len(seen.speed), rows, bands, notes, _scene(job, scene, rows, path),
+        _design(design, rows, path), folder,
+    )  # fmt: skip
+    _write(learned, job, seen, path)
+    return learned
+
+
+def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
+    """Rows of flexible walkers with their errors, and notes on those left out."""
+    if not len(found.speed):
+        raise InputError(f"{path}: no row is usable: {found.bad}")
+    if found.se is None:
+        raise InputError(
+            f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
+            "errors: add them (walkergen analyse gives them), or use --model theory"
+        )
+    braced = np.array([kind == "braced" for kind in found.legs])
+    if braced.all():
+        raise InputError(
+            f"{path}: all rows have braced legs, whose speeds near 0 tell nothing of the contact; "
+            "measure walkers with flexible legs"
+        )
+    notes = [found.bad] if found.bad else []
+    if braced.any():
+        notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
+    kept = ~braced
+    seen = Measured(
+        found.tilt[kept], ["flexible"] * int(kept.sum()), found.speed[kept], found.se[kept],
+        found.plate_speed[kept], found.bad,
+    )  # fmt: skip
+    return seen, notes
+
+
+def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
+    """Settings of the rows and the speeds measured in each. Raises InputError for too many."""
+    assert seen.se is not None
+    pairs = np.column_stack([seen.tilt, seen.plate_speed])
+    different, places = np.unique(pairs, axis=0, return_inverse=True)
+    if len(different) > MOST_SETTINGS:
+        raise InputError(
+            f"{len(different)} pairs of tilt and plate speed; at most {MOST_SETTINGS}, since "
+            "each is simulated: give prints of one tilt the same tilt_deg and plate_speed_mm_s"
+        )
+    members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
+    settings = [
+        Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)
+    ]
+    rows = [np.ravel(places) == place for place in range(len(different))]
+    return settings, [Observed(seen.speed[row], seen.se[row]) for row in rows]
+
+
+def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]) -> list[Setting]:
+    """Settings to predict: tilts not measured, on the plate that most rows were measured on."""
+    plates, counts = np.unique(seen.plate_speed, return_counts=True)
+    plate = float(plates[np.argmax(counts)])
+    tilts = design.family.tilt_deg if job.ahead is None else job.ahead
+    known = [one.tilt for one in settings if one.plate_speed == plate]
+    missing = sorted({float(tilt) for tilt in tilts} - set(known))
+    if len(missing) + len(settings) > MOST_SETTINGS:
+        raise InputError(
+            f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most "
+            f"{MOST_SETTINGS} together, since each is simulated"
+        )
+    return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
+
+
+def _refined(
+    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed], progress: Progress
+) -> tuple[Posterior, list[Response]]:
+    """Posterior from emulators over the prior, refined by walkers drawn from a first posterior."""
+    progress("compiling (slow the first time only)", 0, 1)
+    seed = ground.scene.run.seed
+    x = emulated.spread(ground, FIRST)
+    y = emulated.batches(ground, settings, x, progress, 0)
+    first = posterior.sample(
+        ground.unknown.parameters, observed, _responses(ground, settings, x, y), seed, progress
+    )
+    drawn = _some(first, ground, SECOND)
+    more = emulated.batches(ground, settings, drawn, progress, 1)
+    x = np.concatenate([x, drawn])
+    y = [np.concatenate(both) for both in zip(y, more, strict=True)]
+    responses = _responses(ground, settings, x, y)
+    found = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
+    return found, responses
+
+
+def _emulated_ahead(
+    ground: Ground, ahead: Sequence[Setting], known: Posterior, progress: Progress
+) -> list[Response]:
+    """Responses in settings not measured, over the posterior, where alone they are needed."""
+    drawn = _some(known, ground, AHEAD)
+    y = emulated.batches(ground, ahead, drawn, progress, 2)
+    return _responses(ground, ahead, drawn, y)
+
+
+def _some(known: Posterior, ground: Ground, count: int) -> Array:
+    """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
+    wide = len(ground.unknown.simulated)
+    return known.draws[:: len(known.draws) // count][:count, :wide]
+
+
+def _responses(
+    ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]
+) -> list[Response]:
+    differ = ground.unknown.prints_differ
+    return [
+        emulated.response(x, speeds, setting, differ)
+        for setting, speeds in zip(settings, y, strict=True)
+    ]
+
+
+def _bands(
+    ground: Ground,
+    settings: Sequence[Setting],
+    responses: Sequence[Response],
+    known: Posterior,
+    is_measured: bool,
+) -> list[Band]:
+    """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
+    found = []
+    for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
+        rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
+        speeds = posterior.speeds(known.draws, response, rng)
+        scatter = float(np.median(response(known.draws[:: posterior.KEPT // 64])[2]))
+        ends = [float(one) for one in np.quantile(speeds, LEVELS)]
+        place = (setting.tilt, setting.plate_speed, is_measured)
+        found.append(Band._make((*place, *ends, scatter)))
+    return found
+
+
+def _caveats(ground: Ground) -> list[str]:
+    """Notes on what the bands leave out."""
+    found = [
+        "scene.toml and design.toml hold means and standard deviations; how parameters go "
+        "together stands in posterior.csv, and only bands.csv knows it"
+    ]
+    if ground.model == "space" and not ground.unknown.prints_differ:
+        found.insert(0, "the scene has no unevenness: bands leave out how prints differ")
+    return found
+
+
+def caption(job: Job) -> str:
+    """Statement of the assumptions on which a fit rests."""
+    fixed = ", ".join(f"{name} = {value:g}" for name, value in job.fixed.items())
+    feet = f", {job.scene.feet.damping} feet" if job.model == "space" else ""
+    law = f", law {job.scene.contact.law}" if job.model != "space" else ""
+    given = f", given {fixed}" if fixed else ""
+    return f"walker {job.design.name}, model {job.model}{feet}{law}, prior {job.prior}{given}"
+
+
+def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
+    """Scene with what was learnt; held values keep the standard deviations of the scene."""
+    data: dict[str, Any] = scene.model_dump(exclude_none=True)
+    for row in rows:
+        if row.name in ("restitution", "friction", "damping_ratio"):
+            table, _, key = KEYS[row.name].partition(".")
+            data[table] |= {key: row.mean, f"{key}_sd": row.sd}
+    data["legs"]["model"] = job.model
+    data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"
+    data["name"] = f"{scene.name[:57]}-fitted"
+    return validate(data, Scene, "fitted scene")
+
+
+def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
+    """Design with what was learnt of its legs and material."""
+    data: dict[str, Any] = design.model_dump()
+    for row in rows:
+        if row.name == "thickness_mm":
+            data["legs"] |= {"flexible_thickness_mm": row.mean, "thickness_sd_mm": row.sd}
+        elif row.name == "youngs_modulus_gpa":
+            data["material"] |= {row.name: row.mean, "youngs_modulus_sd_gpa": row.sd}
+    data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
+    data["name"] = f"{design.name[:57]}-fitted"
+    return validate(data, Design, "fitted design")
+
+
+def _write(learned: Learned, job: Job, seen: Measured, path: Path) -> None:
+    """Write the files of a fit."""
+    target, told = Folder(learned.folder), caption(job)
+    names = [row.name for row in learned.rows]
+    text = tables.to_markdown(learned, path.name, told)
+    comment = f"Learnt from {path.name}: {told}"
+    for name, content in (
+        ("fit.csv", tables.to_csv(learned.rows)),
+        ("fit.md", text),
+        ("bands.csv", tables.bands_to_csv(learned.bands)),
+        ("speeds.csv", tables.points_to_csv(seen, learned.bands)),
+        ("posterior.csv", tables.draws_to_csv(names, learned.posterior.draws)),
+        ("scene.toml", templates.dump(learned.scene, comment)),
+        ("design.toml", templates.dump(learned.design, comment)),
+    ):
+        target.write(name, content.encode())
+    if job.pictures:
+        from walkergen.files import figures as pictures
+        from walkergen.jobs.fit import figures
+
+        figure = figures.bands_figure(learned.bands, seen, path.name)
+        target.write("fit.png", pictures.png(figure))
+        target.write("fit.pdf", pictures.pdf(figure))
+    facts: dict[str, Any] = {
+        "file": path.name, "design": job.design.model_dump(mode="json"),
+        "scene": job.scene.model_dump(mode="json"), "model": job.model, "prior": job.prior,
+        "fixed": dict(job.fixed),
+    }  # fmt: skip
+    target.finish(facts)

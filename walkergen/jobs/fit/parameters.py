@@ -1,0 +1,159 @@
+"""Parameters that simulated speeds can teach: their ranges, what is known of them beforehand."""
+
+from collections.abc import Mapping, Sequence
+from typing import Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import uncertain
+from walkergen.errors import InputError
+from walkergen.scene import Scene
+from walkergen.uncertain import Input
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+PriorName = Literal["flat", "scene"]
+PRIORS: tuple[PriorName, ...] = ("flat", "scene")
+"""Names of what may be assumed of restitution and friction: nothing, or what the scene says."""
+
+ModelName = Literal["compliant", "space"]
+
+KEYS = {
+    "restitution": "contact.restitution",
+    "friction": "contact.friction",
+    "thickness_mm": "legs.thickness_mm",
+    "youngs_modulus_gpa": "material.youngs_modulus_gpa",
+    "damping_ratio": "legs.damping_ratio",
+}
+"""Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike."""
+
+PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
+"""Inputs in which one print differs from the next: drawn anew for every simulated walker."""
+
+FLAT = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
+"""Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
+
+LEAST_LABEL = 0.02
+"""Smallest restitution of the feet in space."""
+
+SCATTER = "print_scatter"
+PRINT_SCATTER = 0.15
+"""Name and prior standard deviation of the scatter of speeds between prints, over their speed,
+for a model that knows no unevenness: in space 5 um bring 25 % at 10 deg, 5 % from 15 deg on."""
+
+
+class Parameter(NamedTuple):
+    """Parameter to be learnt: a normal prior, cut off, or a flat one from its low to its high."""
+
+    name: str
+    prior: Input
+    flat: bool
+
+    def quantiles(self, shares: Array) -> Array:
+        """Values below which these shares of the prior lie; any shape."""
+        if self.flat:
+            return self.prior.low + shares * (self.prior.high - self.prior.low)
+        return uncertain.quantiles(self.prior, shares)
+
+    @property
+    def told(self) -> str:
+        """Statement of the prior."""
+        prior = self.prior
+        if prior.mean == 0.0:
+            return f"half normal, {prior.sd:g}"
+        if self.flat:
+            return f"flat, {prior.low:g} to {prior.high:g}"
+        return f"{prior.mean:.4g} ± {prior.sd:.2g}"
+
+
+class Unknown(NamedTuple):
+    """Everything that a fit does not know exactly of walkers and contact."""
+
+    simulated: tuple[Parameter, ...]
+    """Parameters that simulated speeds depend on."""
+    printed: tuple[Input, ...]
+    """Inputs that differ from print to print."""
+    scatter: tuple[Parameter, ...]
+    """Scatter between prints as a parameter, for a model that cannot simulate it; else none."""
+
+    @property
+    def parameters(self) -> tuple[Parameter, ...]:
+        """Everything that is learnt: the columns of a posterior's draws."""
+        return self.simulated + self.scatter
+
+    @property
+    def prints_differ(self) -> bool:
+        """True when feet differ from print to print; masses alone change speeds too little."""
+        return any(one.name == "feet.unevenness_um" for one in self.printed)
+
+
+def parse_fixed(texts: Sequence[str], model: ModelName) -> dict[str, float]:
+    """Parse values of parameters from NAME=VALUE. Raises InputError for what has no meaning."""
+    found: dict[str, float] = {}
+    least = LEAST_LABEL if model == "space" else 0.0
+    ranges = {
+        "restitution": (least, 1.0), "friction": (0.0, 5.0), "thickness_mm": (1e-3, 100.0),
+        "youngs_modulus_gpa": (1e-3, 1e4), "damping_ratio": (0.0, 10.0),
+    }  # fmt: skip
+    for text in texts:
+        name, _, number = (word.strip() for word in text.partition("="))
+        if name not in ranges:
+            raise InputError(
+                f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)} "
+                f"(model {model})"
+            )
+        low, high = ranges[name]
+        try:
+            value = float(number)
+        except ValueError:
+            raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number") from None
+        if not low <= value <= high:
+            raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g} (model {model})")
+        found[name] = value
+    return found
+
+
+def unknown(
+    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float]
+) -> Unknown:
+    """List what is to be learnt and what differs from print to print.
+
+    Thickness, Young's modulus and damping have the standard deviations of design and scene as
+    priors; without one they are held. Raises InputError when nothing is left to learn.
+    """
+    known = {one.name: one for one in uncertain.inputs(scene, design, model)}
+    found: list[Parameter] = []
+    for name, key in KEYS.items():
+        if name in fixed:
+            continue
+        if prior == "flat" and name in FLAT:
+            low, high = FLAT[name]
+            if name == "restitution" and model == "space":
+                low = LEAST_LABEL
+            middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
+            found.append(Parameter(name, Input(key, middle, sd, low, high), True))
+        elif key in known:
+            found.append(Parameter(name, known[key], False))
+    if not found:
+        raise InputError(
+            "--fix: nothing is left to learn; leave one of them free, or take --prior flat where "
+            "the scene's standard deviations are 0"
+        )
+    printed = tuple(known[name] for name in PRINTED if name in known)
+    scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
+    return Unknown(tuple(found), printed, () if model == "space" else (scatter,))
+
+
+def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
+    """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
+    values = {KEYS[name]: value for name, value in fixed.items()}
+    scene, design, _ = uncertain.applied(scene, design, values)
+    return scene, design
+
+
+def values(parameters: Sequence[Parameter], shares: Array) -> Array:
+    """Values of the parameters from shares of their priors, shape (n, parameters)."""
+    columns = [one.quantiles(shares[:, place]) for place, one in enumerate(parameters)]
+    return np.column_stack(columns)
