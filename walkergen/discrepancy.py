@@ -16,7 +16,7 @@ import numpy.typing as npt
 
 from walkergen.errors import WalkergenError
 from walkergen.numerics import emulator
-from walkergen.scene import Feet, Scene
+from walkergen.scene import LEAST_LABEL, Feet, Scene
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -101,7 +101,7 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     gyration = float(mass.J) / float(mass.M) / legs.contact_spacing_mm**2
     return Place(
         math.sqrt(abs(legs.tilt_deg)),
-        max(scene.contact.restitution, 0.02),  # the least label that the model in space knows
+        max(scene.contact.restitution, LEAST_LABEL),
         math.log(max(scene.contact.friction, 1e-9)),
         drive.peak_gamma,
         math.log(hinge),

@@ -17,6 +17,10 @@ GRAVITY = 9806.65
 AGREEMENT = 5e-3
 """Relative tolerance between redundant drive numbers: people write them to three digits."""
 
+LEAST_LABEL = 0.02
+"""Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
+need a damping ratio above 3.5, hysteretic feet above 2500 times the stiffness to unload."""
+
 Positive = Annotated[float, Field(gt=0, le=1e9)]
 
 
@@ -144,7 +148,7 @@ class Arena(Section):
     gap_mm: Annotated[float, Field(gt=0, le=1e6)] | None = None
     """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
     wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    wall_restitution: Annotated[float, Field(ge=0.02, le=1)] = 0.5
+    wall_restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
 
     @model_validator(mode="after")
     def _consistent(self) -> "Arena":

@@ -11,7 +11,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import Scene
+from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
@@ -57,7 +57,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     """Inputs with a standard deviation that `reader`, "theory" or a model's name, reads."""
     contact, feet, factor = scene.contact, scene.feet, scene.prediction
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    lowest = 0.02 if reader == "space" else 0.0
+    lowest = LEAST_LABEL if reader == "space" else 0.0
     known = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),

@@ -108,9 +108,9 @@ def _fit(
     progress: "Progress",
 ) -> "Fitted":
     """Fit the theory."""
-    from walkergen.jobs.fit import make
+    from walkergen.jobs.fit import fixed, make
 
-    job = make.Job(design, scene, opt.mode_of(mode, scene), make.parse_fixed(fix), pictures)
+    job = make.Job(design, scene, opt.mode_of(mode, scene), fixed.of_theory(fix), pictures)
     return make.fit(file, job, folder, progress)
 
 
@@ -127,14 +127,14 @@ def _learn(
     progress: "Progress",
 ) -> "Learned":
     """Fit a simulated model."""
-    from walkergen.jobs.fit import learn, parameters
+    from walkergen.jobs.fit import fixed, learn, parameters
 
     if prior not in parameters.PRIORS:
         known = ", ".join(parameters.PRIORS)
         raise InputError(f"--prior {prior[:30]!r}: must be one of {known}")
     ahead = None if predict is None else opt.parse_tilts(predict)
     job = learn.Job(
-        design, scene, model, prior, parameters.parse_fixed(fix, model), ahead,
+        design, scene, model, prior, fixed.of_model(fix, model), ahead,
         pictures,
     )  # fmt: skip
     return learn.learn(file, job, folder, progress)

@@ -10,7 +10,6 @@ import numpy.typing as npt
 from walkergen.analysis import fits
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.fits import RANGES, ContactFit, Speeds
-from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.config import validate
 from walkergen.files.output import Folder
@@ -49,26 +48,6 @@ class Fitted(NamedTuple):
     scene: Scene
     """Scene with the fitted contact."""
     folder: Path
-
-
-def parse_fixed(texts: list[str]) -> dict[str, float]:
-    """Parse parameters from NAME=VALUE. Raises InputError for names and values out of range."""
-    found: dict[str, float] = {}
-    for text in texts:
-        name, _, number = (word.strip() for word in text.partition("="))
-        if name not in RANGES:
-            raise InputError(
-                f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(RANGES)}"
-            )
-        low, high = RANGES[name]
-        try:
-            value = float(number)
-        except ValueError:
-            raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number") from None
-        if not low <= value <= high:
-            raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g}")
-        found[name] = value
-    return found
 
 
 def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:

@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from walkergen import uncertain
 from walkergen.errors import InputError
-from walkergen.scene import Scene
+from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.uncertain import Input
 from walkergen.walker.design import Design
 
@@ -34,9 +34,6 @@ PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
 
 FLAT = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
 """Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
-
-LEAST_LABEL = 0.02
-"""Smallest restitution of the feet in space."""
 
 SCATTER = "print_scatter"
 PRINT_SCATTER = 0.15
@@ -87,32 +84,6 @@ class Unknown(NamedTuple):
     def prints_differ(self) -> bool:
         """True when feet differ from print to print; masses alone change speeds too little."""
         return any(one.name == "feet.unevenness_um" for one in self.printed)
-
-
-def parse_fixed(texts: Sequence[str], model: ModelName) -> dict[str, float]:
-    """Parse values of parameters from NAME=VALUE. Raises InputError for what has no meaning."""
-    found: dict[str, float] = {}
-    least = LEAST_LABEL if model == "space" else 0.0
-    ranges = {
-        "restitution": (least, 1.0), "friction": (0.0, 5.0), "thickness_mm": (1e-3, 100.0),
-        "youngs_modulus_gpa": (1e-3, 1e4), "damping_ratio": (0.0, 10.0),
-    }  # fmt: skip
-    for text in texts:
-        name, _, number = (word.strip() for word in text.partition("="))
-        if name not in ranges:
-            raise InputError(
-                f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)} "
-                f"(model {model})"
-            )
-        low, high = ranges[name]
-        try:
-            value = float(number)
-        except ValueError:
-            raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number") from None
-        if not low <= value <= high:
-            raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g} (model {model})")
-        found[name] = value
-    return found
 
 
 def unknown(

@@ -11,13 +11,9 @@ import math
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.scene import Scene
+from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.simulation.effects import local_contact
 from walkergen.walker.design import Design
-
-SMALLEST_LABEL = 0.02
-"""Smallest restitution label: viscous feet need a damping ratio of 3.5 for it, hysteretic feet an
-unloading stiffness of 2500 times that of loading. None of the two can be plastic."""
 
 
 class Foot(NamedTuple):
@@ -73,10 +69,10 @@ def damping_ratio(label: float) -> float:
 def foot_of(scene: Scene, design: Design, local: bool) -> Foot:
     """Elastic contact of a corner; `local`: with the local contact. Raises InputError."""
     label, feet = scene.contact.restitution, scene.feet
-    if label < SMALLEST_LABEL:
+    if label < LEAST_LABEL:
         raise InputError(
             f"contact.restitution = {label:g}: an elastic foot always rebounds a little; the model "
-            f"'space' takes {SMALLEST_LABEL:g}..1 (legs.model = 'compliant' takes 0 as well)"
+            f"'space' takes {LEAST_LABEL:g}..1 (legs.model = 'compliant' takes 0 as well)"
         )
     normal = feet.stiffness_ratio * axial_stiffness(design)
     if local:
