@@ -39,6 +39,7 @@ def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
 def as_dict(found: Uncertain) -> dict[str, Any]:
     """Results for JSON; shares are parts of the variance between prints."""
     low2, low1, high1, high2 = found.bounds_mm_s
+    unexplained = {"share": found.unexplained, "se": found.unexplained_se}
     return {
         "model": found.model,
         "draws": found.draws,
@@ -53,7 +54,7 @@ def as_dict(found: Uncertain) -> dict[str, Any]:
         "statistical_mm_s": found.statistical_mm_s,
         "by_step_mm_s": found.by_step_mm_s,
         "shares": [share._asdict() for share in found.shares],
-        "unexplained": {"share": found.unexplained, "se": found.unexplained_se},
+        "unexplained": unexplained if found.shares else None,
     }
 
 
