@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.motion import Curve
 from walkergen.jobs.paper.compare import LOW, Findings
-from walkergen.jobs.paper.facts import FACTS
+from walkergen.published import FACTS
 from walkergen.jobs.paper.plane import HALFWAY, SHORTEST, TILTS, Runs
 
 # Okabe and Ito's colours for the tilts, of three greys, each with its own line and marker.

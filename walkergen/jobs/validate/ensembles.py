@@ -1,0 +1,129 @@
+"""Ensembles that claims need: the paper's walker on its plate, at tilts, contacts and drives."""
+
+import math
+from collections.abc import Sequence
+from functools import cache
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.files import templates
+from walkergen.jobs.validate.claim import Effort
+from walkergen.scene import Scene
+from walkergen.simulation import points
+from walkergen.simulation.run import impacts_of
+from walkergen.theory.impact import Kind
+from walkergen.walker import solids
+from walkergen.walker.design import Design, Kind as Legs
+
+Array = npt.NDArray[np.float64]
+
+DRAWS, SEED = 2000, 2016
+"""Random draws of measured speeds within their errors, for what is not linear in them."""
+
+STARTED_S = 0.5
+"""Discarded start of a run, s: some hundred impacts."""
+
+
+class Measured(NamedTuple):
+    """Mean over the runs of an ensemble."""
+
+    speed: float
+    """Mean speed, mm/s."""
+    se: float
+    type_share: float
+    """Share of types II and III in the normal impulse of all impacts."""
+    type_share_se: float
+    impact_speed: float
+    """Mean approach speed of impacts, weighed by their normal impulses, over the plate's peak
+    speed."""
+
+
+def paper_design(tilt_deg: float, kind: Legs = "flexible") -> Design:
+    """Design of the paper's walker at a tilt."""
+    design = templates.load("koumakis2016", "walkers", Design)
+    return design.variant(tilt_deg=tilt_deg, kind=kind)
+
+
+@cache
+def in_space(
+    tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8,
+    kind: Legs = "flexible",
+) -> Measured:
+    """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    tables = scene.model_dump(exclude_none=True)
+    tables["drive"] = {"frequency_hz": scene.drive.frequency, "gamma": gamma}
+    tables["legs"]["model"] = "space"
+    tables["run"] |= {
+        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
+    }  # fmt: skip
+    if restitution is not None:
+        tables["contact"]["restitution"] = restitution
+    scene = Scene.model_validate(tables)
+    design = paper_design(tilt_deg, kind)
+    asked = points.Asked(scene, design, solids.mass_of(design), impacts=True)
+    point = points.measure(asked, lambda *progress: None)
+    speed, se = mean([result.speed for result in point.results])
+    rows = [impacts_of(result) for result in point.results]
+    shares = [
+        float(one[np.isin(one[:, 6], (Kind.II, Kind.III)), 3].sum() / one[:, 3].sum())
+        for one in rows
+    ]
+    every = np.concatenate(rows)
+    approach = float(every[:, 3] @ -every[:, 5] / every[:, 3].sum()) / scene.drive.peak_speed
+    return Measured(speed, se, *mean(shares), approach)
+
+
+def mean(values: Sequence[float]) -> tuple[float, float]:
+    """Mean of independent values, and its standard error."""
+    return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values)))
+
+
+def drawn(points: Sequence[Measured]) -> tuple[Array, Array]:
+    """Mean speeds, shape (points,), and random ones within their errors, (DRAWS, points)."""
+    means = np.array([point.speed for point in points])
+    errors = np.array([point.se for point in points])
+    normal = np.random.default_rng(SEED).normal(size=(DRAWS, len(means)))
+    return means, np.asarray(means + errors * normal)
+
+
+def ratio(over: Measured, under: Measured) -> tuple[float, float]:
+    """Ratio of two speeds and its standard error."""
+    found = over.speed / under.speed
+    return found, math.hypot(over.se, found * under.se) / abs(under.speed)
+
+
+def top(tilts_deg: Sequence[float], points: Sequence[Measured]) -> tuple[float, float]:
+    """Tilt (deg) of the largest speed, by a parabola through it and its neighbours, and its error.
+
+    The error holds that of the speeds and a grid's, the spacing over sqrt 12.
+    """
+    means, random = drawn(points)
+    tilts = np.asarray(tilts_deg)
+    places = np.array([_vertex(tilts, one) for one in random])
+    at = min(max(int(means.argmax()), 1), len(tilts) - 2)
+    grid = float(tilts[at + 1] - tilts[at - 1]) / 2.0 / math.sqrt(12.0)
+    return _vertex(tilts, means), math.hypot(float(places.std(ddof=1)), grid)
+
+
+def _vertex(tilts: Array, speeds: Array) -> float:
+    at = int(speeds.argmax())
+    if at in (0, len(tilts) - 1):
+        return float(tilts[at])
+    a, b, _ = np.polyfit(tilts[at - 1 : at + 2] - tilts[at], speeds[at - 1 : at + 2], 2)
+    return float(tilts[at] - b / (2.0 * a))
+
+
+def off_line(gammas: Sequence[float], points: Sequence[Measured]) -> tuple[float, float]:
+    """Rms distance of speeds from their line through zero, over their mean, and its error, in %."""
+    plate = np.asarray(gammas)
+
+    def off(speeds: Array) -> Array:
+        slope = speeds @ plate / (plate @ plate)
+        rest = speeds - slope[:, None] * plate
+        return np.asarray(100.0 * np.sqrt((rest**2).mean(axis=1)) / np.abs(speeds).mean(axis=1))
+
+    means, random = drawn(points)
+    return float(off(means[None])[0]), float(off(random).std(ddof=1))
