@@ -40,11 +40,13 @@ def body(tall: float = TALL, mass: float = 0.833, gyration: float | None = None)
 
 
 def plan(
-    gamma: float, restitution: float, friction: float = 0.0, slope_deg: float = 0.0,
+    gamma: float,
+    restitution: float,
+    friction: float = 0.0,
+    slope_deg: float = 0.0,
     mass: MassProperties | None = None,
 ) -> Plan:
-    """Plan of a rigid body, from event to event, on a plate shaken with peak acceleration `gamma`.
-    """
+    """Plan of a rigid body, from event to event, on a plate shaken with peak acceleration `gamma`."""
     design = Design.model_validate({"legs": {"tilt_deg": 0.0, "kind": "braced"}})
     tables = {
         "drive": {"frequency_hz": FREQUENCY_HZ, "gamma": gamma},

@@ -60,8 +60,10 @@ class Claim(NamedTuple):
 
     @property
     def z(self) -> float | None:
-        """Gap over its standard error; None without one."""
-        return None if self.gap is None or not self.error else self.gap / self.error
+        """Gap over its standard error; None without one, or on the right side of a bound."""
+        if not self.gap and (self.bound or self.gap is None):
+            return None
+        return self.gap / self.error if self.error and self.gap is not None else None
 
     @property
     def allowed(self) -> float:
@@ -70,12 +72,13 @@ class Claim(NamedTuple):
 
     @property
     def deviation(self) -> float | None:
-        """Gap over the allowed one: within -1..1 the two agree; infinite where ours is no number.
-        """
+        """Gap over the allowed one: within -1..1 the two agree; infinite where ours is no number."""
         if self.gap is None:
             return None
         if not math.isfinite(self.gap):
             return math.inf
+        if self.gap == 0.0:
+            return 0.0
         return self.gap / self.allowed if self.allowed else math.copysign(math.inf, self.gap)
 
     @property
@@ -109,8 +112,15 @@ Test = Callable[[Effort], Iterator[Claim]]
 
 
 def exact(
-    group: str, quantity: str, unit: str, ours: float, theirs: float, within: float, reason: str,
-    source: str, why: str = "",
+    group: str,
+    quantity: str,
+    unit: str,
+    ours: float,
+    theirs: float,
+    within: float,
+    reason: str,
+    source: str,
+    why: str = "",
 ) -> Claim:
     """Claim on a number without chance, which may be off by the share `within` of `theirs`."""
     margin = within * abs(theirs)

@@ -20,7 +20,7 @@ from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, Y
 
-GROUP = "bouncing balls"
+GROUP = "bouncing"
 
 TUFILLARO = (
     "N. B. Tufillaro, T. M. Mello, Y. M. Choi, A. M. Albano, Period doubling boundaries of a "
@@ -85,8 +85,7 @@ def _orbit(plan: Plan, gamma: float, restitution: float) -> Array:
 
 
 def _map(plan: Plan, start: Array, height: float, velocity: float, periods: int = 1) -> Array:
-    """Height and velocity (mm, mm/s) off the start, some periods after they were put off by these.
-    """
+    """Height and velocity (mm, mm/s) off the start, some periods after they were put off by these."""
     state = start.copy()
     state[Y] += height
     state[V_Y] += velocity

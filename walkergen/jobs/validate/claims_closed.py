@@ -16,9 +16,9 @@ from walkergen.theory import impact, speed, tensors
 from walkergen.walker import mass as masses
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Mesh
+from walkergen.walker.mass import MassProperties
 
-GROUP = "closed forms"
+GROUP = "closed"
 
 PAPER = "Koumakis et al. 2016, eqs {}, written out with matrices"
 ROUNDING = "rounding"
@@ -46,6 +46,7 @@ def perpendicular(lever: Array) -> Array:
 
 def published_tensor(mass: MassProperties, anchor: Array) -> Array:
     """Inverse mass at a foot, shape (2, 2), 1/g: I/m + P(c)/j - R^T K^-1 R as the paper has it."""
+
     def spin(lever: Array) -> Array:
         return np.outer(perpendicular(lever), perpendicular(lever))
 
@@ -70,8 +71,7 @@ def tensor(effort: Effort) -> Iterator[Claim]:
 
 
 def stationary(effort: Effort) -> Iterator[Claim]:
-    """Claim on the stationary speed, by eq. 15 where feet slide back, by its limit where they stick.
-    """
+    """Claim on the stationary speed, by eq. 15 where feet slide back, by its limit where they stick."""
     e, mu = 0.9, 0.1
     for tilt in (10.0, 20.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))

@@ -15,12 +15,16 @@ from walkergen.simulation import points
 from walkergen.simulation.run import impacts_of
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
-from walkergen.walker.design import Design, Kind as Legs
+from walkergen.walker.design import Design
+from walkergen.walker.design import Kind as Legs
 
 Array = npt.NDArray[np.float64]
 
 DRAWS, SEED = 2000, 2016
 """Random draws of measured speeds within their errors, for what is not linear in them."""
+
+QUIET_S = 1e-3
+"""Time without impacts before a landing, s: contacts last some 0.4 ms, a period 11 ms."""
 
 STARTED_S = 0.5
 """Discarded start of a run, s: some hundred impacts."""
@@ -32,12 +36,11 @@ class Measured(NamedTuple):
     speed: float
     """Mean speed, mm/s."""
     se: float
-    type_share: float
-    """Share of types II and III in the normal impulse of all impacts."""
-    type_share_se: float
-    impact_speed: float
-    """Mean approach speed of impacts, weighed by their normal impulses, over the plate's peak
-    speed."""
+    types: float
+    """Share of types II and III among landings."""
+    types_se: float
+    landing_speed: float
+    """Mean normal speed of landings over the plate's peak speed."""
 
 
 def paper_design(tilt_deg: float, kind: Legs = "flexible") -> Design:
@@ -48,7 +51,10 @@ def paper_design(tilt_deg: float, kind: Legs = "flexible") -> Design:
 
 @cache
 def in_space(
-    tilt_deg: float, effort: Effort, restitution: float | None = None, gamma: float = 1.8,
+    tilt_deg: float,
+    effort: Effort,
+    restitution: float | None = None,
+    gamma: float = 1.8,
     kind: Legs = "flexible",
 ) -> Measured:
     """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
@@ -61,19 +67,42 @@ def in_space(
     }  # fmt: skip
     if restitution is not None:
         tables["contact"]["restitution"] = restitution
-    scene = Scene.model_validate(tables)
-    design = paper_design(tilt_deg, kind)
+    return _measured(Scene.model_validate(tables), paper_design(tilt_deg, kind))
+
+
+@cache
+def paper_model(tilt_deg: float, effort: Effort) -> Measured:
+    """Walker of the paper's model, whose legs relax at once, with the contact that it fitted."""
+    tables = templates.load("lane-90hz-fitted", "scenes", Scene).model_dump(exclude_none=True)
+    tables["legs"]["model"] = "relaxed"
+    tables["run"] |= {
+        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
+    }  # fmt: skip
+    return _measured(Scene.model_validate(tables), paper_design(tilt_deg))
+
+
+def _measured(scene: Scene, design: Design) -> Measured:
     asked = points.Asked(scene, design, solids.mass_of(design), impacts=True)
     point = points.measure(asked, lambda *progress: None)
     speed, se = mean([result.speed for result in point.results])
-    rows = [impacts_of(result) for result in point.results]
-    shares = [
-        float(one[np.isin(one[:, 6], (Kind.II, Kind.III)), 3].sum() / one[:, 3].sum())
-        for one in rows
-    ]
-    every = np.concatenate(rows)
-    approach = float(every[:, 3] @ -every[:, 5] / every[:, 3].sum()) / scene.drive.peak_speed
+    corners = 2 if point.model == "space" else 1
+    landed = [landings(impacts_of(result), corners) for result in point.results]
+    shares = [float(np.isin(one[:, 6], (Kind.II, Kind.III)).mean()) for one in landed]
+    approach = float(-np.concatenate(landed)[:, 5].mean()) / scene.drive.peak_speed
     return Measured(speed, se, *mean(shares), approach)
+
+
+def landings(impacts: Array, corners: int) -> Array:
+    """Rows of a run's impacts that are landings: a foot's first after QUIET_S without any.
+
+    `corners`: number of points by which a foot touches, counted one after another.
+    """
+    rows = []
+    for foot in (0, 1):
+        own = impacts[impacts[:, 1] // corners == foot]
+        own = own[np.argsort(own[:, 0], kind="stable")]
+        rows.append(own[np.diff(own[:, 0], prepend=-math.inf) > QUIET_S])
+    return np.concatenate(rows)
 
 
 def mean(values: Sequence[float]) -> tuple[float, float]:
