@@ -46,7 +46,7 @@ def plan(
     slope_deg: float = 0.0,
     mass: MassProperties | None = None,
 ) -> Plan:
-    """Plan of a rigid body, from event to event, on a plate shaken with peak acceleration `gamma`."""
+    """Plan of a rigid body, by events, on a plate whose peak acceleration is `gamma` g."""
     design = Design.model_validate({"legs": {"tilt_deg": 0.0, "kind": "braced"}})
     tables = {
         "drive": {"frequency_hz": FREQUENCY_HZ, "gamma": gamma},

@@ -72,7 +72,7 @@ class Claim(NamedTuple):
 
     @property
     def deviation(self) -> float | None:
-        """Gap over the allowed one: within -1..1 the two agree; infinite where ours is no number."""
+        """Gap over the allowed one: within -1..1 the two agree; infinite for no finite gap."""
         if self.gap is None:
             return None
         if not math.isfinite(self.gap):

@@ -39,7 +39,8 @@ HOUSNER = (
 )
 ELGAWADY = (
     "M. A. ElGawady, Q. Ma, J. M. Butterworth, J. M. Ingham, Effects of interface material on the "
-    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract: measured about {} of the predicted value on {}"
+    "dynamic behaviour of rigid blocks, doi 10.1201/9781003060888-45, abstract: "
+    "measured about {} of the predicted value on {}"
 )
 
 PERIOD = 1.0 / bodies.FREQUENCY_HZ
@@ -85,7 +86,7 @@ def _orbit(plan: Plan, gamma: float, restitution: float) -> Array:
 
 
 def _map(plan: Plan, start: Array, height: float, velocity: float, periods: int = 1) -> Array:
-    """Height and velocity (mm, mm/s) off the start, some periods after they were put off by these."""
+    """Height and velocity (mm, mm/s) off the start, periods after being put off by these."""
     state = start.copy()
     state[Y] += height
     state[V_Y] += velocity

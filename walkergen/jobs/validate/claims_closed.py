@@ -7,7 +7,7 @@ import numpy as np
 
 from walkergen.jobs.validate import bodies
 from walkergen.jobs.validate.bodies import Array, advance
-from walkergen.jobs.validate.claim import Claim, Effort, exact
+from walkergen.jobs.validate.claim import Bound, Claim, Effort, exact
 from walkergen.jobs.validate.claims_bounce import bisect
 from walkergen.scene import GRAVITY
 from walkergen.simulation.effects import compliance
@@ -71,7 +71,7 @@ def tensor(effort: Effort) -> Iterator[Claim]:
 
 
 def stationary(effort: Effort) -> Iterator[Claim]:
-    """Claim on the stationary speed, by eq. 15 where feet slide back, by its limit where they stick."""
+    """Claim on the stationary speed, by eq. 15 where feet slide back, as at μ = 0.1."""
     e, mu = 0.9, 0.1
     for tilt in (10.0, 20.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
@@ -102,11 +102,12 @@ def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
         "58, 1049 (1991)"
     )
     told = "largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {}'s law"
-    for law, bound in ((impact.Law.STRONGE, "<"), (impact.Law.NEWTON, ">")):
+    sides: dict[impact.Law, Bound] = {impact.Law.STRONGE: "<", impact.Law.NEWTON: ">"}
+    for law, bound in sides.items():
         yield Claim(
             GROUP, told.format(law.name.capitalize()), "", gains[law], None, 0.0, None, 1e-12,
             ROUNDING, source, "", bound,
-        )  # type: ignore[arg-type]  # fmt: skip
+        )  # fmt: skip
 
 
 def slopes(effort: Effort) -> Iterator[Claim]:
@@ -148,14 +149,17 @@ def leg(effort: Effort) -> Iterator[Claim]:
     """Claim on a leg as a spring: its tip's stiffness, its first frequency."""
     design = Design()
     E, length = 1e9 * design.material.youngs_modulus_gpa, design.legs.length_mm
-    I = design.body.depth_mm * design.leg_thickness**3 / 12.0
+    second = design.body.depth_mm * design.leg_thickness**3 / 12.0
     density = 1e-3 * design.material.density_g_cm3
     k = compliance.stiffness(design, "cantilever")
-    yield exact(GROUP, "stiffness of a leg's tip", "N/m", 1e-3 * k / length**2, 1e-3 * 3.0 * E * I / length**3,
-                1e-12, ROUNDING, "cantilever beam, Euler and Bernoulli")  # fmt: skip
+    yield exact(
+        GROUP, "stiffness of a leg's tip", "N/m", 1e-3 * k / length**2,
+        1e-3 * 3.0 * E * second / length**3, 1e-12, ROUNDING,
+        "cantilever beam, Euler and Bernoulli",
+    )  # fmt: skip
     line = density * design.leg_thickness * design.body.depth_mm
     ours = math.sqrt(k / (line * length**3 / 3.0)) / (2.0 * math.pi)
-    theirs = 1.8751040687**2 * math.sqrt(E * I / (line * length**4)) / (2.0 * math.pi)
+    theirs = 1.8751040687**2 * math.sqrt(E * second / (line * length**4)) / (2.0 * math.pi)
     yield exact(
         GROUP, "first frequency of a leg on a held body", "Hz", ours, theirs, 0.01,
         "one per cent: no frequency is known better", "cantilever beam, first root 1.8751",

@@ -10,9 +10,11 @@ import numpy.typing as npt
 
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
-from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.scene import GRAVITY, Scene
+from walkergen.simulation import points, record
+from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
+from walkergen.simulation.space.state import C_Y
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -25,6 +27,9 @@ DRAWS, SEED = 2000, 2016
 
 QUIET_S = 1e-3
 """Time without impacts before a landing, s: contacts last some 0.4 ms, a period 11 ms."""
+
+TOUCH = 1e-3
+"""Largest pitch and roll of a drop that counts as level, rad."""
 
 STARTED_S = 0.5
 """Discarded start of a run, s: some hundred impacts."""
@@ -103,6 +108,35 @@ def landings(impacts: Array, corners: int) -> Array:
         own = own[np.argsort(own[:, 0], kind="stable")]
         rows.append(own[np.diff(own[:, 0], prepend=-math.inf) > QUIET_S])
     return np.concatenate(rows)
+
+
+def rebound(tilt_deg: float, restitution: float, drops: int) -> tuple[float, float]:
+    """Height of the first bounce of walkers dropped level by 1 mm on a plate at rest, as a speed.
+
+    Mean of the rebound's over the impact's speed, and its standard error over the drops, whose
+    pitch and roll differ by up to TOUCH.
+    """
+    tables = {
+        "drive": {"frequency_hz": 90.0, "gamma": 1e-30},
+        "contact": {"restitution": restitution, "friction": 0.25},
+        "arena": {"kind": "plane"},
+        "legs": {"model": "space"},
+    }
+    design = paper_design(tilt_deg)
+    plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
+    fall, found = math.sqrt(2.0 / GRAVITY), []
+    for number in range(drops):
+        rng = np.random.default_rng([SEED, number])
+        pitch, roll = rng.uniform(-TOUCH, TOUCH, 2)
+        state = plan.start(1.0, pitch, 0.0, roll)
+        ground = float(state[C_Y]) - 1.0
+        heights = []
+        plan.advance(state, 1.05 * fall, record.new(len(state)))
+        for _ in range(100):
+            plan.advance(state, fall / 50.0, record.new(len(state)))
+            heights.append(float(state[C_Y]) - ground)
+        found.append(math.sqrt(max(*heights, 0.0)))
+    return mean(found)
 
 
 def mean(values: Sequence[float]) -> tuple[float, float]:
