@@ -14,7 +14,7 @@ import numpy as np
 from walkergen.analysis import lagged
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Claim, Effort, exact, missing
-from walkergen.jobs.validate.claims_rivals import EXTRA, installed
+from walkergen.jobs.validate.claims_rivals import EXTRA, installed, version
 from walkergen.jobs.validate.ensembles import paper_design
 from walkergen.printing import export, sheet, slicer
 from walkergen.printing.printers import Printer
@@ -25,7 +25,6 @@ from walkergen.walker import solids
 
 GROUP = "programs"
 
-TRACKPY = "trackpy (D. Allan, T. Caswell, N. Keim, C. van der Wel, R. Verweij), its imsd"
 PRUSASLICER = "PrusaSlicer, its length of filament, with our settings"
 
 LAGS = (1, 10, 50)
@@ -39,11 +38,12 @@ TIMEOUT_S = 120.0
 
 def displacement(effort: Effort) -> Iterator[Claim]:
     """Claim on the mean square displacement of one simulated track, against trackpy's."""
+    source = f"trackpy{version('trackpy')}, its imsd"
     told = "mean square displacement at 35 deg over {:g} s"
     if not (installed("trackpy") and installed("pandas")):
         for lag in LAGS:
             yield missing(
-                GROUP, told.format(lag * INTERVAL), "mm²", TRACKPY, EXTRA.format("trackpy")
+                GROUP, told.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy")
             )
         return
     import pandas as pd
@@ -65,7 +65,7 @@ def displacement(effort: Effort) -> Iterator[Claim]:
     for lag, ours in zip(LAGS, total / pairs, strict=True):
         yield exact(
             GROUP, told.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]), 1e-9,
-            "rounding of transforms", TRACKPY,
+            "rounding of transforms", source,
         )  # fmt: skip
 
 
