@@ -9,6 +9,7 @@ from walkergen import prediction
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Bound, Claim, Effort
 from walkergen.jobs.validate.ensembles import (
+    exponent,
     in_space,
     off_line,
     paper_design,
@@ -34,17 +35,33 @@ GAMMAS = (1.2, 1.4, 1.6, 1.8, 2.2, 2.6)
 LIVELY = 1.8
 """Drive of figure 2, peak acceleration over g, from which walkers run."""
 
+LATE_S = 0.5
+"""Lag from which to twice it runs of some seconds tell how a walker wanders, s."""
+
 BOUNCE = (
     "We have no proof of the reason. A nearly level drop of our walker agrees with the paper's "
     "0.8 for this label and not for the one that runs at the paper's speed (rows below): no label "
     "meets both. Uneven corners, walls and another law of the feet's damping change 10 to 20 % "
-    "(docs/physics.md section 5)."
+    "(docs/physics.md section 7)."
 )
 THRESHOLD = (
     "In our model a walker that rebounds little sits on the plate until that falls away, and "
     "friction wipes out there what a landing gave: it runs from about 1.6 g on. A noisy plate runs "
     "it below; the paper's is not known."
 )
+
+
+QUANTITIES = {
+    "types II and III": "types II and III among landings",
+    "braced": "speed of braced walkers",
+    "proportional": "distance from a line through zero, rms over mean",
+    "maximum below": "tilt of the largest speed",
+    "ballistic at 10": "exponent of squared displacement at 10 deg",
+    "ballistic at 15": "exponent of squared displacement at 15 deg",
+    "superdiffusive at 35": "exponent of squared displacement at 35 deg",
+    "diffusive at 35": "exponent of squared displacement at 35 deg",
+}
+"""Shorter names of quantities of facts."""
 
 
 def _of_fact(
@@ -54,8 +71,9 @@ def _of_fact(
     fact = FACTS[key]
     bound: Bound = "" if not fact.bound else "<" if math.isinf(fact.low) else ">"
     margin = 0.0 if fact.bound else fact.high - fact.value
+    quantity = f"{QUANTITIES.get(key, fact.quantity)}: {told}"
     return Claim(
-        GROUP, f"{fact.quantity}: {told}", fact.unit, ours, se, fact.value, None, margin,
+        GROUP, quantity, fact.unit, ours, se, fact.value, None, margin,
         fact.margin, f"Koumakis et al. 2016, {fact.where}", why, bound, fitted,
     )  # fmt: skip
 
@@ -163,4 +181,19 @@ def types(effort: Effort) -> Iterator[Claim]:
     )  # fmt: skip
 
 
-TESTS = (theory, theory_maximum, speeds, bounces, shape, braced, proportional, types)
+def motion(effort: Effort) -> Iterator[Claim]:
+    """Claim of the model in space on how walkers wander: local exponents of their displacement."""
+    told = f"in space, label {LABEL:g}, {{}}"
+    late = told.format("0.5 to 1 s")
+    for tilt in (10.0, 15.0):
+        found = exponent(tilt, effort, LABEL, LATE_S)
+        yield _of_fact(f"ballistic at {tilt:g}", late, *found)
+    early = exponent(35.0, effort, LABEL, 0.04)
+    yield _of_fact("superdiffusive at 35", told.format("40 to 80 ms"), *early)
+    yield _of_fact(
+        "diffusive at 35", late, *exponent(35.0, effort, LABEL, LATE_S),
+        "The paper has this beyond 1 s, where runs of some seconds say too little.",
+    )  # fmt: skip
+
+
+TESTS = (theory, theory_maximum, speeds, bounces, shape, braced, proportional, types, motion)

@@ -8,13 +8,14 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis import lagged
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
 from walkergen.scene import GRAVITY, Scene
-from walkergen.simulation import points, record
+from walkergen.simulation import points, record, trajectory
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
-from walkergen.simulation.space.state import C_Y
+from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -27,6 +28,9 @@ DRAWS, SEED = 2000, 2016
 
 QUIET_S = 1e-3
 """Time without impacts before a landing, s: contacts last some 0.4 ms, a period 11 ms."""
+
+FRAME_S = 0.01
+"""Time between samples of a run, s."""
 
 TOUCH = 1e-3
 """Largest pitch and roll of a drop that counts as level, rad."""
@@ -108,6 +112,42 @@ def landings(impacts: Array, corners: int) -> Array:
         own = own[np.argsort(own[:, 0], kind="stable")]
         rows.append(own[np.diff(own[:, 0], prepend=-math.inf) > QUIET_S])
     return np.concatenate(rows)
+
+
+def exponent(
+    tilt_deg: float, effort: Effort, restitution: float, lag_s: float
+) -> tuple[float, float]:
+    """Exponent of the mean square displacement between a lag and twice it, and its error.
+
+    2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
+    """
+    squares = _squares(tilt_deg, effort, restitution, lag_s)
+    total = squares.sum(axis=0)
+    without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
+    n = len(squares)
+    return float(np.log2(total[1] / total[0])), math.sqrt((n - 1) / n * n * without.var())
+
+
+def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Array:
+    """Mean square displacement of every run at a lag and at twice it, shape (runs, 2), mm^2."""
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    tables = scene.model_dump(exclude_none=True)
+    tables["contact"]["restitution"] = restitution
+    tables["run"] |= {
+        "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
+    }  # fmt: skip
+    design = paper_design(tilt_deg)
+    asked = points.Asked(
+        Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
+    )
+    point = points.measure(asked, lambda *progress: None)
+    lags = np.array([1, 2]) * round(lag_s / FRAME_S)
+    found = []
+    for result in point.results:
+        places = trajectory.sampled(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
+        total, pairs = lagged.squares(np.ascontiguousarray(places), lags)
+        found.append(total / pairs)
+    return np.array(found)
 
 
 def rebound(tilt_deg: float, restitution: float, drops: int) -> tuple[float, float]:

@@ -30,9 +30,10 @@ def deviations(claims: Sequence[Claim]) -> bytes:
         axes.plot(x, y, MARKERS[word], color=colour, markersize=4, label=word, linestyle="none")
     axes.axvline(1.0, color="black", linewidth=0.8)
     axes.axvspan(SMALLEST / 2.0, 1.0, color="#0072B2", alpha=0.06, linewidth=0)
-    for group in groups[1:]:
+    for group in groups:
         line = next(line for line, one in enumerate(claims) if one.group == group)
         axes.axhline(line - 0.5, color="grey", linewidth=0.6)
+        axes.text(1.9 * LARGEST, line - 0.3, group, ha="right", va="top", fontsize=8, weight="bold")
     axes.set_yticks(range(len(claims)), [one.quantity for one in claims], fontsize=6)
     axes.set_ylim(len(claims) - 0.4, -0.6)
     axes.set_xscale("log")

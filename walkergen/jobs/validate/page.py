@@ -2,6 +2,7 @@
 
 from collections.abc import Iterable, Mapping, Sequence
 
+from walkergen import __version__
 from walkergen.files import tables
 from walkergen.jobs.validate.claim import TIMES, VERDICTS, Claim
 
@@ -51,7 +52,8 @@ def _head(claims: Sequence[Claim], command: str) -> str:
         [
             "# What walkergen predicts, against what is known outside it",
             "",
-            f"Made by `{command}`: {len(claims)} claims, of which {', '.join(words)}.",
+            f"Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which "
+            f"{', '.join(words)}.",
             "",
             "![Gaps over what is allowed, by group](validation.png)",
             "",
