@@ -236,3 +236,17 @@ def test_nothing_is_written_when_a_claim_raises(monkeypatch, tmp_path):
 def test_exact_claims_are_allowed_a_share_of_theirs():
     assert exact("g", "q", "", 1.009, 1.0, 0.01, "r", "s").verdict == "agree"
     assert exact("g", "q", "", 1.011, 1.0, 0.01, "r", "s").verdict == "disagree"
+
+
+def test_a_prediction_that_is_no_number_disagrees_on_page_and_in_json(monkeypatch, tmp_path):
+    broken = exact("closed", "a broken thing", "mm", math.nan, 1.0, 0.01, "r", "s")
+
+    def made_up(effort):
+        yield broken
+
+    monkeypatch.setitem(make.GROUPS, "closed", (made_up,))
+    result = call("--only", "closed", "--json", "--out", str(tmp_path))
+    assert result.exit_code == 0, result.output
+    (row,) = json.loads(result.stdout)["rows"]
+    assert (row["ours"], row["verdict"]) == (None, "disagree")
+    assert "We know no reason." in (tmp_path / "validation.md").read_text()

@@ -1,5 +1,6 @@
 """The command `validate`."""
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -47,11 +48,16 @@ def validate(
 
 def _claims_as_json(claims: "Sequence[Claim]", paths: Sequence[Path]) -> None:
     """Print the claims with z-scores and verdicts as JSON."""
-    rows = [
-        one._asdict() | {"z": one.z, "allowed": one.allowed, "verdict": one.verdict}
-        for one in claims
-    ]
+    rows = []
+    for one in claims:
+        row = one._asdict() | {"z": one.z, "allowed": one.allowed, "verdict": one.verdict}
+        # JSON has no NaN and no infinity; the verdict tells of them.
+        rows.append({name: _finite(value) for name, value in row.items()})
     show.as_json({"rows": rows, "files": [str(path) for path in paths]})
+
+
+def _finite(value: object) -> object:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
 
 
 def _show_claims(claims: "Sequence[Claim]", paths: Sequence[Path]) -> None:

@@ -91,14 +91,19 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
 
 
 def _measured(scene: Scene, design: Design) -> Measured:
-    asked = points.Asked(scene, design, solids.mass_of(design), impacts=True)
-    point = points.measure(asked, lambda *progress: None)
+    point = simulated(points.Asked(scene, design, solids.mass_of(design), impacts=True))
     speed, se = mean([result.speed for result in point.results])
     corners = 2 if point.model == "space" else 1
     landed = [landings(impacts_of(result), corners) for result in point.results]
     shares = [float(np.isin(one[:, 6], (Kind.II, Kind.III)).mean()) for one in landed]
     approach = float(-np.concatenate(landed)[:, 5].mean()) / scene.drive.peak_speed
     return Measured(speed, se, *mean(shares), approach)
+
+
+def simulated(asked: points.Asked) -> points.Point:
+    """Point with all of its runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
+    (point,) = points.each([asked], [""], lambda *progress: None, None)
+    return point
 
 
 def landings(impacts: Array, corners: int) -> Array:
@@ -140,7 +145,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     asked = points.Asked(
         Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
     )
-    point = points.measure(asked, lambda *progress: None)
+    point = simulated(asked)
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
     found = []
     for result in point.results:
