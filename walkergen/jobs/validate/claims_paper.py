@@ -25,6 +25,11 @@ from walkergen.walker import solids
 
 GROUP = "paper"
 
+PAPER = (
+    "N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion in "
+    "3D-printed active granular particles (2016)"
+)
+
 MEASURED, LABEL = 0.8, 0.25
 """Restitution that the paper measured, and label of a foot with which its speed comes out."""
 
@@ -74,7 +79,7 @@ def _of_fact(
     quantity = f"{QUANTITIES.get(key, fact.quantity)}: {told}"
     return Claim(
         GROUP, quantity, fact.unit, ours, se, fact.value, None, margin,
-        fact.margin, f"Koumakis et al. 2016, {fact.where}", why, bound, fitted,
+        fact.margin, f"{PAPER}, {fact.where}", why, bound, fitted,
     )  # fmt: skip
 
 
@@ -130,7 +135,7 @@ def bounces(effort: Effort) -> Iterator[Claim]:
             yield Claim(
                 GROUP, f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {told}", "",
                 *ours, fact.value, fact.high - fact.value, 0.0, "",
-                f"Koumakis et al. 2016, {fact.where}",
+                f"{PAPER}, {fact.where}",
                 "What a whole walker keeps depends on its tilt more than on the label: legs that "
                 "slide lose the work of friction. The paper names no tilt, height or first roll.",
             )  # fmt: skip
@@ -142,9 +147,7 @@ def shape(effort: Effort) -> Iterator[Claim]:
         curve = [in_space(tilt, effort, restitution) for tilt in TILTS]
         high, middle = curve[TILTS.index(10.0)], curve[-1]
         low = in_space(35.0, effort, restitution)
-        yield _of_fact(
-            "peak tilt", told, *top(TILTS, curve), "" if restitution == LABEL else BOUNCE
-        )
+        yield _of_fact("peak tilt", told, *top(TILTS, curve))
         yield _of_fact("15 below 10", told, *ratio(middle, high))
         yield _of_fact("35 below 15", told, *ratio(low, middle))
 
@@ -187,7 +190,7 @@ def types(effort: Effort) -> Iterator[Claim]:
     fact = FACTS["impact speed"]
     yield Claim(
         GROUP, f"log10 of {fact.quantity}, landings in space at 10 deg", "", ours, None, 0.0, None,
-        0.5, fact.margin, f"Koumakis et al. 2016, {fact.where}", "",
+        0.5, fact.margin, f"{PAPER}, {fact.where}", "",
     )  # fmt: skip
 
 

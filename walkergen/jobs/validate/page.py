@@ -60,7 +60,9 @@ def _head(claims: Sequence[Claim], command: str) -> str:
             "Errors are standard errors. The gap is ours less theirs, none on the right side of a "
             "bound; z is the gap over the error of both. A gap is allowed up to the margin (a "
             f"tolerance, or our reading of a statement in words) and {TIMES:g} errors. So *agree* "
-            "says that no difference shows: the column of what is allowed says how sharp that is.",
+            "says that no difference shows: the column of what is allowed says how sharp that is. "
+            "Closed forms, engines and programs test the arithmetic; only the paper's walkers, and "
+            "measured blocks, test the physics, and no walker of ours has been measured yet.",
             "",
             *meanings,
         ]
