@@ -27,7 +27,7 @@ GROUP = "paper"
 
 PAPER = (
     "N. Koumakis, A. Gnoli, C. Maggi, A. Puglisi, R. Di Leonardo, Mechanism of self-propulsion in "
-    "3D-printed active granular particles (2016)"
+    "3D-printed active granular particles, New J. Phys. 18, 113046 (2016)"
 )
 
 MEASURED, LABEL = 0.8, 0.25
