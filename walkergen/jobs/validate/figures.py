@@ -42,7 +42,7 @@ def deviations(claims: Sequence[Claim]) -> bytes:
     axes.tick_params(axis="x", labelsize=7)
     axes.grid(axis="x", linewidth=0.3)
     figure.legend(loc="outside upper center", ncols=4, fontsize=8, frameon=False)
-    return figures.png(figure)
+    return figures.png(figure, dpi=110)
 
 
 def _place(one: Claim) -> float:
