@@ -4,13 +4,12 @@
 
 import math
 
-import mujoco
 import numpy as np
 import pytest
-from mujoco_walker import mujoco_walker, speeds
-from space_rival import LEVEL, Walker, keller, land, plan_of, weightless
+from space_rival import Walker, keller, land, plan_of, weightless
 
-from walkergen.scene import GRAVITY, Scene
+from walkergen.jobs.validate import mujoco_walker
+from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.walker import mobility
@@ -149,16 +148,7 @@ def test_elastic_feet_in_the_plane_run_as_another_integrator_says(tilt, label, e
 def test_inverse_mass_at_the_corners_is_that_of_mujoco(tilt):
     """Without twist, which MuJoCo's tree of rigid bodies has no joint for."""
     plan = plan_of(tilt, effects={"leg_twist": False})
-    model = mujoco.MjModel.from_xml_string(mujoco_walker(plan.case.design, plan.case.mass))
-    data = mujoco.MjData(model)
-    mujoco.mj_forward(model, data)
-    rows = np.zeros((4, 3, model.nv))
-    for corner in range(4):
-        mujoco.mj_jacSite(model, data, rows[corner], None, corner)
-    rows = (LEVEL @ rows).reshape(12, -1)
-    moved = np.zeros_like(rows)
-    mujoco.mj_solveM(model, data, moved, rows)
-    W = rows @ moved.T
+    W = mujoco_walker.mobility(plan.case.design, plan.case.mass)
     # 1e-12: rounding of two factorisations
     np.testing.assert_allclose(mobility(plan.world.walker), W, rtol=0, atol=1e-12 * abs(W).max())
 
@@ -173,7 +163,7 @@ def test_nearly_plastic_feet_run_as_in_mujoco(tilt):
     plan = plan_of(tilt, drive={"frequency_hz": 90.0, "gamma": 1.8}, **free)
     walker, drive = plan.world.walker, plan.world.drive
     hinge = float(walker.stiffness[0]), float(walker.damping[0])
-    runs = speeds(plan.case.design, plan.case.mass, hinge, 0.25, drive, GRAVITY, 1.5, range(3))
+    runs = mujoco_walker.speeds(plan.case.design, plan.case.mass, hinge, 0.25, drive, 1.5, range(3))
     expected, other = runs.mean(), runs.std(ddof=1) / math.sqrt(len(runs))
     # A third: both feet are nearly plastic, not the same. MuJoCo's (50.2 +- 0.5 and 24.3 +- 0.8 at
     # any step of 2-8 us) are damped along the plate as well, and judge friction by the slip at the

@@ -24,6 +24,7 @@ from walkergen.cli import (
     selftest,
     simulate,
     templates,
+    validate,
 )
 from walkergen.errors import WalkergenError
 
@@ -37,7 +38,7 @@ app = typer.Typer(
 for command in (
     family.family, predict.predict, export.export, check.check, plate.plate, simulate.simulate,
     explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit, movie.movie,
-    report.report, reproduce.reproduce,
+    report.report, reproduce.reproduce, validate.validate,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(bench.app, name="bench")

@@ -8,10 +8,10 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.paper import curves
-from walkergen.jobs.paper.facts import FACTS, Verdict, judge
 from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value
 from walkergen.prediction import Curve
+from walkergen.published import FACTS, Verdict, judge
 from walkergen.scene import Scene
 from walkergen.theory.impact import Kind, Law, impact
 from walkergen.theory.speed import Mode, factor, factors

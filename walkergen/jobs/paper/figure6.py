@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.motion import Curve
 from walkergen.jobs.paper.compare import LOW, Findings
-from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.plane import HALFWAY, SHORTEST, TILTS, Runs
+from walkergen.published import FACTS
 
 # Okabe and Ito's colours for the tilts, of three greys, each with its own line and marker.
 STYLES = dict(

@@ -11,8 +11,8 @@ from matplotlib.figure import Figure
 from walkergen.jobs.paper import figure6 as motion
 from walkergen.jobs.paper.compare import FITTED, Findings, Theory
 from walkergen.jobs.paper.curves import lively, series_of, through_zero
-from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
+from walkergen.published import FACTS
 
 # Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
 MODELS = {

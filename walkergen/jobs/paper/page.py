@@ -6,10 +6,10 @@ from itertools import pairwise
 from walkergen.files.tables import as_markdown
 from walkergen.jobs.paper.compare import FRICTIONS, RESTITUTIONS, Findings, Row
 from walkergen.jobs.paper.curves import peak, series_of, through_zero
-from walkergen.jobs.paper.facts import FACTS, judge
 from walkergen.jobs.paper.plane import LONGER, Runs
 from walkergen.jobs.paper.sweeps import NOISE_RATIO, QUIET, SHORTER, Point, Value
 from walkergen.jobs.paper.tables import name, number, to_table
+from walkergen.published import FACTS, judge
 from walkergen.simulation.compliant.model import STEP_US
 
 

@@ -8,9 +8,9 @@ from rich.table import Table
 from walkergen.analysis.motion import Curve
 from walkergen.files.tables import csv_text
 from walkergen.jobs.paper.compare import Row, Theory
-from walkergen.jobs.paper.facts import FACTS
 from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, SUMS, TYPES, Assumption, Point
+from walkergen.published import FACTS
 
 ON_PLANE = ("contact", "tilt_deg")
 POINT = ("contact", "model", "tilt_deg", "plate_speed_mm_s")

@@ -1,14 +1,23 @@
 """The walker in space without twist, as a model of MuJoCo: a free body and two legs on hinges.
 
 Sites are the corners of the feet, in the order of `space_rival`. Lengths in mm, masses in g. The
-plate rests: gravity is g plus its acceleration.
+plate rests: gravity is g plus its acceleration. Needs the extra `rivals`.
 """
 
 import math
+from collections.abc import Iterable
 
 import mujoco
 import numpy as np
+import numpy.typing as npt
 from mujoco import rollout
+
+from walkergen.scene import GRAVITY
+from walkergen.simulation.drive import Drive
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+Array = npt.NDArray[np.float64]
 
 FOOT = 1e-3
 """Radius (mm) of the spheres that stand for corners; their lowest points are the corners."""
@@ -20,16 +29,20 @@ EVERY = 4
 """Periods of the drive between two places."""
 
 
-def _numbers(*values):
+def _numbers(*values: float) -> str:
     return " ".join(repr(float(value)) for value in values)
 
 
-def _inertia(tensor):
+def _inertia(tensor: Array) -> str:
     pairs = ((0, 0), (1, 1), (2, 2), (0, 1), (0, 2), (1, 2))
     return _numbers(*(tensor[i, j] for i, j in pairs))
 
 
-def _leg(name, anchor, design, mass, spring):
+def _leg(
+    name: str, anchor: Array, design: Design, mass: MassProperties, spring: tuple[float, float]
+) -> str:
+    whole = mass.spatial
+    assert whole is not None
     foot, corners = mass.c_A + mass.c_T, ""
     for side in (-0.5 * design.body.depth_mm, 0.5 * design.body.depth_mm):
         corners += f"""
@@ -39,16 +52,24 @@ def _leg(name, anchor, design, mass, spring):
     return f"""
       <body name="{name}" pos="{_numbers(*anchor, 0.0)}">
         <joint type="hinge" axis="0 0 1" stiffness="{spring[0]!r}" damping="{spring[1]!r}"/>
-        <inertial pos="{_numbers(*mass.c_A, 0.0)}" mass="{_numbers(mass.m)}"
-          fullinertia="{_inertia(mass.spatial.leg)}"/>{corners}
+        <inertial pos="{_numbers(*mass.c_A, 0.0)}" mass="{_numbers(float(mass.m))}"
+          fullinertia="{_inertia(whole.leg)}"/>{corners}
       </body>"""
 
 
-def mujoco_walker(design, mass, spring=(0.0, 0.0), friction=0.0, step=4e-6):
+def mujoco_walker(
+    design: Design,
+    mass: MassProperties,
+    spring: tuple[float, float] = (0.0, 0.0),
+    friction: float = 0.0,
+    step: float = 4e-6,
+) -> str:
     """MJCF of a flexible walker, relaxed and level, its O at the origin, over a plate at y = 0.
 
     `spring`: stiffness and damping of a hinge. Contacts are plastic, as stiff as steps allow.
     """
+    whole = mass.spatial
+    assert whole is not None
     legs = _leg("back", mass.a, design, mass, spring) + _leg("front", mass.b, design, mass, spring)
     half = 0.5 * design.body.depth_mm
     pairs = "".join(
@@ -67,8 +88,8 @@ def mujoco_walker(design, mass, spring=(0.0, 0.0), friction=0.0, step=4e-6):
     <geom name="plate" type="plane" size="1 1 1" zaxis="0 1 0" contype="0" conaffinity="0"/>
     <body name="body">
       <freejoint/>
-      <inertial pos="{_numbers(0.0, 0.0, mass.spatial.z)}" mass="{_numbers(mass.M)}"
-        fullinertia="{_inertia(mass.spatial.body)}"/>{legs}
+      <inertial pos="{_numbers(0.0, 0.0, whole.z)}" mass="{_numbers(float(mass.M))}"
+        fullinertia="{_inertia(whole.body)}"/>{legs}
     </body>
   </worldbody>
   <contact>{pairs}
@@ -77,7 +98,29 @@ def mujoco_walker(design, mass, spring=(0.0, 0.0), friction=0.0, step=4e-6):
 """
 
 
-def speeds(design, mass, spring, friction, drive, gravity, seconds, seeds):
+def mobility(design: Design, mass: MassProperties) -> Array:
+    """Inverse mass of all corners, shape (12, 12), 1/g: normal, along, across of each."""
+    model = mujoco.MjModel.from_xml_string(mujoco_walker(design, mass))
+    data = mujoco.MjData(model)
+    mujoco.mj_forward(model, data)
+    rows = np.zeros((4, 3, model.nv))
+    for corner in range(4):
+        mujoco.mj_jacSite(model, data, rows[corner], None, corner)
+    rows = rows[:, [1, 0, 2]].reshape(12, -1)
+    moved = np.zeros_like(rows)
+    mujoco.mj_solveM(model, data, moved, rows)
+    return np.asarray(rows @ moved.T)
+
+
+def speeds(
+    design: Design,
+    mass: MassProperties,
+    spring: tuple[float, float],
+    friction: float,
+    drive: Drive,
+    seconds: float,
+    seeds: Iterable[int],
+) -> Array:
     """Mean speed (mm/s) along the heading of each run, after a discarded half second."""
     count = round(drive.period / 4e-6)
     step = drive.period / count
@@ -99,7 +142,7 @@ def speeds(design, mass, spring, friction, drive, gravity, seconds, seeds):
         phases = phase + 2.0 * math.pi * (np.arange(count) + 0.5) / count
         pull = np.zeros((count, model.nbody, 6))
         pull[:, :, 1] = -np.outer(
-            gravity - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass
+            GRAVITY - drive.amplitude * drive.omega**2 * np.sin(phases), model.body_mass
         )
         pull = np.tile(pull.reshape(count, -1), (EVERY, 1))[None]
         places = []
@@ -112,8 +155,8 @@ def speeds(design, mass, spring, friction, drive, gravity, seconds, seeds):
             w, x, y, z = state[4:8]
             heading = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * z - w * y)])
             places.append([state[1], state[3], *heading / math.sqrt(heading @ heading)])
-        places = np.array(places[round(0.5 / (EVERY * drive.period)) :])
-        along = 0.5 * (places[1:, 2:] + places[:-1, 2:])
-        run = np.sum(np.diff(places[:, :2], axis=0) * along)
-        means.append(run / ((len(places) - 1) * EVERY * drive.period))
+        kept = np.array(places[round(0.5 / (EVERY * drive.period)) :])
+        along = 0.5 * (kept[1:, 2:] + kept[:-1, 2:])
+        run = np.sum(np.diff(kept[:, :2], axis=0) * along)
+        means.append(run / ((len(kept) - 1) * EVERY * drive.period))
     return np.array(means)

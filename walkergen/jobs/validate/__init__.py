@@ -1,0 +1,1 @@
+"""The job `validate`: every prediction against what is known outside walkergen."""

@@ -1,0 +1,67 @@
+"""Bodies of the closed forms: rigid walkers that are exact mirror images of themselves, as balls.
+
+Upright, without friction, dropped level, such a walker bounces on both feet at once as a ball does.
+"""
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.scene import Scene
+from walkergen.simulation import record
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.world import OK
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, Spatial
+
+Array = npt.NDArray[np.float64]
+
+HALF, TALL, LEG = 6.5, 9.0, 7.5
+"""Lengths of the paper's walker, mm: half between the feet; O above them; a leg."""
+
+FREQUENCY_HZ = 90.0
+"""Frequency of every drive here, the paper's."""
+
+REST = 1e-30
+"""Peak acceleration, over g, of a plate that rests: its amplitude vanishes in rounding."""
+
+
+def body(tall: float = TALL, mass: float = 0.833, gyration: float | None = None) -> MassProperties:
+    """Mass properties of a rigid body on two feet HALF to either side of O, `tall` mm below it.
+
+    `gyration`: radius of gyration about O, mm; without it that of the block that the feet bound.
+    """
+    radius = (HALF**2 + tall**2) / 3.0 if gyration is None else gyration**2
+    J = mass * radius
+    a, b = np.array([-HALF, LEG - tall]), np.array([HALF, LEG - tall])
+    c = np.array([0.0, -0.5 * LEG])
+    spatial = Spatial(0.0, np.diag([J, J, J]), np.zeros((3, 3)))
+    return MassProperties(mass, J, 0.0, 0.0, a, b, c, c, rigid=True, spatial=spatial)
+
+
+def plan(
+    gamma: float,
+    restitution: float,
+    friction: float = 0.0,
+    slope_deg: float = 0.0,
+    mass: MassProperties | None = None,
+) -> Plan:
+    """Plan of a rigid body, by events, on a plate whose peak acceleration is `gamma` g."""
+    design = Design.model_validate({"legs": {"tilt_deg": 0.0, "kind": "braced"}})
+    tables = {
+        "drive": {"frequency_hz": FREQUENCY_HZ, "gamma": gamma},
+        "contact": {"restitution": restitution, "friction": friction},
+        "plate": {"slope_deg": slope_deg},
+        "legs": {"model": "rigid"},
+        "run": {"method": "event"},
+    }
+    return prepare(Scene.model_validate(tables), design, body() if mass is None else mass)
+
+
+def advance(plan: Plan, state: Array, seconds: float) -> record.Tally:
+    """Advance a state in place. Raises ArithmeticError where the body does not keep upright."""
+    tally = record.new(len(state))
+    status = plan.advance(state, seconds, tally)
+    if status != OK:
+        raise ArithmeticError(f"the rigid body's run ended with status {status}")
+    return tally
