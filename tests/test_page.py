@@ -250,20 +250,21 @@ def test_the_page_does_not_overwrite_what_it_is_made_from(folder):
 def test_simulated_speeds_are_marks_of_their_own(folder):
     table = folder / "family.csv"
     first, *rows = table.read_text(encoding="utf-8").splitlines()
-    more = ["57.5,2.5,compliant,event,4 ended", "60.5,,compliant,step,4 ended"]
-    more += [",,rigid,event,4 toppled"] * 4
-    lines = [f"{first},sim_speed_mm_s,sim_se_mm_s,sim_model,sim_method,sim_outcomes"]
+    more = ["57.5,2.5,52.5,62.5,compliant,event,4 ended", "60.5,,,,compliant,step,4 ended"]
+    more += [",,,,rigid,event,4 toppled"] * 4
+    columns = "sim_speed_mm_s,sim_se_mm_s,sim_low_95_mm_s,sim_high_95_mm_s"
+    lines = [f"{first},{columns},sim_model,sim_method,sim_outcomes"]
     lines += [f"{row},{cells}" for row, cells in zip(rows, more, strict=True)]
     table.write_text("\n".join(lines), encoding="utf-8")
     drawn = chart.speeds(members.of(contents.read(folder)))
     labels = [point.label for point in drawn.points if point.simulated]
     assert labels == [
-        "flexible legs, 0°: simulated 57.5 mm/s (68 %: 55.0 to 60.0)",
+        "flexible legs, 0°: simulated 57.5 mm/s (95 %: 52.5 to 62.5)",
         "flexible legs, 10°: simulated 60.5 mm/s, error unknown",
     ]
     page = Elements(rendered(folder))
     assert "point flexible simulated" in [group.get("class") for group in page.all("g")]
-    for cell in ("57.5 ± 2.5", "60.5 ± ?", "4 toppled"):
+    for cell in ("57.5 ± 2.5", "52.5 to 62.5", "60.5 ± ?", "4 toppled"):
         assert cell in page.texts["td"]
     assert any("Dormand" in text for text in page.texts["li"])
     assert any("Moreau" in text for text in page.texts["li"])

@@ -24,7 +24,7 @@ def speed_figure(
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    Simulated speeds, if there are any, are open symbols with their standard errors as bars;
+    Simulated speeds, if there are any, are open symbols with their bounds of 95 % as bars;
     measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
@@ -68,16 +68,24 @@ def _draw_simulated(
     for legs in dict.fromkeys(row.legs for row in rows):
         colour, _, marker = STYLES[legs]
         points = [
-            (row.tilt_deg, one.sim_speed_mm_s, one.sim_se_mm_s or 0.0)
+            (row.tilt_deg, one.sim_speed_mm_s, *_ends(one))
             for row, one in zip(rows, simulated, strict=False)
             if row.legs == legs and one.sim_speed_mm_s is not None
         ]
         if points:
-            tilts, speeds, errors = zip(*points, strict=True)
+            tilts, speeds, *bars = zip(*points, strict=True)
             axes.errorbar(
-                tilts, speeds, errors, fmt=marker, color=colour, markerfacecolor="white",
-                markersize=6, capsize=3, label=f"{legs}, simulated",
+                tilts, speeds, bars, fmt=marker, color=colour, markerfacecolor="white",
+                markersize=6, capsize=3, label=f"{legs}, simulated, 95 %",
             )  # fmt: skip
+
+
+def _ends(one: Simulated) -> tuple[float, float]:
+    """Lengths of a bar below and above a simulated speed, mm/s; none where bounds are unknown."""
+    speed, low, high = one.sim_speed_mm_s, one.sim_low_95_mm_s, one.sim_high_95_mm_s
+    if speed is None or low is None or high is None:
+        return 0.0, 0.0
+    return speed - low, high - speed
 
 
 def _draw_measured(axes: matplotlib.axes.Axes, measured: Measured) -> None:

@@ -24,7 +24,7 @@ class Point(NamedTuple):
     x: float
     y: float
     low: float | None
-    """End of the bar of 68 % (predicted) or of one standard error (simulated); None: unknown."""
+    """End of the bar of 68 % (predicted) or of 95 % (simulated); None: unknown."""
     high: float | None
     label: str
 
@@ -91,18 +91,18 @@ def _of(number: int, member: Member) -> list[_Speed]:
     bounds = member.number("speed_low_68_mm_s"), member.number("speed_high_68_mm_s")
     found = [_Speed(number, member.tilt_deg, member.legs, False,
                     float(member.row["speed_mm_s"]), *bounds)]  # fmt: skip
-    speed, se = member.number("sim_speed_mm_s"), member.number("sim_se_mm_s")
+    speed = member.number("sim_speed_mm_s")
     if speed is not None:
-        ends = (None, None) if se is None else (speed - se, speed + se)
+        ends = member.number("sim_low_95_mm_s"), member.number("sim_high_95_mm_s")
         found.append(_Speed(number, member.tilt_deg, member.legs, True, speed, *ends))
     return found
 
 
 def _point(speed: _Speed, tilts: tuple[float, float], values: tuple[float, float]) -> Point:
-    source = "simulated" if speed.simulated else "predicted"
+    source, share = ("simulated", "95 %") if speed.simulated else ("predicted", "68 %")
     told = "mm/s, error unknown"
     if speed.low is not None and speed.high is not None:
-        told = f"mm/s (68 %: {speed.low:.1f} to {speed.high:.1f})"
+        told = f"mm/s ({share}: {speed.low:.1f} to {speed.high:.1f})"
     return Point(
         member=speed.member,
         legs=speed.legs,
