@@ -10,7 +10,8 @@ from walkergen.errors import InputError
 from walkergen.jobs.accuracy import choose, elastic, kept, shape, statistics, steps
 from walkergen.jobs.accuracy.choose import Wanted
 from walkergen.jobs.accuracy.ladder import order
-from walkergen.jobs.accuracy.speeds import Measured, Setting, Survey
+from walkergen.jobs.accuracy.setting import Measured, Setting
+from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Outcome, RunResult

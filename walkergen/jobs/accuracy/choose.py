@@ -8,14 +8,8 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import kept, observed
-from walkergen.jobs.accuracy.speeds import (
-    FINEST_SHARE,
-    STEP_RUNS,
-    Measured,
-    Setting,
-    Survey,
-    complete,
-)
+from walkergen.jobs.accuracy.setting import Measured, Setting
+from walkergen.jobs.accuracy.speeds import FINEST_SHARE, STEP_RUNS, Survey, complete
 from walkergen.numerics.statistics import Mean
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution

@@ -9,7 +9,8 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
-from walkergen.jobs.accuracy.speeds import Setting, Survey
+from walkergen.jobs.accuracy.setting import Setting
+from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble, record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare

@@ -5,7 +5,8 @@ from collections.abc import Iterator
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import observed
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
-from walkergen.jobs.accuracy.speeds import Measured, Survey
+from walkergen.jobs.accuracy.setting import Measured
+from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import observables, resolution
 
 RARE = 0.01

@@ -9,7 +9,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.accuracy.speeds import Measured, Survey
+from walkergen.jobs.accuracy.setting import Measured
+from walkergen.jobs.accuracy.speeds import Survey
 
 # Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
 STYLES = (

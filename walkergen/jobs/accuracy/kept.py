@@ -6,7 +6,8 @@ from pathlib import Path
 
 from walkergen.files import output
 from walkergen.jobs.accuracy.ladder import machine
-from walkergen.jobs.accuracy.speeds import Measured, Setting, Survey
+from walkergen.jobs.accuracy.setting import Measured, Setting
+from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.numerics import kernels
 from walkergen.simulation import points
 

@@ -7,7 +7,8 @@ import numpy as np
 
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time
-from walkergen.jobs.accuracy.speeds import Measured, Survey
+from walkergen.jobs.accuracy.setting import Measured
+from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.theory.speed import Mode, factors
 
 Details = dict[str, float | str | None]
