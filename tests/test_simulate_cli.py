@@ -135,7 +135,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
         rows = list(csv.DictReader(stream))
     assert [row["sim_model"] for row in rows] == ["space", "rigid"]
     assert all(float(row["sim_speed_mm_s"]) != 0 for row in rows)
-    assert "simulated (mm/s)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")
+    assert "simulated (mm/s, 95 %)" in (tmp_path / "here" / "family.md").read_text(encoding="utf-8")
 
 
 @pytest.mark.parametrize(

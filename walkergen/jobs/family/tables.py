@@ -22,6 +22,9 @@ MORE_DETAILS = (*DETAILS, "M", "m", "mean", "68 %")
 SURE = 1.96
 """Standard deviations on either side that hold a normal number with 95 %."""
 
+SMALL = 0.5
+"""Difference of speeds, mm/s, that verdicts in whole mm/s do not see."""
+
 
 class Simulated(NamedTuple):
     """Results of a member's ensemble in the family's table; the field names are columns."""
@@ -44,7 +47,7 @@ def verdict(row: Prediction, summary: "Summary") -> str:
     if summary.speed_mm_s is None or low is None or high is None:
         return "unknown"
     off = row.speed_mm_s - summary.speed_mm_s
-    if abs(off) <= math.hypot(SURE * row.speed_sd_mm_s, 0.5 * (high - low)):
+    if abs(off) <= max(math.hypot(SURE * row.speed_sd_mm_s, 0.5 * (high - low)), SMALL):
         return "agree"
     return f"theory off by {off:+.0f}"
 
@@ -109,9 +112,9 @@ def to_table(
     omitted = MORE_DETAILS if simulated else DETAILS
     shown = [name for name in columns if name[0] not in omitted]
     for heading, unit in shown:
-        left = heading in ("legs", "simulated", "outcomes", "verdict")
+        left = heading in ("legs", "simulated", "ended", "verdict")
         justify: Literal["left", "right"] = "left" if left else "right"
-        table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=heading != "outcomes")
+        table.add_column(f"{heading}\n{unit}", justify=justify, no_wrap=heading != "ended")
     for cells in zip(*(columns[name] for name in shown), strict=True):
         table.add_row(*cells)
     return table
@@ -151,18 +154,18 @@ def _columns(
         for key, column in zip(zip(HEADINGS, UNITS, strict=True), cells, strict=True)
     }
     if simulated:
-        columns["simulated", "mm/s"] = [_simulated(one) for one in simulated]
+        columns["simulated", "mm/s, 95 %"] = [_simulated(one) for one in simulated]
         columns["verdict", ""] = [one.verdict for one in simulated]
         columns["model", ""] = [one.sim_model for one in simulated]
-        columns["outcomes", ""] = [one.sim_outcomes for one in simulated]
+        columns["ended", ""] = [one.sim_outcomes for one in simulated]
     return columns
 
 
 def _simulated(one: Simulated) -> str:
     if one.sim_speed_mm_s is None:
         return "-"
-    error = "?" if one.sim_se_mm_s is None else _fixed(one.sim_se_mm_s, 1)
-    return f"{_fixed(one.sim_speed_mm_s, 1)} ± {error}"
+    bounds = _range(one.sim_low_95_mm_s, one.sim_high_95_mm_s)
+    return f"{_fixed(one.sim_speed_mm_s, 1)}, {bounds}"
 
 
 def notes_of(rows: Sequence[Prediction]) -> list[str]:
