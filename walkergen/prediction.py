@@ -15,7 +15,7 @@ from walkergen import discrepancy, uncertain
 from walkergen.discrepancy import UnknownError
 from walkergen.scene import Scene
 from walkergen.theory.speed import Factors, Mode, factors
-from walkergen.uncertain import THEORY, Input, Share
+from walkergen.uncertain import QUANTILES, THEORY, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
@@ -33,8 +33,6 @@ BETWEEN = Input("the theory itself", 0.5, 0.5, -np.inf)
 
 PRINT = Input("which print it is", 0.0, 1.0, -np.inf)
 """Deviation of one print from the mean, and of the table's interpolation, over its standard one."""
-
-QUANTILES = (0.025, 0.16, 0.84, 0.975)
 
 
 class Prediction(NamedTuple):
@@ -96,7 +94,7 @@ def spread(
     friction = drawn.get("contact.friction", contact.friction * ones)
     thickness = drawn.get("legs.thickness_mm", design.leg_thickness * ones) / design.leg_thickness
     # A leg's mass goes with its thickness unless a balance told it.
-    weight = ones if legs_weighed(design) else thickness
+    weight = thickness if design.weighed.leg_mass_g is None else ones
     leg = drawn.get("leg mass", ones) * weight
     body = drawn.get("body mass", ones)
     each = factors(scaled(mass, body, leg), restitution, friction, mode, contact.law)
@@ -135,11 +133,6 @@ def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tu
         return found.theory if found.all is None else found.all
 
     return uncertain.shares(known, speeds, SEED)
-
-
-def legs_weighed(design: Design) -> bool:
-    """True when a balance told the mass of a leg."""
-    return design.weighed.leg_mass_g is not None
 
 
 def predict(

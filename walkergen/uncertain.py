@@ -35,6 +35,9 @@ READ_BY = {
 depends on the print as the model in space does, and models."""
 
 
+QUANTILES = (0.025, 0.16, 0.84, 0.975)
+"""Ends of the bounds of 95 and 68 %."""
+
 SHARE_POINTS, SHARE_SETS = 512, 8
 """Points of one set from which shares are computed, and number of sets, whose scatter is the
 error of the shares."""
@@ -85,13 +88,18 @@ def draws(known: Sequence[Input], count: int, seed: int) -> Array:
 
     The sequence is balanced when `count` is a power of two.
     """
-    from scipy.stats import qmc
-
     if not known:
         return np.empty((count, 0))
-    sequence = qmc.Sobol(len(known), rng=np.random.default_rng(seed))
-    even = sequence.random_base2(math.ceil(math.log2(max(count, 1))))[:count]
-    return np.column_stack([quantiles(one, even[:, place]) for place, one in enumerate(known)])
+    cube = even(len(known), count, seed)
+    return np.column_stack([quantiles(one, cube[:, place]) for place, one in enumerate(known)])
+
+
+def even(wide: int, count: int, seed: int) -> Array:
+    """Points of a scrambled Sobol sequence in the unit cube, shape (count, wide)."""
+    from scipy.stats import qmc
+
+    sequence = qmc.Sobol(wide, rng=np.random.default_rng(seed))
+    return np.asarray(sequence.random_base2(math.ceil(math.log2(max(count, 1))))[:count])
 
 
 def quantiles(one: Input, shares: Array) -> Array:

@@ -10,6 +10,8 @@ from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from walkergen.files.progress import Progress
     from walkergen.jobs.bench.make import Drop, Test
     from walkergen.jobs.bench.report import Report
@@ -69,13 +71,15 @@ def drop(
     changes = opt.Changes(restitution=restitution, friction=friction, seed=seed)
     found = inverse.measured(measured, measured_sd, tries, 1.0)
     test = make.Test(chosen, opt.scene_of(scene, changes), found, pictures)
-    folder = _folder(chosen, out, "drop")
-    with show.progress("bench drop", wanted=not quiet) as progress:
-        how = make.Drop(height_mm, roll_deg, drops)
+    how = make.Drop(height_mm, roll_deg, drops)
+
+    def dropped(folder: Path, progress: "Progress") -> "Report":
         report = make.dropped(test, how, folder, progress)
         if movie is not None:
             _film(test, how, movie, progress)
-    _show(report, folder, json, quiet)
+        return report
+
+    _report("drop", chosen, out, json, quiet, dropped)
 
 
 def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> None:
@@ -112,10 +116,7 @@ def slide(
     chosen = opt.one_design(design, tilt, legs)
     found = inverse.measured(measured, measured_sd, 1, 89.0)
     test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), found, pictures)
-    folder = _folder(chosen, out, "slide")
-    with show.progress("bench slide", wanted=not quiet) as progress:
-        report = make.slid(test, folder, progress)
-    _show(report, folder, json, quiet)
+    _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
 @app.command()
@@ -147,22 +148,24 @@ def pluck(
     heard = inverse.measured(measured, measured_sd, 1, 1e6)
     decay = inverse.measured(decrement, decrement_sd, 1, 100.0, "--decrement")
     test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), heard, pictures)
-    folder = _folder(chosen, out, "pluck")
-    with show.progress("bench pluck", wanted=not quiet) as progress:
-        report = make.plucked(test, decay, folder, progress)
-    _show(report, folder, json, quiet)
+    _report("pluck", chosen, out, json, quiet, lambda *where: make.plucked(test, decay, *where))
 
 
-def _folder(design: "Design", out: Path | None, what: str) -> Path:
-    """Folder of a test: `out`, or one below out/ and the walker's name."""
+def _report(
+    what: str,
+    design: "Design",
+    out: Path | None,
+    json: bool,
+    quiet: bool,
+    make: "Callable[[Path, Progress], Report]",
+) -> None:
+    """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
+    from walkergen.jobs.bench import report as reports
     from walkergen.walker import names
 
-    return out or Path("out") / design.name / f"bench_{what}_{names.part(design)}"
-
-
-def _show(report: "Report", folder: Path, json: bool, quiet: bool) -> None:
-    from walkergen.jobs.bench import report as reports
-
+    folder = out or Path("out") / design.name / f"bench_{what}_{names.part(design)}"
+    with show.progress(f"bench {what}", wanted=not quiet) as progress:
+        report = make(folder, progress)
     if json:
         show.as_json(reports.as_dict(report) | {"folder": str(folder)})
     elif not quiet:

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy
+from walkergen import discrepancy, uncertain
 from walkergen.discrepancy import LINEAR_BELOW, Place
 from walkergen.errors import GeometryError
 from walkergen.files import output
@@ -70,11 +70,8 @@ def cases(
     kind: Kind, ranges: dict[str, tuple[float, float]], count: int, seed: int = SEED
 ) -> Iterator[Case]:
     """Walkers and scenes, by a scrambled Sobol sequence; what cannot be built is left out."""
-    from scipy.stats import qmc
-
-    sequence = qmc.Sobol(len(ranges), rng=np.random.default_rng(seed))
     low, high = np.array(list(ranges.values())).T
-    for values in low + (high - low) * sequence.random_base2(int(np.log2(count))):
+    for values in low + (high - low) * uncertain.even(len(ranges), count, seed):
         one = dict(zip(ranges, values.tolist(), strict=True))
         body = Body(length_mm=one["body_length_mm"], thickness_mm=one["body_thickness_mm"],
                     depth_mm=one["depth_mm"])  # fmt: skip

@@ -6,9 +6,7 @@ wrong: the scatter of prints, which it takes as one, falls from 13 mm/s at 8 deg
 """
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -92,11 +90,8 @@ def spread(ground: Ground, count: int) -> Array:
 
     A scrambled Sobol sequence.
     """
-    from scipy.stats import qmc
-
-    parameters, seed = ground.unknown.simulated, ground.scene.run.seed
-    sequence = qmc.Sobol(len(parameters), rng=np.random.default_rng(seed))
-    return values(parameters, sequence.random_base2(math.ceil(math.log2(count)))[:count])
+    parameters = ground.unknown.simulated
+    return values(parameters, uncertain.even(len(parameters), count, ground.scene.run.seed))
 
 
 def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, batch: int) -> Array:
@@ -120,14 +115,12 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     known = kept.recall(path)
     missing = [place for place, key in enumerate(keys) if key not in known]
     title = f"simulating tilt {setting.tilt:g}"
-    pool = ThreadPoolExecutor(os.cpu_count() or 1)
     try:
         wanted = [asked[place] for place in missing]
-        found = points.each(wanted, [title] * len(wanted), progress, pool)
+        found = points.on_threads(wanted, [title] * len(wanted), progress)
         for place, point in zip(missing, found, strict=True):
             known[keys[place]] = point.summary.speed_mm_s
     finally:
-        pool.shutdown(cancel_futures=True)
         if missing:
             kept.remember(path, known)
     return np.array([np.nan if known[key] is None else known[key] for key in keys], dtype=float)

@@ -1,9 +1,7 @@
 """Simulation of many prints, each with its own uncertain inputs: one short run a draw."""
 
 import math
-import os
 from collections.abc import Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import NamedTuple
 
 import numpy as np
@@ -15,7 +13,6 @@ from walkergen.files.progress import Progress
 from walkergen.numerics import emulator, statistics
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
-from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import ENDED_WELL
@@ -29,8 +26,6 @@ FEWEST_DRAWS, MOST_DRAWS = 16, 4096
 
 GROUPS = 8
 """Number of groups of draws that are left out in turn, for the errors of the shares."""
-
-QUANTILES = (0.025, 0.16, 0.84, 0.975)
 
 
 class Uncertain(NamedTuple):
@@ -72,7 +67,8 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
     """
     if not FEWEST_DRAWS <= draws <= MOST_DRAWS:
         raise InputError(f"--draws {draws}: must lie in {FEWEST_DRAWS}..{MOST_DRAWS}")
-    model = resolve(scene, design, solids.mass_of(design)).model
+    plan = prepare(scene, design, solids.mass_of(design))
+    model = plan.resolved.model
     known = uncertain.inputs(scene, design, model)
     if not known:
         raise InputError(
@@ -94,7 +90,6 @@ def measure(scene: Scene, design: Design, draws: int, progress: Progress) -> Unc
         name = point.results[0].outcome.value
         outcomes[name] = outcomes.get(name, 0) + 1
     result = analyse(model, known, values[good], halves, outcomes, scene.run.seed)
-    plan = prepare(scene, design, solids.mass_of(design))
     summary = found[0].summary._replace(speed_mm_s=result.speed_mm_s)
     return with_step(result, resolution.judge(plan, summary)[observables.SPEED].error)
 
@@ -123,12 +118,7 @@ def _simulated(asked: Sequence[Asked], progress: Progress) -> list[Point]:
     progress("compiling (slow the first time only)", 0, len(asked))
     first = points.measure(asked[0], lambda what, done, total: None)
     titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
-    with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
-        try:
-            return [first, *points.each(asked[1:], titles, progress, pool)]
-        except KeyboardInterrupt:
-            pool.shutdown(cancel_futures=True)
-            raise
+    return [first, *points.on_threads(asked[1:], titles, progress)]
 
 
 def _halves(point: Point) -> tuple[float, float]:
@@ -181,7 +171,7 @@ def bounds(speeds: Array, statistical: float) -> tuple[float, float, float, floa
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
     own = max(variance - statistical**2, variance / len(speeds))
     drawn = mean + (speeds - mean) * math.sqrt(own / variance if variance else 0.0)
-    low2, low1, high1, high2 = np.quantile(drawn, QUANTILES, method="weibull").tolist()
+    low2, low1, high1, high2 = np.quantile(drawn, uncertain.QUANTILES, method="weibull").tolist()
     return low2, low1, high1, high2
 
 
