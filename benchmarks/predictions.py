@@ -122,7 +122,7 @@ def with_loop(triples: Triples, mode: Mode, law: LawName) -> Array | None:
     found = []
     for mass, e, mu in each(triples):
         both = 0.0
-        for anchor in (mass.a, mass.b):
+        for anchor in (mass.legs[0].anchor, mass.legs[1].anchor):
             H = paper_tensor(mass, anchor)
             both += closed_form(H[0, 0], H[0, 1], H[1, 1], e, mu, mode, law)
         found.append(0.5 * both)
@@ -135,11 +135,15 @@ def paper_tensor(mass: MassProperties, anchor: Array) -> Array:
     def perp(u: Array) -> Array:
         return np.array([-u[1], u[0]])
 
-    a, c_A, c_T, identity = perp(anchor), perp(mass.c_A), perp(mass.c_T), np.eye(2)
+    a, c_A, c_T, identity = perp(anchor), perp(mass.legs[0].c_A), perp(mass.legs[0].c_T), np.eye(2)
     body = identity / mass.M + np.outer(a, a) / mass.J
-    K = body + identity / mass.m + np.outer(c_A, c_A) / mass.j
-    R = identity / mass.m - np.outer(c_A, c_T) / mass.j
-    H: Array = identity / mass.m + np.outer(c_T, c_T) / mass.j - R.T @ np.linalg.solve(K, R)
+    K = body + identity / mass.legs[0].m + np.outer(c_A, c_A) / mass.legs[0].j
+    R = identity / mass.legs[0].m - np.outer(c_A, c_T) / mass.legs[0].j
+    H: Array = (
+        identity / mass.legs[0].m
+        + np.outer(c_T, c_T) / mass.legs[0].j
+        - R.T @ np.linalg.solve(K, R)
+    )
     return H
 
 

@@ -19,5 +19,5 @@ def check(design):
     # The union neither loses nor doubles anything: coordinates carry 16 digits.
     assert parts[0] == pytest.approx(parts[1] + 2 * parts[2], rel=1e-12)
     z = built.walker.vertices[:, 2]
-    assert (z.min(), z.max()) == (0.0, design.body.depth_mm)
+    assert (z.min(), z.max()) == (0.0, design.size.depth)
     return built

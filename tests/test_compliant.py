@@ -96,7 +96,7 @@ def test_chain_differs_from_the_papers_tensor_by_the_other_leg(tilt):
     differences = []
     for lightness in (1.0, 1e-3):
         mass = masses(design)
-        mass = mass._replace(m=mass.m * lightness, j=mass.j * lightness)
+        mass = mass._replace(m=mass.legs[0].m * lightness, j=mass.legs[0].j * lightness)
         walker = walker_of(design, mass)
         W = mobility_of(chain_of(walker, hinged_state(walker, 1.0), 0.0))
         paper = tensors.feet(mass)[0]

@@ -115,7 +115,9 @@ def test_frozen_joints_weigh_like_the_solid():
     assert frozen.M == pytest.approx(whole.mass, rel=1e-12)
     assert frozen.J == pytest.approx(whole.inertia, rel=1e-12)
     foot = whole.centre[:2] + frozen.a + frozen.c_A + frozen.c_T
-    np.testing.assert_allclose(foot, np.array(design.anchors[0]) + design.anchor_to_foot)
+    np.testing.assert_allclose(
+        foot, np.array(design.limbs[0].anchor) + design.limbs[0].anchor_to_foot
+    )
 
 
 def verdicts(plan):

@@ -142,7 +142,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
     learnt = found["parameters"]
     assert scene.contact.restitution_sd == pytest.approx(learnt["restitution"]["sd"])
     design = templates.load(toml[0], "walkers", Design)
-    assert design.legs.thickness_sd_mm == pytest.approx(learnt["thickness_mm"]["sd"])
+    assert design.limbs[0].thickness_sd == pytest.approx(learnt["thickness_mm"]["sd"])
 
 
 @pytest.mark.slow

@@ -42,10 +42,10 @@ def cut(design: Design):
     """The marks' rectangles and how deep they go along z."""
     body = design.body
     if design.marks.kind == "digits":
-        strokes = marks.strokes(design.marks, design.legs.tilt_deg, body.thickness_mm)
+        strokes = marks.strokes(design.marks, design.tilt_deg, body.thickness_mm)
         return strokes, design.marks.depth_mm
     sizes = body.length_mm, body.thickness_mm
-    grooves = marks.notches(design.marks, design.family.tilt_deg, design.legs.tilt_deg, *sizes)
+    grooves = marks.notches(design.marks, design.family.tilt_deg, design.tilt_deg, *sizes)
     return grooves, body.depth_mm
 
 
@@ -63,7 +63,7 @@ def test_marks_are_counted_in_mass_and_inertia(kind):
         found = solids.mass_of(member)
         assert found.M == pytest.approx(density * volume, rel=1e-13)
         assert found.J == pytest.approx(density * inertia, rel=1e-12)
-        anchor = member.anchors[0][0] - first_x / volume
+        anchor = member.limbs[0].anchor[0] - first_x / volume
         assert found.a[0] == pytest.approx(anchor, abs=1e-12)
         assert volume < (1.0 - 1e-3) * block[0]
 

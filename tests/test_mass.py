@@ -36,11 +36,11 @@ def variants():
 
 def leg_polygon(design):
     """The leg's outline from the design, in 50 digits and without the modeller."""
-    tilt = mp.mpf(design.legs.tilt_deg) * mp.pi / 180
-    s, length = mp.mpf(design.leg_thickness), mp.mpf(design.legs.length_mm)
+    tilt = mp.mpf(design.tilt_deg) * mp.pi / 180
+    s, length = mp.mpf(design.limbs[0].thickness), mp.mpf(design.limbs[0].length)
     sin, cos = mp.sin(tilt), mp.cos(tilt)
     top = s / (2 * cos)
-    across = (top, mp.mpf(0)) if design.legs.foot == "flat" else (s / 2 * cos, -s / 2 * sin)
+    across = (top, mp.mpf(0)) if design.limbs[0].foot == "flat" else (s / 2 * cos, -s / 2 * sin)
     tip = (-length * sin, -length * cos)
     return [(-top, mp.mpf(0)), (tip[0] - across[0], tip[1] - across[1]),
             (tip[0] + across[0], tip[1] + across[1]), (top, mp.mpf(0))]  # fmt: skip
@@ -49,7 +49,7 @@ def leg_polygon(design):
 @pytest.mark.parametrize("design", list(variants()), ids=names.part)
 def test_flexible_walker_against_closed_forms(design):
     found = solids.mass_of(design)
-    depth = design.body.depth_mm
+    depth = design.size.depth
     assert found.M == pytest.approx(28 * 8 * 3 * DENSITY, rel=1e-12)
     assert found.J == pytest.approx(found.M * (28**2 + 3**2) / 12, rel=1e-12)
     area, centre, second = polygon_moments(leg_polygon(design))

@@ -84,7 +84,7 @@ def test_the_outline_drawn_is_that_of_the_printed_mesh(kind, foot):
     )
     mesh = solids.build(design).walker
     corners = mesh.vertices[mesh.triangles]
-    side = corners[(corners[:, :, 2] > 0.5 * design.body.depth_mm).all(axis=1)][:, :, :2]
+    side = corners[(corners[:, :, 2] > 0.5 * design.size.depth).all(axis=1)][:, :, :2]
     printed = manifold3d.CrossSection(list(side), manifold3d.FillRule.Positive)
     # Booleans of cross-sections snap to a grid of 1e-8 mm; the outline is some 100 mm long.
     assert (drawn - printed).area() + (printed - drawn).area() < 1e-5

@@ -77,7 +77,7 @@ def test_the_mesh_stands_on_its_corners():
     for at in range(0, len(one.times), 10):
         world = one.mesh.vertices @ one.poses.rotations[at].T + one.poses.places[at]
         # A corner stands in the middle of a flat foot's width, 0.4 mm / cos 10 deg.
-        half = 0.2 / np.cos(PAPER.legs.tilt_deg * np.pi / 180)
+        half = 0.2 / np.cos(PAPER.tilt_deg * np.pi / 180)
         nearest = [np.hypot(*(world - corner).T[[0, 2]]).min() for corner in one.poses.corners[at]]
         assert nearest == pytest.approx([half] * 4, abs=0.02)
         assert world[:, 1].min() == pytest.approx(one.poses.corners[at, :, 1].min(), abs=0.05)

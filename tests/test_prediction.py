@@ -67,7 +67,10 @@ def test_standard_deviation_against_linear_propagation():
     def speed(scale_M=1.0, scale_m=1.0, **contact):
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
         varied = mass._replace(
-            M=mass.M * scale_M, J=mass.J * scale_M, m=mass.m * scale_m, j=mass.j * scale_m
+            M=mass.M * scale_M,
+            J=mass.J * scale_M,
+            m=mass.legs[0].m * scale_m,
+            j=mass.legs[0].j * scale_m,
         )
         return prediction.predict(design, varied, changed).speed_mm_s
 

@@ -316,7 +316,7 @@ def test_runs_that_ended_badly_are_left_out_of_the_means(case, monkeypatch, lost
         ]
 
     monkeypatch.setattr(ensemble, "measure", bad)
-    (found,) = sweeps.along_tilts([asked], [asked.design.legs.tilt_deg], silent)
+    (found,) = sweeps.along_tilts([asked], [asked.design.tilt_deg], silent)
     assert found.lost == lost
     assert found.speed == (sweeps.mean(kept) if known else None)
 

@@ -82,11 +82,11 @@ class Walker(NamedTuple):
 
     @property
     def layers(self) -> int:
-        return round(self.design.body.depth_mm / self.printer.layer_height_mm)
+        return round(self.design.size.depth / self.printer.layer_height_mm)
 
     def below(self, low: float, high: float) -> np.ndarray:
         """Plastic by layer and leg (back, front) between two heights y of the design, mm^3."""
-        lines, (tilt, foot) = self.lines, (self.design.tilt, self.foot)
+        lines, (tilt, foot) = self.lines, (self.design.limbs[0].tilt, self.foot)
         start, end = (np.clip(points[:, 1], low, high) for points in (lines.start, lines.end))
         length = np.abs(lines.end[:, 1] - lines.start[:, 1])
         level = (lines.start[:, 1] > low) & (lines.start[:, 1] < high)
@@ -101,11 +101,11 @@ class Walker(NamedTuple):
 
     @property
     def bottom(self) -> float:
-        return -0.5 * self.design.body.thickness_mm
+        return -0.5 * self.design.size.thickness
 
     @property
     def foot(self) -> float:
-        return self.bottom + self.design.anchor_to_foot[1]
+        return self.bottom + self.design.limbs[0].anchor_to_foot[1]
 
     @property
     def legs(self) -> np.ndarray:
@@ -191,7 +191,7 @@ def test_legs_get_the_plastic_that_the_checks_promise(sliced_family):
     for walker in sliced_family.walkers:
         mesh = mass.weigh(solids.build(walker.design).leg, 1.0).volume
         promised = walls.leg_plastic(walker.design, walker.printer)
-        tolerance = walls.TOLERANCE[walker.design.legs.kind]
+        tolerance = walls.TOLERANCE[walker.design.kind]
         assert walker.legs.sum(axis=0) / mesh == pytest.approx([promised] * 2, abs=tolerance)
 
 
@@ -237,12 +237,17 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
     where, model = laid_out(designs, printer, tmp_path)
     printed = print_of(model, model.with_suffix(".ini"))
     for walker in walkers_of(printed, designs, where, printer):
-        thickness = walker.design.leg_thickness
+        thickness = walker.design.limbs[0].thickness
         edges = [walls.printed_thickness(f * thickness, printer) for f in (0.97, 1.03)]
         if max(edges) - min(edges) > 0.07 * thickness:
             continue  # within 3 % of a step, where rounding decides
         low, high = walker.foot + 2.0, walker.bottom - 2.0
-        drawn = thickness / np.cos(walker.design.tilt) * (high - low) * walker.design.body.depth_mm
+        drawn = (
+            thickness
+            / np.cos(walker.design.limbs[0].tilt)
+            * (high - low)
+            * walker.design.size.depth
+        )
         seen = walker.below(low, high).sum() / (2 * drawn)
         assert seen - 1.0 == pytest.approx(walls.deviation(thickness, printer), abs=0.01), thickness
 

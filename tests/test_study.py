@@ -71,13 +71,13 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     """The round foot taken for exact, against the closed-form mass of quad and half disc."""
     design = Design.model_validate({"legs": {"foot": "round"}})
     mass = solids.weigh(design, solids.build(design, shape.EXACT_SEGMENTS))
-    half = 0.5 * design.leg_thickness
+    half = 0.5 * design.limbs[0].thickness
     # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
-    area = 2.0 * half * (design.legs.length_mm - half) + 0.5 * math.pi * half**2
-    exact = 1e-3 * design.material.density_g_cm3 * design.body.depth_mm * area
+    area = 2.0 * half * (design.limbs[0].length - half) + 0.5 * math.pi * half**2
+    exact = 1e-3 * design.material.density_g_cm3 * design.size.depth * area
     ladder = shape.ladder(survey_of(), silent)
     finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
-    assert mass.m == pytest.approx(exact, rel=0.05 * finest.details["m"])
+    assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])
     far = {rung.setting: rung for rung in ladder.rungs if rung.series == "double precision"}
     # 1e6 mm away a coordinate has lost 1e6/0.4 of its 16 digits
     assert far["1e+06 mm away"].error < 1e-9

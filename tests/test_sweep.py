@@ -194,7 +194,7 @@ def check_solid(design, shape):
     body, legs = design.body, design.legs
     assert parts[1] == pytest.approx(body.length_mm * body.depth_mm * body.thickness_mm, rel=1e-12)
     if legs.kind == "flexible" and legs.foot != "round":
-        closed = legs.length_mm * design.leg_thickness * body.depth_mm
+        closed = legs.length_mm * design.limbs[0].thickness * body.depth_mm
         assert parts[2] == pytest.approx(closed, rel=1e-11)
     assert parts[2] > 0.0
 
@@ -263,7 +263,7 @@ def check_motion(design, scene, weighed, plan, result):
     count = events.cursor[0]  # the first MOST_EVENTS: restitution 1 at rest never stops bouncing
     times, _, F_x, F_y, _, v_y, _ = events.rows[:count].T
     gaps = feet_gaps(plan, weighed, rows, scene.drive)
-    size = design.body.length_mm + design.legs.length_mm + scene.drive.amplitude
+    size = design.size.length + design.limbs[0].length + scene.drive.amplitude
     slack = 1e-9 * size
     if scene.run.method == "step":
         # Landings are located, but within the step that follows a leg may swing back as fast, and

@@ -89,23 +89,30 @@ def transformed(speed: Array, se: Array) -> tuple[Array, Array]:
 
 
 def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
-    """Place of a walker in the table. Braced legs have neither hinges nor masses of their own."""
-    legs, drive = design.legs, scene.drive
+    """Place of a walker in the table. Braced legs have neither hinges nor masses of their own.
+
+    Raises UnknownError for other legs than two equal ones.
+    """
+    if not design.alike:
+        raise UnknownError(
+            "no bounds: the theory's own error is known for two equal legs only, not for [[legs]]"
+        )
+    limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
     if not mass.rigid:
-        second_moment = design.body.depth_mm * design.leg_thickness**3 / 12.0
-        spring = 3e9 * design.material.youngs_modulus_gpa * second_moment / legs.length_mm
-        turning = float(mass.j) + float(mass.m) * float(mass.c_A @ mass.c_A)
+        second_moment = limb.width * limb.thickness**3 / 12.0
+        spring = 3e9 * design.material.youngs_modulus_gpa * second_moment / limb.length
+        turning = float(leg.j) + float(leg.m) * float(leg.c_A @ leg.c_A)
         hinge = math.sqrt(spring / turning) / drive.omega
-        mass_ratio = float(mass.m) / float(mass.M)
-    gyration = float(mass.J) / float(mass.M) / legs.contact_spacing_mm**2
+        mass_ratio = float(leg.m) / float(mass.M)
+    gyration = float(mass.J) / float(mass.M) / span**2
     return Place(
-        math.sqrt(abs(legs.tilt_deg)),
+        math.sqrt(abs(design.tilt_deg)),
         max(scene.contact.restitution, LEAST_LABEL),
         math.log(max(scene.contact.friction, 1e-9)),
         drive.peak_gamma,
         math.log(hinge),
-        legs.length_mm / legs.contact_spacing_mm,
+        limb.length / span,
         math.log(mass_ratio),
         0.5 * math.log(gyration),
         1e-3 * scene.feet.unevenness_um / drive.amplitude,

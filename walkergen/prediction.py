@@ -88,11 +88,11 @@ def spread(
 ) -> Spread:
     """Speeds of a walker at values of `known_inputs`, shape (n, inputs)."""
     drawn = {one.name: values[:, place] for place, one in enumerate(known)}
-    contact, legs = scene.contact, design.legs
+    contact, nominal_thickness = scene.contact, design.limbs[0].thickness
     ones = np.ones(len(values))
     restitution = drawn.get("contact.restitution", contact.restitution * ones)
     friction = drawn.get("contact.friction", contact.friction * ones)
-    thickness = drawn.get("legs.thickness_mm", design.leg_thickness * ones) / design.leg_thickness
+    thickness = drawn.get("legs.thickness_mm", nominal_thickness * ones) / nominal_thickness
     # A leg's mass goes with its thickness unless a balance told it.
     weight = thickness if design.weighed.leg_mass_g is None else ones
     leg = drawn.get("leg mass", ones) * weight
@@ -104,8 +104,8 @@ def spread(
     modulus = design.material.youngs_modulus_gpa
     stiffness = drawn.get("material.youngs_modulus_gpa", modulus * ones) / modulus
     unevenness = drawn.get("feet.unevenness_um", scene.feet.unevenness_um * ones)
-    place = discrepancy.place_of(scene, design, mass)
     try:
+        place = discrepancy.place_of(scene, design, mass)
         discrepancy.check(scene, place, design.braced)
     except UnknownError as error:
         return Spread(theory, None, str(error))
@@ -116,7 +116,7 @@ def spread(
         log_mass_ratio=place.log_mass_ratio + np.log(leg / body),
         unevenness_ratio=1e-3 * unevenness / scene.drive.amplitude,
     )
-    found = discrepancy.speeds(places, legs.tilt_deg, design.braced).at(drawn[PRINT.name])
+    found = discrepancy.speeds(places, design.tilt_deg, design.braced).at(drawn[PRINT.name])
     share = drawn[BETWEEN.name]
     return Spread(theory, (1.0 - share) * theory + share * scene.drive.peak_speed * found)
 
@@ -151,12 +151,12 @@ def predict(
     bounds = [None] * 4 if found.all is None else np.quantile(found.all, QUANTILES).tolist()
     notes = [*_notes(each, contact.friction, mode), found.unknown]
     return Prediction(
-        tilt_deg=design.legs.tilt_deg,
-        legs=design.legs.kind,
+        tilt_deg=design.tilt_deg,
+        legs=design.kind,
         M_g=float(mass.M),
         J_g_mm2=float(mass.J),
-        m_g=None if mass.rigid else float(mass.m),
-        j_g_mm2=None if mass.rigid else float(mass.j),
+        m_g=None if mass.rigid else float(mass.legs[0].m),
+        j_g_mm2=None if mass.rigid else float(mass.legs[0].j),
         factor_back=float(each.back),
         factor_front=float(each.front),
         factor_mean=float(each.mean),

@@ -64,8 +64,8 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     known = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
-        Input("legs.thickness_mm", design.leg_thickness, design.legs.thickness_sd_mm,
-              0.25 * design.leg_thickness, 4.0 * design.leg_thickness),
+        Input("legs.thickness_mm", design.limbs[0].thickness, design.limbs[0].thickness_sd,
+              0.25 * design.limbs[0].thickness, 4.0 * design.limbs[0].thickness),
         Input("material.youngs_modulus_gpa", design.material.youngs_modulus_gpa,
               design.material.youngs_modulus_sd_gpa, 0.1 * design.material.youngs_modulus_gpa),
         Input("legs.damping_ratio", scene.legs.damping_ratio, scene.legs.damping_ratio_sd),
@@ -144,7 +144,7 @@ def _as_printed(design: Design, thickness: float | None, material: dict[str, Any
     """Design with another thickness of its legs, validated, and another material."""
     if thickness is not None:
         data = design.model_dump()
-        data["legs"][f"{design.legs.kind}_thickness_mm"] = thickness
+        data["legs"][f"{design.kind}_thickness_mm"] = thickness
         design = Design.model_validate(data)
     if material:
         changed = design.material.model_copy(update=material)

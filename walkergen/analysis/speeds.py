@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import columns
-from walkergen.walker.design import KINDS, Kind
+from walkergen.walker.limbs import KINDS, Kind
 
 Array = npt.NDArray[np.float64]
 

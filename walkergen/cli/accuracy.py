@@ -43,7 +43,7 @@ def accuracy(
     seconds = parse_time(budget)
     resolved = opt.scene_of(scene, opt.Changes(restitution=restitution, friction=friction))
     member = opt.one_design(design, tilt, legs)
-    name = f"{member.name}_t{member.legs.tilt_deg:.1f}_{member.legs.kind}_{resolved.name}"
+    name = f"{member.name}_t{member.tilt_deg:.1f}_{member.kind}_{resolved.name}"
     folder = out or Path("out") / "accuracy" / name
     with show.progress("accuracy", wanted=not quiet) as progress:
         found = study.make(study.Job(member, resolved, chosen, seconds), folder, progress)

@@ -64,7 +64,7 @@ def _show_effects(
         why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
         table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
     console = Console(highlight=False)
-    console.print(f"{design.name}, tilt {design.legs.tilt_deg:g} deg, on {scene.name}:")
+    console.print(f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}:")
     console.print(f"model {plan.resolved.model}, method {plan.resolved.method}")
     console.print(table)
     console.print(

@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from walkergen.printing.printers import Printer
     from walkergen.scene import Scene
     from walkergen.theory.speed import Mode
-    from walkergen.walker.design import Design, Kind
+    from walkergen.walker.design import Design
+    from walkergen.walker.limbs import Kind
 
 PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
 """Templates of the walker, the scene and the printer that commands use by default."""
@@ -121,10 +122,10 @@ def design_of(name: str) -> "Design":
 def one_design(name: str, tilt: float | None, legs: str | None) -> "Design":
     """Load the single walker that a command line asks for. Raises InputError for two kinds."""
     design = design_of(name)
-    kind = parse_kinds(legs) if legs is not None else [design.legs.kind]
+    kind = parse_kinds(legs) if legs is not None else [design.kind]
     if len(kind) != 1:
         raise InputError(f"--legs {legs!r}: one kind at a time")
-    (member,) = design.members([design.legs.tilt_deg if tilt is None else tilt], kind)
+    (member,) = design.members([design.tilt_deg if tilt is None else tilt], kind)
     return member
 
 
@@ -206,8 +207,8 @@ def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool
     tilts = parse_tilts(tilt) if tilt is not None else None
     kinds = parse_kinds(legs) if legs is not None else None
     if not whole:
-        tilts = tilts or [design.legs.tilt_deg]
-        kinds = kinds or [design.legs.kind]
+        tilts = tilts or [design.tilt_deg]
+        kinds = kinds or [design.kind]
     return design.members(tilts, kinds)
 
 
@@ -226,9 +227,9 @@ def batch_of(
         value = _number(word, copies, "--copies")
         quotas[value] = quotas.get(value, 0) + _count(count, copies)
     if legs is None and not whole:
-        legs = design.legs.kind
+        legs = design.kind
     members = design.members(quotas, parse_kinds(legs) if legs is not None else None)
-    return members, [quotas[member.legs.tilt_deg] for member in members]
+    return members, [quotas[member.tilt_deg] for member in members]
 
 
 def _count(word: str, text: str) -> int:
@@ -280,7 +281,7 @@ def _range(first: float, last: float, step: float, text: str) -> list[float]:
 
 def parse_kinds(text: str) -> "list[Kind]":
     """Parse kinds of legs from a comma-separated list. Raises InputError."""
-    from walkergen.walker.design import KINDS
+    from walkergen.walker.limbs import KINDS
 
     kinds: list[Any] = [word.strip() for word in text.split(",")]
     for kind in kinds:

@@ -214,7 +214,7 @@ def _show_summary(
     correlation = found.correlation_time_s
     rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
     for name, value in (
-        ("walker", f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg"),
+        ("walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"),
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),

@@ -26,7 +26,7 @@ def simulate(
 
     with show.progress("simulate", wanted=not quiet) as progress:
         found = prints_of.measure(scene, design, draws, progress)
-    title = f"{design.name}, {design.legs.tilt_deg:g} deg, {scene.name}"
+    title = f"{design.name}, {design.tilt_deg:g} deg, {scene.name}"
     if out is not None:
         prints.write(found, out, title)
     if json:

@@ -145,9 +145,9 @@ def line(finding: Finding) -> str:
 
 def walls_of(design: Design) -> dict[str, float]:
     """Thickness of every upright wall of a design, mm, by the wall's name."""
-    body = {"body": min(design.body.thickness_mm, design.body.length_mm)}
-    brace = {"brace": design.legs.brace_thickness_mm} if design.braced else {}
-    return {"leg": design.leg_thickness} | brace | body
+    body = {"body": min(design.size.thickness, design.size.length)}
+    brace = {"brace": design.limbs[0].brace} if design.braced else {}
+    return {"leg": design.limbs[0].thickness} | brace | body
 
 
 def _new(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
@@ -210,13 +210,16 @@ def _instead_of_arachne(lines: float, printer: Printer) -> str:
 
 def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
-    window, clearance = solids.window_width(design), solids.clearance(design)
+    windows = [solids.window_width(limb) for limb in design.limbs]
+    window = min((one for one in windows if one > 0.0), default=0.0)
     if 0.0 < window < width:
         yield _new("warning", "the window between leg and brace may fuse", window, width, "mm",
                    "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
+    clearance = solids.clearance(design.limbs)
     if clearance < width:
         yield _new("warning", "the two legs may fuse", clearance, width, "mm",
-                   "raise legs.contact_spacing_mm")  # fmt: skip
+                   "raise legs.contact_spacing_mm" if design.alike else "move them apart",
+                   )  # fmt: skip
 
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -228,11 +231,11 @@ def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
 
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
     height = printer.layer_height_mm
-    layers = design.body.depth_mm / height
+    layers = design.size.depth / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)
     if layers <= 0.5:
-        yield _new("error", "the depth is less than half a layer", design.body.depth_mm,
+        yield _new("error", "the depth is less than half a layer", design.size.depth,
                    0.5 * height, "mm", "raise body.depth_mm or lower layer_height_mm")  # fmt: skip
     elif abs(layers - whole) > NOISE_MM:
         printed = max(1, whole) * height
@@ -265,7 +268,7 @@ def _standing(design: Design, mesh: Mesh) -> Iterator[Finding]:
         yield _new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
                    change)  # fmt: skip
     for name, thickness in walls_of(design).items():
-        slenderness = design.body.depth_mm / thickness
+        slenderness = design.size.depth / thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
             yield _new("advice", f"the {name} prints high and thin: height over thickness",
                        slenderness, SLENDEREST_WALL, "", change)  # fmt: skip

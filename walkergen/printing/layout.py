@@ -97,8 +97,8 @@ def places(layout: Layout) -> list[Place]:
             item = plate.item_name(part, placed.copy)
             lengths = (placed.x, placed.y, part.width, part.depth)
             row = Place(
-                layout.printer.name, number, item, part.name, design.legs.tilt_deg,
-                design.legs.kind, design.mark, placed.copy,
+                layout.printer.name, number, item, part.name, design.tilt_deg,
+                design.kind, design.mark, placed.copy,
                 *(round(length, 6) for length in lengths),
             )  # fmt: skip
             rows.append(row)

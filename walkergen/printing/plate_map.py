@@ -59,7 +59,7 @@ def _draw_parts(
         triangles = [
             undersides[placed.part] + (placed.x, placed.y)
             for placed in one.placements
-            if members[placed.part].legs.kind == kind
+            if members[placed.part].kind == kind
         ]
         if triangles:
             faces = PolyCollection(
@@ -88,9 +88,9 @@ def _label_parts(
     for placed in one.placements:
         design, mesh = members[placed.part], meshes[placed.part]
         left, bottom = mesh.vertices[:, :2].min(axis=0)
-        below = 0.5 * (-bottom - 0.5 * design.body.thickness_mm)
-        label = f"{design.legs.tilt_deg:g}-{placed.copy}"
-        width = 0.8 * design.legs.contact_spacing_mm / (0.65 * len(label))
+        below = 0.5 * (-bottom - 0.5 * design.size.thickness)
+        label = f"{design.tilt_deg:g}-{placed.copy}"
+        width = 0.8 * design.foot_span / (0.65 * len(label))
         axes.text(
             placed.x - left, placed.y + below, label,
             ha="center", va="center", fontsize=min(72.0 * scale * min(below, width), 9.0),

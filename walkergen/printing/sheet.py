@@ -30,9 +30,9 @@ class Weight(NamedTuple):
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     """Weigh a walker by its meshes and the density of its material."""
     density = 1e-3 * design.material.density_g_cm3
-    whole, leg = (mass.weigh(mesh, density).mass for mesh in (built.walker, built.leg))
-    tolerance = walls.TOLERANCE[design.legs.kind]
-    return Weight(name, whole, leg, walls.leg_plastic(design, printer), tolerance)
+    whole, leg = (mass.weigh(mesh, density).mass for mesh in (built.walker, built.legs[0]))
+    tolerance = walls.TOLERANCE[design.kind]
+    return Weight(name, whole, leg, walls.leg_plastic(design.limbs[0], printer), tolerance)
 
 
 class Batch(NamedTuple):

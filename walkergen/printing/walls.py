@@ -30,7 +30,7 @@ walls are arachne's), not every threshold.
 import math
 
 from walkergen.printing.printers import Printer
-from walkergen.walker.design import Design, Kind
+from walkergen.walker.limbs import Kind, Limb
 
 LEAST_BEAD = 0.85
 """Width of arachne's narrowest line, in nozzles (PrusaSlicer's default, on the sheet too)."""
@@ -73,12 +73,11 @@ def deviation(thickness: float, printer: Printer) -> float:
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
-def leg_plastic(design: Design, printer: Printer) -> float:
+def leg_plastic(limb: Limb, printer: Printer) -> float:
     """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE."""
-    legs = design.legs
-    pieces = [(design.leg_thickness, legs.length_mm)]
-    if design.braced:
-        pieces.append((legs.brace_thickness_mm, legs.length_mm * math.cos(design.tilt)))
+    pieces = [(limb.thickness, limb.length)]
+    if limb.braced:
+        pieces.append((limb.brace, limb.length * math.cos(limb.tilt)))
     drawn = sum(thickness * length for thickness, length in pieces)
     return sum(printed_thickness(one, printer) * length for one, length in pieces) / drawn
 

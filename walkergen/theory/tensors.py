@@ -76,16 +76,14 @@ def flexible(
     )
 
 
-def feet(mass: MassProperties) -> tuple[InverseMass, InverseMass]:
-    """Tensors at the back and the front foot; the other leg's mass is neglected, as in the paper.
+def feet(mass: MassProperties) -> tuple[InverseMass, ...]:
+    """Tensors at the feet; the other legs' masses are neglected, as in the paper.
 
     The error of this is of the order of m/M (the tests compare it with the chain of hinged legs).
     """
-    anchors = mass.a, mass.b
-    if mass.rigid:
-        back, front = (rigid(mass.M, mass.J, a + mass.c_A + mass.c_T) for a in anchors)
-    else:
-        back, front = (
-            flexible(mass.M, mass.J, mass.m, mass.j, a, mass.c_A, mass.c_T) for a in anchors
-        )
-    return back, front
+    return tuple(
+        rigid(mass.M, mass.J, leg.foot)
+        if np.all(np.asarray(leg.m) == 0.0)
+        else flexible(mass.M, mass.J, leg.m, leg.j, leg.anchor, leg.c_A, leg.c_T)
+        for leg in mass.legs
+    )

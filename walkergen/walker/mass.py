@@ -5,6 +5,7 @@ so that a part far from the coordinates' origin loses no digits to it. Frame: x 
 y up, z along the extrusion; O is the centre of mass of the body.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,38 +51,63 @@ class Spatial(NamedTuple):
     """Place of O across the run, from the middle of the walker's depth, mm."""
     body: Array
     """Inertia tensor about O of what M counts, shape (3, 3), g mm^2."""
-    leg: Array
-    """Inertia tensor of one leg about its own centre of mass, shape (3, 3); zero when braced."""
+
+
+class LegMass(NamedTuple):
+    """Mass of a leg, and its vectors in the x-y plane, shape (2,), mm (paper, figure 1).
+
+    The foot lies at O + anchor + c_A + c_T. Every field but the last may carry batch axes.
+    """
+
+    m: Values
+    """Mass, g; 0 when braced, as part of M."""
+    j: Values
+    """Moment of inertia about its own centre of mass, g mm^2; 0 when braced."""
+    anchor: Array
+    """Vector from O to the anchor (paper: a of the back leg, b of the front leg)."""
+    c_A: Array
+    """Vector from the anchor to the leg's centre of mass."""
+    c_T: Array
+    """Vector from the leg's centre of mass to its foot (the point that touches the plate)."""
+    across: float = 0.0
+    """Place of its centre of mass across the run, from the middle of the walker's depth, mm."""
+    tensor: Array | None = None
+    """Inertia tensor about its own centre of mass, shape (3, 3), g mm^2, zero when braced; None
+    when unknown, which only motion in space minds."""
+
+    @property
+    def foot(self) -> Array:
+        """Vector from O to the foot."""
+        return self.anchor + self.c_A + self.c_T
+
+    @property
+    def inertia(self) -> Values:
+        """Moment of inertia about the anchor, g mm^2; without batch axes only."""
+        return self.j + self.m * self.c_A @ self.c_A
 
 
 class MassProperties(NamedTuple):
-    """Masses, moments of inertia and vectors of a walker (paper, figure 1); vectors (2,), mm, x-y.
+    """Mass and moment of inertia of a walker's body, and its legs.
 
-    Flexible legs: M, J, O belong to the body alone and m, j to one leg. Braced: M, J, O belong to
-    the whole solid and m = j = 0. The foot lies at O + a + c_A + c_T (back), O + b + c_A + c_T
-    (front). Every field may carry leading batch axes.
+    Flexible legs: M, J, O belong to the body alone. Braced: they belong to body and legs. Of mixed
+    legs the braced ones belong to the body. Every field may carry leading batch axes.
     """
 
     M: Values
     """Mass of the body, g."""
     J: Values
     """Moment of inertia of the body about O, g mm^2."""
-    m: Values
-    """Mass of one leg, g; 0 when braced."""
-    j: Values
-    """Moment of inertia of a leg about its own centre of mass, g mm^2; 0 when braced."""
-    a: Array
-    """Vector from O to the anchor of the back leg."""
-    b: Array
-    """Vector from O to the anchor of the front leg."""
-    c_A: Array
-    """Vector from the anchor to the centre of mass of a leg."""
-    c_T: Array
-    """Vector from a leg's centre of mass to its foot (the point that touches the plate)."""
+    legs: tuple[LegMass, ...]
+    """Legs in the order of `Design.limbs`."""
     rigid: bool
-    """True when the legs are braced."""
+    """True when all legs are braced."""
     spatial: Spatial | None = None
     """Mass properties across the run; None when unknown, which only motion in space minds."""
+
+    @property
+    def total(self) -> Values:
+        """Mass of the whole walker, g."""
+        return self.M + sum(leg.m for leg in self.legs)
 
 
 def weigh(mesh: Mesh, density: float) -> SolidMass:
@@ -109,67 +135,97 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: Design, body: Mesh, leg: Mesh) -> MassProperties:
-    """Mass properties of a walker from the meshes of its body and of one leg outside the body.
+def assemble(design: Design, body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
+    """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
-    The body's mesh lies in the design's frame, the leg's has its anchor at the origin; a braced
+    The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
     leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
     the inertias with them: the shape is trusted, the density is not.
     """
-    density = 1e-3 * design.material.density_g_cm3
+    density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
-    limb = _rescaled(weigh(leg, density), design.weighed.leg_mass_g)
-    O, c_A = top.centre[:2], limb.centre[:2]  # noqa: E741  (the paper's name)
-    anchors, foot = np.array(design.anchors), np.array(design.anchor_to_foot)
-    a, b = anchors - O
-    across = float(top.centre[2]) - 0.5 * design.body.depth_mm
-    loose = MassProperties(
-        top.mass, top.inertia, limb.mass, limb.inertia, a, b, c_A, foot - c_A, rigid=False,
-        spatial=Spatial(across, top.tensor, limb.tensor),
-    )  # fmt: skip
-    return as_rigid(loose) if design.braced else loose
+    O = top.centre[:2]  # noqa: E741  (the paper's name)
+    found, meshed = [], [weigh(mesh, density) for mesh in legs]
+    mean = sum(part.mass for part in meshed) / len(meshed)
+    for limb, part in zip(limbs, meshed, strict=True):
+        weighed = design.weighed.leg_mass_g
+        own = _rescaled(part, None if weighed is None else weighed * (part.mass / mean))
+        c_A = own.centre[:2]
+        found.append(LegMass(
+            own.mass, own.inertia, np.array(limb.anchor) - O, c_A,
+            np.array(limb.anchor_to_foot) - c_A, limb.across, own.tensor,
+        ))  # fmt: skip
+    across = float(top.centre[2]) - 0.5 * design.size.depth
+    loose = MassProperties(top.mass, top.inertia, tuple(found), False, Spatial(across, top.tensor))
+    return frozen(loose, [limb.braced for limb in limbs])
 
 
 def as_rigid(mass: MassProperties) -> MassProperties:
-    """Mass properties with the joints frozen: body and both legs as one rigid solid."""
-    if mass.rigid:
+    """Mass properties with the joints frozen: body and all legs as one rigid solid."""
+    return mass if mass.rigid else frozen(mass, [True] * len(mass.legs))
+
+
+def frozen(mass: MassProperties, rigid: Sequence[bool]) -> MassProperties:
+    """Mass properties with those joints frozen whose legs are `rigid`: they belong to the body."""
+    chosen = [leg for leg, is_rigid in zip(mass.legs, rigid, strict=True) if is_rigid]
+    if not chosen:
         return mass
-    masses = np.array([mass.M, mass.m, mass.m])
-    centres = np.array([(0.0, 0.0), mass.a + mass.c_A, mass.b + mass.c_A])
+    masses = np.array([mass.M, *(leg.m for leg in chosen)])
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in chosen)])
     M = float(masses.sum())
     O = masses @ centres / M  # noqa: E741  (the paper's name)
-    J = mass.J + 2 * mass.j + float(masses @ np.sum((centres - O) ** 2, axis=1))
+    J = mass.J + sum(leg.j for leg in chosen)
+    J = J + float(masses @ np.sum((centres - O) ** 2, axis=1))
     whole = None
     if mass.spatial is not None:
-        middle, tensor = joined(mass.spatial, masses, centres)
-        whole = Spatial(float(middle[2]), tensor, np.zeros((3, 3)))
-    return mass._replace(
-        M=M, J=J, m=0.0, j=0.0, a=mass.a - O, b=mass.b - O, rigid=True, spatial=whole
-    )
+        middle, tensor = joined(mass.spatial, chosen, masses, centres)
+        whole = Spatial(float(middle[2]), tensor)
+    legs = [
+        leg._replace(
+            m=0.0 if is_rigid else leg.m, j=0.0 if is_rigid else leg.j, anchor=leg.anchor - O,
+            tensor=np.zeros((3, 3)) if is_rigid and leg.tensor is not None else leg.tensor,
+        )
+        for leg, is_rigid in zip(mass.legs, rigid, strict=True)
+    ]  # fmt: skip
+    return MassProperties(M, J, tuple(legs), all(rigid), whole)
 
 
 def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
-    """Mass properties with the body's and a leg's masses and inertias times ratios, any shape."""
-    whole, (body, leg) = mass.spatial, (np.asarray(body), np.asarray(leg))
+    """Mass properties with the masses and inertias of body and legs times ratios, any shape."""
+    whole, sides = mass.spatial, (..., None, None)
+    body, leg = np.asarray(body), np.asarray(leg)
     if whole is not None:
-        sides = (..., None, None)
-        whole = whole._replace(body=whole.body * body[sides], leg=whole.leg * leg[sides])
-    return mass._replace(
-        M=mass.M * body, J=mass.J * body, m=mass.m * leg, j=mass.j * leg, spatial=whole
-    )
+        whole = whole._replace(body=whole.body * body[sides])
+    legs = tuple(
+        one._replace(
+            m=one.m * leg, j=one.j * leg,
+            tensor=None if one.tensor is None else one.tensor * leg[sides],
+        )
+        for one in mass.legs
+    )  # fmt: skip
+    return mass._replace(M=mass.M * body, J=mass.J * body, legs=legs, spatial=whole)
 
 
-def joined(parts: Spatial, masses: Array, centres: Array) -> tuple[Array, Array]:
+def joined(
+    body: Spatial, legs: Sequence[LegMass], masses: Array, centres: Array
+) -> tuple[Array, Array]:
     """Centre of mass (mm, from O at half depth) and inertia tensor about it (g mm^2) of the whole.
 
-    Masses of body and both legs, shape (3,), g; their centres from O, shape (3, 2), mm.
+    Masses of the body and these legs, shape (1 + legs,), g; their centres from O, shape
+    (1 + legs, 2), mm.
     """
-    places = np.column_stack([centres, (parts.z, 0.0, 0.0)])
+    places = np.column_stack([centres, (body.z, *(leg.across for leg in legs))])
     middle = masses @ places / masses.sum()
-    tensor = parts.body + 2.0 * parts.leg
+    tensor = body.body + sum(leg.tensor for leg in legs if leg.tensor is not None)
     for mass, place in zip(masses, places - middle, strict=True):
         tensor = tensor + mass * (place @ place * np.eye(3) - np.outer(place, place))
     return middle, tensor
+
+
+def from_centre(design: Design, mass: MassProperties, points: Array) -> Array:
+    """Points of the design's frame, shape (n, 2), seen from O, mm."""
+    O = np.array(design.limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
+    return np.asarray(points) - O
 
 
 def _rescaled(part: SolidMass, weighed_mass: float | None) -> SolidMass:

@@ -10,13 +10,13 @@ from walkergen.walker.marks import Marks
 
 def part(design: Design) -> str:
     """Name of a walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
-    tilt = _decimal(design.legs.tilt_deg, 1)
-    return f"walker_t{tilt}_{design.legs.kind}_s{_decimal(design.leg_thickness, 2)}"
+    tilt = _decimal(design.tilt_deg, 1)
+    return f"walker_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
 
 
 def legend(members: Sequence[Design]) -> str:
     """Markdown table of the mark for each tilt; "" without marks."""
-    marks = {design.legs.tilt_deg: design.mark for design in members if design.mark}
+    marks = {design.tilt_deg: design.mark for design in members if design.mark}
     if not marks:
         return ""
     lines = [f"| {tilt:g} | `{mark}` |" for tilt, mark in sorted(marks.items())]

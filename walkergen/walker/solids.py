@@ -5,17 +5,18 @@ the part is printed: lying on its side. Notches belong to the profile; digits ar
 side that prints last, by a second, shallow extrusion taken from the first.
 """
 
+import itertools
 import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import manifold3d
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.walker import marks
+from walkergen.walker import marks, profiles
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, Mesh, assemble
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ NARROWEST_WINDOW = 1e-9
 """Width of a window between leg and brace, over the leg's length, below which it does not count:
 such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
 
-Polygon = npt.NDArray[np.float64]
+Polygon = profiles.Polygon
 
 
 class Solids(NamedTuple):
@@ -38,8 +39,9 @@ class Solids(NamedTuple):
     """Printable union of body and legs, in the design's frame: one closed body."""
     body: Mesh
     """Body alone, in the design's frame."""
-    leg: Mesh
-    """One leg outside the body, with its brace if it has one; its anchor at the origin."""
+    legs: tuple[Mesh, ...]
+    """Each leg outside the body, with its brace if it has one, in the order of `Design.limbs`; its
+    anchor at the origin of x and y, z from 0 to its width."""
 
 
 class Engraving(NamedTuple):
@@ -50,40 +52,110 @@ class Engraving(NamedTuple):
     """Depth of the pockets, mm."""
 
 
+NO_ENGRAVING = Engraving([], 0.0)
+
+
 class Outline(NamedTuple):
-    """Polygons of a walker's profile, counter-clockwise, shape (n, 2), mm."""
+    """Polygons of a walker seen from the side, counter-clockwise, shape (n, 2), mm."""
 
     body: Polygon
     """Profile of the body, in the design's frame."""
-    limb: tuple[Polygon, ...]
-    """Leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
+    limbs: tuple[tuple[Polygon, ...], ...]
+    """Each leg, and its brace if it has one, reaching into the body; its anchor at the origin."""
 
 
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     """Build a walker's solids. Raises SolidError when the modeller's result is not sound."""
     body, raised = outline(design, foot_segments)
-    legs = [part + np.array(anchor) for anchor in design.anchors for part in raised]
-    windows = 2 * has_window(design)
-    depth = design.body.depth_mm
+    depth, limbs = design.size.depth, design.limbs
     digits = Engraving(_digit_profiles(design), design.marks.depth_mm)
-    return Solids(
-        _extrude([body, *legs], depth, windows, digits),
-        _extrude([body], depth, 0, digits),
-        _extrude(_limb(design, foot_segments), depth, None, Engraving([], 0.0)),
+    top = _extrude([body], depth, 0, digits)
+    legs = _legs(limbs, foot_segments)
+    placed = [
+        [part + np.array(limb.anchor) for part in parts]
+        for limb, parts in zip(limbs, raised, strict=True)
+    ]
+    if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
+        windows = sum(has_window(limb) for limb in limbs)
+        profile = [body, *(part for parts in placed for part in parts)]
+        return Solids(_extrude(profile, depth, windows, digits), top, legs)
+    bars = [
+        _shifted(_extrude(parts, limb.width, None, NO_ENGRAVING), _left_side(limb, depth))
+        for limb, parts in zip(limbs, placed, strict=True)
+    ]
+    return Solids(united([top, *bars]), top, legs)
+
+
+def _legs(limbs: Sequence[Limb], foot_segments: int) -> tuple[Mesh, ...]:
+    """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
+    made: dict[tuple[object, ...], Mesh] = {}
+    for limb in limbs:
+        if _shape(limb) not in made:
+            profile = profiles.limb(limb, foot_segments)
+            made[_shape(limb)] = _extrude(profile, limb.width, None, NO_ENGRAVING)
+    return tuple(made[_shape(limb)] for limb in limbs)
+
+
+def _shape(limb: Limb) -> tuple[object, ...]:
+    """What the shape of a leg depends on, but not its place."""
+    return limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
+
+
+def _left_side(limb: Limb, depth: float) -> float:
+    """Place z of a leg's flat side, in the frame in which the body begins at z = 0, mm."""
+    return 0.5 * depth + limb.across - 0.5 * limb.width
+
+
+def _shifted(mesh: Mesh, z: float) -> Mesh:
+    return mesh._replace(vertices=mesh.vertices + np.array([0.0, 0.0, z]))
+
+
+def united(meshes: Sequence[Mesh]) -> Mesh:
+    """One closed body, the union of overlapping ones. Raises SolidError when it is not one."""
+    reach = max(float(np.abs(mesh.vertices).max()) for mesh in meshes)
+    scale = _scale(reach)
+    solid = manifold3d.Manifold.batch_boolean(
+        [_manifold(mesh, scale) for mesh in meshes], manifold3d.OpType.Add
+    )
+    if solid.status() != manifold3d.Error.NoError or len(solid.decompose()) != 1:
+        raise SolidError(
+            f"the union of body and legs is not one body: {solid.status().name}, "
+            f"{len(solid.decompose())} bodies"
+        )
+    return _mesh(solid, scale)
+
+
+def _manifold(mesh: Mesh, scale: float) -> manifold3d.Manifold:
+    return manifold3d.Manifold(
+        manifold3d.Mesh64(scale * mesh.vertices, mesh.triangles.astype(np.uint64))
     )
 
 
+def _mesh(solid: manifold3d.Manifold, scale: float) -> Mesh:
+    raw = solid.to_mesh64()
+    vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
+    return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
+
+
+def _scale(reach: float) -> float:
+    """Power of two that brings lengths up to `reach` to about 2^30 units."""
+    return 2.0 ** (30 - math.frexp(reach)[1])
+
+
 def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """Polygons whose union, with a limb at each anchor, is the profile to extrude."""
+    """Polygons whose union, with each limb at its anchor, is the walker seen from the side."""
     # Legs reach into the body, so that the parts of the union overlap rather than touch.
-    embedding = 0.25 * design.body.thickness_mm
-    limb = tuple(_raised(part, embedding) for part in _limb(design, foot_segments))
-    return Outline(_body_profile(design), limb)
+    embedding = 0.25 * design.size.thickness
+    limbs = tuple(
+        tuple(profiles.raised(part, embedding) for part in profiles.limb(limb, foot_segments))
+        for limb in design.limbs
+    )
+    return Outline(_body_profile(design), limbs)
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
-    """Mass properties of a walker from its solids."""
-    return assemble(design, solids.body, solids.leg)
+    """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
+    return assemble(design, solids.body, solids.legs)
 
 
 def mass_of(design: Design) -> MassProperties:
@@ -91,31 +163,39 @@ def mass_of(design: Design) -> MassProperties:
     return weigh(design, build(design))
 
 
-def has_window(design: Design) -> bool:
+def has_window(limb: Limb) -> bool:
     """True when there is air between a braced leg and its brace, as at all but small tilts."""
-    return window_width(design) > NARROWEST_WINDOW * design.legs.length_mm
+    return window_width(limb) > NARROWEST_WINDOW * limb.length
 
 
-def window_width(design: Design) -> float:
+def window_width(limb: Limb) -> float:
     """Width of the air between a braced leg and its brace along the body's bottom face, mm.
 
     There it is widest; it is negative where leg and brace overlap, and 0 for flexible legs.
     """
-    if not design.braced:
+    if not limb.braced:
         return 0.0
-    half_width = 0.5 * design.leg_thickness / math.cos(design.tilt)
-    return abs(design.brace_offset) - (half_width + 0.5 * design.legs.brace_thickness_mm)
+    return abs(limb.brace_offset) - (limb.half_width + 0.5 * limb.brace)
 
 
-def clearance(design: Design) -> float:
-    """Least distance between the back leg and the front leg (or its brace), mm."""
-    thickness = design.leg_thickness / math.cos(design.tilt)
-    between_legs = design.legs.contact_spacing_mm - thickness
-    if not design.braced:
-        return between_legs
-    half_brace = 0.5 * design.legs.brace_thickness_mm
-    crossing = abs(design.brace_offset) + 0.5 * thickness + half_brace
-    return min(between_legs, design.legs.contact_spacing_mm - crossing)
+def clearance(limbs: Sequence[Limb]) -> float:
+    """Least distance along the run between two legs (or their braces) that stand in line, mm."""
+    apart = [math.inf]
+    for one, other in itertools.combinations(limbs, 2):
+        back, front = sorted((one, other), key=lambda limb: limb.along)
+        if abs(one.across - other.across) >= 0.5 * (one.width + other.width):
+            continue
+        spacing = front.along - back.along
+        if back.tilt == front.tilt:
+            apart.append(spacing - (back.half_width + front.half_width))
+        else:
+            apart.append(min(spacing, front.anchor[0] - back.anchor[0])
+                         - (back.half_width + front.half_width))  # fmt: skip
+        for limb in (back, front):
+            if limb.braced:
+                crossing = abs(limb.brace_offset) + limb.half_width + 0.5 * limb.brace
+                apart.append(spacing - crossing)
+    return min(apart)
 
 
 def bodies(mesh: Mesh) -> int:
@@ -141,12 +221,12 @@ def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
 
 def _body_profile(design: Design) -> Polygon:
     """Profile of the body with the notches in its upper edge, counter-clockwise."""
-    length, thickness = design.body.length_mm, design.body.thickness_mm
+    length, thickness = design.size.length, design.size.thickness
     x, y = 0.5 * length, 0.5 * thickness
     edge = [
         corner
         for notch in marks.notches(
-            design.marks, design.family.tilt_deg, design.legs.tilt_deg, length, thickness
+            design.marks, design.family.tilt_deg, design.tilt_deg, length, thickness
         )
         for corner in (
             (notch.right, y), (notch.right, notch.bottom), (notch.left, notch.bottom),
@@ -157,62 +237,11 @@ def _body_profile(design: Design) -> Polygon:
 
 
 def _digit_profiles(design: Design) -> list[Polygon]:
-    strokes = marks.strokes(design.marks, design.legs.tilt_deg, design.body.thickness_mm)
+    strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [
         np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
         for s in strokes
     ]
-
-
-def _limb(design: Design, foot_segments: int) -> list[Polygon]:
-    leg = _leg_profile(design, foot_segments)
-    return [leg, _brace_profile(design)] if design.braced else [leg]
-
-
-def _leg_profile(design: Design, foot_segments: int) -> Polygon:
-    """Profile of a leg below the bottom face (y <= 0), anchor at the origin, counter-clockwise."""
-    sin, cos = math.sin(design.tilt), math.cos(design.tilt)
-    half, length = 0.5 * design.leg_thickness, design.legs.length_mm
-    along, across = np.array([-sin, -cos]), np.array([cos, -sin])
-    top = np.array([half / cos, 0.0])
-    if design.legs.foot == "round":
-        centre = (length - half) * along
-        foot = centre + half * _half_circle(design.tilt, foot_segments)
-    elif design.legs.foot == "square":
-        foot = np.array([length * along - half * across, length * along + half * across])
-    else:
-        foot = np.array([length * along - top, length * along + top])
-    return np.vstack([-top, foot, top])
-
-
-def _half_circle(tilt: float, segments: int) -> Polygon:
-    """Unit half circle below a leg, counter-clockwise, a vertex exactly at its lowest point."""
-    start, lowest, end = math.pi - tilt, 1.5 * math.pi, 2.0 * math.pi - tilt
-    before = max(1, round(segments * (lowest - start) / math.pi))
-    after = max(1, segments - before)
-    angles = np.concatenate(
-        [np.linspace(start, lowest, before + 1), np.linspace(lowest, end, after + 1)[1:]]
-    )
-    circle = np.column_stack([np.cos(angles), np.sin(angles)])
-    circle[before] = (0.0, -1.0)
-    return circle
-
-
-def _brace_profile(design: Design) -> Polygon:
-    """Profile of the vertical support from the foot to the bottom face, in the leg's frame."""
-    legs = design.legs
-    x, half = design.brace_offset, 0.5 * legs.brace_thickness_mm
-    reach = legs.length_mm - (0.5 * design.leg_thickness if legs.foot == "round" else 0.0)
-    y = -reach * math.cos(design.tilt)
-    slope = math.tan(design.tilt) if legs.foot == "square" else 0.0
-    left, right = (x - half, y + slope * half), (x + half, y - slope * half)
-    return np.array([(x - half, 0.0), left, right, (x + half, 0.0)])
-
-
-def _raised(profile: Polygon, embedding: float) -> Polygon:
-    left, right = profile[0], profile[-1]
-    up = np.array([0.0, embedding])
-    return np.vstack([profile, right + up, left + up])
 
 
 def _extrude(
@@ -225,7 +254,7 @@ def _extrude(
     SolidError when the result is not one sound body with so many windows.
     """
     reach = max(float(np.abs(profile).max()) for profile in profiles)
-    scale = 2.0 ** (30 - math.frexp(max(reach, depth))[1])
+    scale = _scale(max(reach, depth))
     section = manifold3d.CrossSection(
         [scale * profile for profile in profiles], manifold3d.FillRule.Positive
     )
@@ -242,9 +271,7 @@ def _extrude(
         )
     if engraving.profiles:
         solid = _engraved(solid, engraving, depth, scale)
-    raw = solid.to_mesh64()
-    vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
-    return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
+    return _mesh(solid, scale)
 
 
 def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:

@@ -99,7 +99,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
     density = 1e-3 * design.material.density_g_cm3
-    body, leg = (mass.weigh(mesh, density).mass for mesh in (parts.body, parts.leg))
+    body, leg = (mass.weigh(mesh, density).mass for mesh in (parts.body, parts.legs[0]))
     grams, body_g, leg_g = (None if one is None else one.mean for one in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
@@ -130,7 +130,7 @@ def meshed(design: Design) -> Design:
 
 def total(masses: MassProperties) -> float:
     """Mass of a whole walker, g."""
-    return float(masses.M) + 2.0 * float(masses.m)
+    return float(masses.M) + 2.0 * float(masses.legs[0].m)
 
 
 def total_error(weighed: Weighings) -> float | None:

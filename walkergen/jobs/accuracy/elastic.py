@@ -171,7 +171,7 @@ def _ends(survey: Survey, scene: Short, share: float) -> Array:
             ended = ENDS[status].value
             raise InputError(f"the short scene {scene.name!r} ends as {ended}: try a weaker drive")
         ends.append(state[[SHOWN_X, HEIGHT, PITCH]])
-    reach = np.array([1.0, 1.0, 0.5 * survey.design.legs.contact_spacing_mm])
+    reach = np.array([1.0, 1.0, 0.5 * survey.design.foot_span])
     return np.asarray(np.array(ends) * reach)
 
 

@@ -106,7 +106,7 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
     found = choose.candidates(survey, progress)
     reference = survey.reference(progress)
     kept.remember(survey)
-    title = f"{job.design.name}, tilt {job.design.legs.tilt_deg:g}°, on {job.scene.name}"
+    title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
     formulas = models.formulas(survey, reference)

@@ -91,13 +91,18 @@ def _weighed_far(
     design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
 ) -> MassProperties:
     shift = distance * np.array([0.6, 0.8, 0.0])
-    body, leg = (
-        form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, built.leg)
+    body, *legs = (
+        form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs)
     )
-    found = assemble(design, body, leg)
+    found = assemble(design, body, legs)
     # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]
-    return found._replace(a=found.a + at, b=found.b + at, c_A=found.c_A - at, c_T=found.c_T + at)
+    return found._replace(
+        legs=tuple(
+            leg._replace(anchor=leg.anchor + at, c_A=leg.c_A - at, c_T=leg.c_T + at)
+            for leg in found.legs
+        )
+    )
 
 
 def _as_is(mesh: Mesh) -> Mesh:

@@ -131,7 +131,7 @@ def _by_tolerance(survey: Survey, scene: Short, true: Array) -> Iterator[Rung]:
 def _rung(
     survey: Survey, plan: Plan, scene: Short, true: Array, setting: str, value: float
 ) -> Rung:
-    reach = np.array([1.0, 1.0, 0.5 * survey.design.legs.contact_spacing_mm])
+    reach = np.array([1.0, 1.0, 0.5 * survey.design.foot_span])
     amplitude = plan.world.drive.amplitude
     error = float(np.abs((_final(plan, scene) - true) * reach).max() / amplitude)
     seconds = cpu_time(lambda: _final(plan, scene), repeats=3)

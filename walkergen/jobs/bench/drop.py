@@ -200,7 +200,7 @@ def _tilted(design: Design) -> list[tuple[float, Design]]:
     """The design at those of TILTS that can be built, and at its own."""
     from walkergen.errors import GeometryError
 
-    tilts = sorted({*TILTS, design.legs.tilt_deg})
+    tilts = sorted({*TILTS, design.tilt_deg})
     found = []
     for tilt in tilts:
         try:

@@ -81,9 +81,11 @@ class Plucked(NamedTuple):
 
 def cantilever(design: Design, leg_mass: float) -> float:
     """First natural frequency (Hz) of a flexible leg of `leg_mass` (g), its body held."""
-    second_moment = design.body.depth_mm * design.leg_thickness**3 / 12.0
+    second_moment = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
     bending = 1e9 * design.material.youngs_modulus_gpa * second_moment
-    return FIRST_MODE * math.sqrt(bending / (leg_mass * design.legs.length_mm**3)) / (2.0 * math.pi)
+    return (
+        FIRST_MODE * math.sqrt(bending / (leg_mass * design.limbs[0].length ** 3)) / (2.0 * math.pi)
+    )
 
 
 def modulus(design: Design, leg_mass: float, frequency: float) -> float:
@@ -110,7 +112,7 @@ def errors(design: Design, relative: float) -> Known:
     """
     weighed = design.weighed.leg_mass_g is not None
     mass = 0.01 * design.weighed.mass_sd_percent
-    thick = design.legs.thickness_sd_mm / design.leg_thickness
+    thick = design.limbs[0].thickness_sd / design.limbs[0].thickness
     stiff = design.material.youngs_modulus_sd_gpa / design.material.youngs_modulus_gpa
     power = 3.0 if weighed else 2.0
     return Known(
@@ -123,7 +125,7 @@ def errors(design: Design, relative: float) -> Known:
 def thickness(design: Design, leg_mass: float, frequency: float) -> float:
     """Thickness (mm) at which a leg swings at `frequency` (Hz), Young's modulus as it is."""
     power = 2.0 / 3.0 if design.weighed.leg_mass_g is not None else 1.0
-    return float(design.leg_thickness * (frequency / cantilever(design, leg_mass)) ** power)
+    return float(design.limbs[0].thickness * (frequency / cantilever(design, leg_mass)) ** power)
 
 
 def damping_ratio(decrement: float) -> float:
@@ -163,15 +165,16 @@ def pluck(scene: Scene, design: Design) -> Plucked:
             f"legs.damping_ratio = {ratio:g}: a leg without swings; must be below 1 to be plucked"
         )
     mass = solids.mass_of(design)
-    inertia = float(mass.j + mass.m * mass.c_A @ mass.c_A)
+    limb, modulus = design.limbs[0], design.material.youngs_modulus
+    inertia = float(mass.legs[0].inertia)
     hinges: dict[str, float] = {
-        name: compliance.natural_frequency(compliance.stiffness(design, name), inertia)
+        name: compliance.natural_frequency(compliance.stiffness(limb, modulus, name), inertia)
         for name in compliance.SPRING_FACTORS
     }
     loose = still.plan_of(scene, design)
     held = prepare(still.still(scene), design, scaled(mass, HELD, 1.0))
     own = hinges[scene.legs.spring]
-    leg = float(mass.m)
+    leg = float(mass.legs[0].m)
     return Plucked(leg, cantilever(design, leg), hinges, ring(held, own), _modes(loose))
 
 

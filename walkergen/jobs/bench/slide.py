@@ -186,16 +186,17 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
         still.plan_of(still.with_contact(scene, friction=friction), design, 1.0)
         for friction in FRICTIONS
     ]
-    backward = 180.0 if design.tilt < 0.0 else 0.0  # it runs toward -x
+    backward = 180.0 if design.limbs[0].tilt < 0.0 else 0.0  # it runs toward -x
     found: dict[str, list[Slid]] = {}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for number, (facing, heading) in enumerate(HEADINGS.items()):
             progress(f"facing {facing}", number, len(HEADINGS))
             turned = [heading + backward] * len(plans)
             found[facing] = list(pool.map(friction_angle, plans, turned))
+    tilt = design.limbs[0].tilt
     slips = [
-        first_slip(plan, design.tilt, friction)
-        if design.tilt > 0.0 and not design.braced and friction > math.tan(design.tilt)
+        first_slip(plan, tilt, friction)
+        if tilt > 0.0 and not design.braced and friction > math.tan(tilt)
         else None
         for plan, friction in zip(plans, FRICTIONS, strict=True)
     ]

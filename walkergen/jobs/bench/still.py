@@ -58,7 +58,7 @@ def in_words(scene: Scene, design: Design) -> str:
     """Walker, model and feet of a test, as pages and tables name them."""
     contact = scene.contact
     return (
-        f"{design.name}, {design.legs.kind} legs, tilt {design.legs.tilt_deg:g} deg; model space, "
+        f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg; model space, "
         f"{scene.feet.damping} feet, restitution {contact.restitution:g}, friction "
         f"{contact.friction:g}; plate at rest"
     )

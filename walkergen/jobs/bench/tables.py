@@ -36,7 +36,7 @@ def of_drop(
         rows.append(Rows(f"{what}s", f"rebound by {what}", (UNITS[what], *_COLUMNS), lines))
     columns = ("turn_deg", "rebound_rolled", "rebound_pitched")
     rows.append(Rows("turns", "rebound by the first turn", columns, found.by_turn))
-    where = f" at {design.legs.tilt_deg:g} deg"
+    where = f" at {design.tilt_deg:g} deg"
     answers = []
     for flat, condition in ((True, "let go flat"), (False, f"from the hand ({hand})")):
         curve = found.curve(flat)
@@ -53,7 +53,7 @@ def of_drop(
         *_on_flatness(found),
     ]
     caption = f"{still.in_words(scene, design)}; dropped by {height:g} mm"
-    title = f"Drop of {design.name}, {design.legs.tilt_deg:g} deg, {design.legs.kind}"
+    title = f"Drop of {design.name}, {design.tilt_deg:g} deg, {design.kind}"
     keys = "contact.restitution", "contact.restitution_sd"
     settings = _settings(answers[-1:], keys)
     return Report("drop", title, caption, rows, answers, notes, settings)
@@ -80,7 +80,7 @@ def of_slide(found: Incline, scene: Scene, design: Design, measured: Measured | 
         ends = float(curve.at[0]), float(curve.at[-1])
         told = inverse.in_words(one, "friction", ends)
         answers.append(Answer(f"facing {facing}", told, one))
-    title = f"Incline under {design.name}, {design.legs.tilt_deg:g} deg, {design.legs.kind}"
+    title = f"Incline under {design.name}, {design.tilt_deg:g} deg, {design.kind}"
     caption = f"{still.in_words(scene, design)}; the plate is tilted slowly"
     settings = _settings(answers[:1], ("contact.friction", "contact.friction_sd"))
     notes = _on_inclines(found)
@@ -150,7 +150,7 @@ def of_pluck(
         sd = ratio * (1.0 - ratio * ratio) * decrement.sd / decrement.value
         answers.append(_with_error("damping ratio of the leg", ratio, sd, ""))
         settings |= {"legs.damping_ratio": ratio, "legs.damping_ratio_sd": sd}
-    title = f"Pluck of a leg of {design.name}, {design.legs.tilt_deg:g} deg"
+    title = f"Pluck of a leg of {design.name}, {design.tilt_deg:g} deg"
     caption = f"{still.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
     return Report("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
 

@@ -22,7 +22,8 @@ from walkergen.simulation import points
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import solids
-from walkergen.walker.design import Body, Design, Kind, Legs
+from walkergen.walker.design import Body, Design
+from walkergen.walker.limbs import Kind, Legs
 
 Array = npt.NDArray[np.float64]
 
@@ -170,7 +171,7 @@ def main() -> None:
     for number, case in enumerate(every, start=1):
         row = measure(case)
         if row is not None:
-            made[case.design.legs.kind].append(row)
+            made[case.design.kind].append(row)
         if number % 16 == 0 or number == len(every):
             print(f"{number} of {len(every)}", file=sys.stderr, flush=True)
     write(np.array(made["flexible"]), np.array(made["braced"]))

@@ -10,7 +10,7 @@ from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import STYLES
 from walkergen.jobs.family.tables import Simulated
 from walkergen.prediction import Curve, Prediction
-from walkergen.walker.design import Kind
+from walkergen.walker.limbs import Kind
 
 
 def speed_figure(

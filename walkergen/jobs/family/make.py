@@ -24,7 +24,8 @@ from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
-from walkergen.walker.design import Body, Design, Legs
+from walkergen.walker.design import Body, Design
+from walkergen.walker.limbs import Legs
 from walkergen.walker.mass import MassProperties, Mesh
 from walkergen.walker.solids import Solids
 from walkergen.walker.weights import Weighings
@@ -221,8 +222,8 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     from walkergen.jobs.family import figures as plots
     from walkergen.jobs.family import preview
 
-    tilts = [member.design.legs.tilt_deg for member in made]
-    kinds = [member.design.legs.kind for member in made]
+    tilts = [member.design.tilt_deg for member in made]
+    kinds = [member.design.kind for member in made]
     curves = {
         kind: prediction.curve(
             job.design.variant(kind=kind), job.scene, job.mode, min(tilts), max(tilts)
@@ -250,6 +251,8 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
 
 def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
     """Tilt (deg) and speed (mm/s) that the paper states; None unless walker and plate are its."""
+    if not isinstance(design.legs, Legs):
+        return None
     legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
     same = design.body == Body() and legs == Legs()
     drive, paper = scene.drive, Drive(frequency_hz=90.0, gamma=1.8)

@@ -46,7 +46,7 @@ class Setting(NamedTuple):
     @property
     def tilt(self) -> float:
         """Tilt of the legs, deg."""
-        return self.design.legs.tilt_deg
+        return self.design.tilt_deg
 
 
 class Ground(NamedTuple):

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from walkergen.analysis.fits import Speeds
 from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import STYLES, axes_of
-from walkergen.walker.design import Kind
+from walkergen.walker.limbs import Kind
 
 if TYPE_CHECKING:
     from walkergen.jobs.fit.learn import Band

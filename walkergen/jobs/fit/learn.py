@@ -90,7 +90,7 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
     bands.csv, posterior.csv, scene.toml, design.toml, fit.png, fit.pdf, manifest.json. Raises
     InputError, before anything is written, for unusable input.
     """
-    found = measured.read(path, job.design.legs.kind, job.scene.drive.peak_speed)
+    found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
     seen, notes = _flexible(found, path)
     scene, design = held(job.scene, job.design, job.fixed)
     ground = Ground(scene, job.model, unknown(scene, design, job.model, job.prior, job.fixed))

@@ -18,7 +18,8 @@ from walkergen.jobs.fit import tables as fit_tables
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
 from walkergen.walker import solids
-from walkergen.walker.design import KINDS, Design, Kind
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import KINDS, Kind
 
 Array = npt.NDArray[np.float64]
 
@@ -57,7 +58,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, design.toml (as given), fit.png,
     fit.pdf, manifest.json. Raises InputError, before anything is written, for unusable input.
     """
-    found = measured.read(path, job.design.legs.kind, job.scene.drive.peak_speed)
+    found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
     tilt, legs = found.tilt, found.legs
     speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
     progress("fitting", 0, 2)

@@ -146,7 +146,7 @@ def _zoom(footage: Footage, scale: float) -> int:
 
 def _foot_width(footage: Footage) -> float:
     """Width of a limb just above its foot, mm."""
-    leg = np.concatenate(footage.shape.limb)
+    leg = np.concatenate(footage.shape.limbs[0])
     low = leg[leg[:, 1] < leg[:, 1].min() + 0.05 * np.ptp(leg[:, 1])]
     return float(np.ptp(low[:, 0]))
 

@@ -18,12 +18,12 @@ class Shape(NamedTuple):
 
     body: Polygon
     """Outline of the body about the point O that the poses follow."""
-    limb: tuple[Polygon, ...]
-    """Polygons of a leg, and of its brace if it has one, with the anchor at the origin."""
+    limbs: tuple[tuple[Polygon, ...], ...]
+    """Polygons of each leg, and of its brace if it has one, with the anchor at the origin."""
     anchors: Array
     """Vectors from O to the back and front anchor, shape (2, 2), mm."""
-    foot: Array
-    """Vector from an anchor to the simulation's point of contact, shape (2,), mm."""
+    feet: Array
+    """Vectors from the anchors to the simulation's points of contact, shape (2, 2), mm."""
 
 
 class Impact(NamedTuple):
@@ -99,7 +99,7 @@ def polygons(footage: Footage, at: int) -> tuple[list[Polygon], Polygon]:
     for side in (BACK, FRONT):
         hinge = place + _turned(shape.anchors[side], pitch)
         turn = pitch + footage.angles[at, side]
-        limbs += [hinge + _turned(part, turn) for part in shape.limb]
+        limbs += [hinge + _turned(part, turn) for part in shape.limbs[side]]
     return limbs, place + _turned(shape.body, pitch)
 
 
@@ -110,7 +110,7 @@ def feet(footage: Footage, relaxed: bool = False) -> Array:
         angle = 0.0 * footage.pitch if relaxed else footage.angles[:, side]
         anchor = _turned(footage.shape.anchors[side], footage.pitch)
         found[:, side] = (
-            footage.places + anchor + _turned(footage.shape.foot, footage.pitch + angle)
+            footage.places + anchor + _turned(footage.shape.feet[side], footage.pitch + angle)
         )
     return found
 

@@ -23,7 +23,8 @@ from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impact
 from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, as_rigid
+from walkergen.walker.mass import MassProperties, as_rigid, from_centre
+from walkergen.walker.planar import in_plane
 
 if TYPE_CHECKING:
     from walkergen.jobs.movie.animation import Draw
@@ -249,7 +250,7 @@ def _check(design: Design, found: int, every: int, outcome: Outcome) -> None:
 
 def title(design: Design) -> str:
     """Name of a walker as the picture shows it."""
-    return f"{design.name}, {design.legs.tilt_deg:g}°, {design.legs.kind}"
+    return f"{design.name}, {design.tilt_deg:g}°, {design.kind}"
 
 
 def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
@@ -282,10 +283,13 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
 
 def _shape(design: Design, mass: MassProperties) -> Shape:
     """Outline about the centre of mass that the simulated state follows."""
-    outline = solids.outline(design)
-    O = np.array(design.anchors[0]) - mass.a  # noqa: E741  (the paper's name)
-    anchors = np.array(design.anchors) - O
-    return Shape(outline.body - O, outline.limb, anchors, np.array(design.anchor_to_foot))
+    outline, planar = solids.outline(design), in_plane(design, mass)
+    return Shape(
+        from_centre(design, mass, outline.body),
+        tuple(outline.limbs[design.limbs.index(limb)] for limb in planar.limbs),
+        np.array([leg.anchor for leg in planar.mass.legs]),
+        np.array([limb.anchor_to_foot for limb in planar.limbs]),
+    )
 
 
 def settings(scene: Scene, models: Sequence[str]) -> str:

@@ -11,7 +11,7 @@ from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Mesh
+from walkergen.walker.mass import MassProperties, Mesh, from_centre
 
 Array = npt.NDArray[np.float64]
 
@@ -73,12 +73,13 @@ class Shot(NamedTuple):
 def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """What a run in space shows, in the terms of the picture."""
     mesh = solids.build(design).walker
-    O = np.array([*(np.array(design.anchors[0]) - mass.a), 0.5 * design.body.depth_mm])  # noqa: E741
+    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return Shot(
         name=name,
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
-        size=np.array([design.body.length_mm, design.body.depth_mm]),
+        size=np.array([design.size.length, design.size.depth]),
         poses=poses,
         impacts=tuple(
             Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in poses.landings

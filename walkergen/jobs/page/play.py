@@ -16,7 +16,9 @@ from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import names, solids
-from walkergen.walker.design import Design, Kind
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
+from walkergen.walker.mass import from_centre
 
 SECONDS = 1.0
 """Length of the run, s."""
@@ -34,8 +36,8 @@ def simulate(
     family has not, and for a scene in which walkers do not move in space.
     """
     family = validate(manifest.design, Design, f"{MANIFEST}: design")
-    tilt = family.legs.tilt_deg if tilt_deg is None else tilt_deg
-    (design,) = family.members([tilt], [kind or family.legs.kind])
+    tilt = family.tilt_deg if tilt_deg is None else tilt_deg
+    (design,) = family.members([tilt], [kind or family.kind])
     name = names.part(design)
     if name not in manifest.members:
         raise InputError(
@@ -52,7 +54,8 @@ def simulate(
     found = poses.sample(prepare(scene.model_copy(update={"run": run}), design, mass), 1.0 / RATE)
     if len(found.times) < 2:
         raise InputError(f"--run {scene.name}: the run ended at once ({found.outcome.value})")
-    O = np.array([*(np.array(design.anchors[0]) - mass.a), 0.5 * design.body.depth_mm])  # noqa: E741
+    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return _packed(found, O) | {
         "member": manifest.members.index(name),
         "words": _words(found, scene, name),

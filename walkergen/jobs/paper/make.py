@@ -15,7 +15,8 @@ from walkergen.jobs.paper.compare import Findings, Row, Theory
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
 from walkergen.theory.speed import MODES
-from walkergen.walker.design import Design, Kind
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
 
 TILTS = (0.0, 2.5, 5.0, 7.5, 10.0, 12.5, 15.0, 20.0, 25.0, 30.0, 35.0, 45.0)
 """Tilts of the simulated walkers, deg."""

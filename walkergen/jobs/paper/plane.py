@@ -83,7 +83,7 @@ def along_tilts(
         points.Asked(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
         for _, scene, design in cases
     ]
-    tilts = [design.legs.tilt_deg for *_, design in cases]
+    tilts = [design.tilt_deg for *_, design in cases]
     names = [name for name, *_ in cases]
     titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
     simulated = points.each(asked, titles, progress, None)

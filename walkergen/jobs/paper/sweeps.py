@@ -166,7 +166,7 @@ def driven(scene: Scene, gamma: float) -> Scene:
 def _measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     asked = [points.Asked(*_asked(case), impacts=True) for case in cases]
     titles = [
-        f"{case.assumption.name}, {case.model}, {case.design.legs.tilt_deg:g} deg" for case in cases
+        f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases
     ]
     for case, point in zip(cases, points.each(asked, titles, progress, None), strict=True):
         yield _point(case, point)
@@ -199,7 +199,7 @@ def _point(case: Case, point: points.Point) -> Point:
     return Point(
         case.assumption.name,
         case.model,
-        case.design.legs.tilt_deg,
+        case.design.tilt_deg,
         case.assumption.scene.drive.peak_speed,
         mean([result.speed for result in good]) if 2 * len(good) >= len(results) else None,
         mean(speeds) if len(speeds) > 1 else None,

@@ -27,9 +27,9 @@ def rectangle(length: float, height: float) -> Shape:
 
 def leg(design: Design) -> Shape:
     """Shape of a leg without brace, its anchor at the origin, a round foot a true half circle."""
-    s, foot = design.leg_thickness, design.legs.foot
-    k, r = -math.tan(design.tilt), 0.5 * s
-    side = design.legs.length_mm - (r if foot == "round" else 0.0)
+    s, foot = design.limbs[0].thickness, design.limbs[0].foot
+    k, r = -math.tan(design.limbs[0].tilt), 0.5 * s
+    side = design.limbs[0].length - (r if foot == "round" else 0.0)
     # Integrals of 1, u, v, u^2 + v^2 over the strip up to a straight end at u = side ...
     area, along, across = side * s, 0.5 * side**2 * s - k**2 * s**3 / 24.0, -k * s**3 / 12.0
     second = side**3 * s / 3.0 + side * s**3 / 12.0
@@ -41,7 +41,7 @@ def leg(design: Design) -> Shape:
         area, along = area + disc, along + disc * side + 2.0 / 3.0 * r**3
         second += disc * (side**2 + 0.5 * r**2) + 4.0 / 3.0 * side * r**3
     u, v = along / area, across / area
-    sin, cos = math.sin(design.tilt), math.cos(design.tilt)
+    sin, cos = math.sin(design.limbs[0].tilt), math.cos(design.limbs[0].tilt)
     return Shape(area, cos * v - sin * u, -sin * v - cos * u, second - area * (u**2 + v**2))
 
 
@@ -52,9 +52,9 @@ def brace_outside(design: Design) -> float:
     of it from d = (w + b) / 2 on, w and b their widths; d falls evenly from the brace's offset at
     the body to 0 at the foot.
     """
-    cos, brace = math.cos(design.tilt), design.legs.brace_thickness_mm
-    height, offset = design.legs.length_mm * cos, abs(design.brace_offset)
-    within = 0.5 * (design.leg_thickness / cos - brace)
+    cos, brace = math.cos(design.limbs[0].tilt), design.limbs[0].brace
+    height, offset = design.limbs[0].length * cos, abs(design.limbs[0].brace_offset)
+    within = 0.5 * (design.limbs[0].thickness / cos - brace)
     if offset <= within:
         return 0.0
     partly = min(offset - within, brace)

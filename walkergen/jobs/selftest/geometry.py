@@ -27,7 +27,7 @@ def _design(body: dict[str, Any] | None = None, **legs: Any) -> Design:
 
 
 def _name(design: Design) -> str:
-    return f"{design.legs.kind}, {design.legs.foot} feet, tilt {design.legs.tilt_deg:g} deg"
+    return f"{design.kind}, {design.limbs[0].foot} feet, tilt {design.tilt_deg:g} deg"
 
 
 def _relative(what: str, found: float, expected: float, limit: float, reason: str) -> Check:
@@ -62,32 +62,33 @@ def _genus(mesh: Mesh) -> int:
 
 def _cut_off(design: Design, segments: int) -> float:
     """Area (mm^2) that the polygon of a round foot lacks, to leading order in its edges."""
-    if design.legs.foot != "round":
+    if design.limbs[0].foot != "round":
         return 0.0
-    return math.pi**3 * (0.5 * design.leg_thickness) ** 2 / (12.0 * segments**2)
+    return math.pi**3 * (0.5 * design.limbs[0].thickness) ** 2 / (12.0 * segments**2)
 
 
 def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Check]:
     """Check for one closed body with its parts' volume and the closed forms' volume and inertia."""
     name, built = _name(design), solids.build(design, segments)
-    depth = design.body.depth_mm
-    for part, mesh in (("walker", built.walker), ("leg", built.leg)):
+    depth = design.size.depth
+    for part, mesh in (("walker", built.walker), ("leg", built.legs[0])):
         yield Check(f"{name}: open edges of the {part}", _defects(mesh), 0, EXACT)
         yield Check(f"{name}: bodies of the {part} - 1", abs(_bodies(mesh) - 1), 0, EXACT)
-    windows = 2 * solids.has_window(design)
+    windows = sum(solids.has_window(limb) for limb in design.limbs)
     yield Check(f"{name}: windows", abs(_genus(built.walker) - windows), 0, EXACT)
-    whole, body, limb = (mass.weigh(mesh, 1.0) for mesh in built)
+    meshes = built.walker, built.body, built.legs[0]
+    whole, body, limb = (mass.weigh(mesh, 1.0) for mesh in meshes)
     parts = body.volume + 2.0 * limb.volume
     yield _relative(f"{name}: union against its parts", whole.volume, parts, 1e-12, ROUNDING)
 
     shape = closed_forms.leg(design)
     cut = _cut_off(design, segments) / shape.area
     reason, limit = (POLYGON, 1e-11 + 1.01 * cut) if cut else (ROUNDING, 1e-11)
-    if design.braced and design.legs.foot == "flat":
+    if design.braced and design.limbs[0].foot == "flat":
         expected = depth * (shape.area + closed_forms.brace_outside(design))
         yield _relative(f"{name}: leg and brace", limb.volume, expected, limit, reason)
     elif design.braced:
-        brace = design.legs.brace_thickness_mm * design.legs.length_mm / math.cos(design.tilt)
+        brace = design.limbs[0].brace * design.limbs[0].length / math.cos(design.limbs[0].tilt)
         more = limb.volume / depth - shape.area
         yield Check(f"{name}: less than a leg", -more / shape.area, limit, reason)
         yield Check(f"{name}: more than leg and brace", (more - brace) / shape.area, 0, EXACT)
@@ -97,7 +98,7 @@ def _sound(design: Design, segments: int = solids.FOOT_SEGMENTS) -> Iterator[Che
         inertia = depth * shape.second
         yield _relative(f"{name}: leg's inertia", limb.inertia, inertia, 4.0 * limit, reason)
         off = math.hypot(limb.centre[0] - shape.x, limb.centre[1] - shape.y)
-        yield Check(f"{name}: leg's centre", off / design.legs.length_mm, limit, reason)
+        yield Check(f"{name}: leg's centre", off / design.limbs[0].length, limit, reason)
 
 
 def _all_sound(designs: Iterator[Design]) -> Iterator[Check]:
@@ -151,7 +152,7 @@ def _opening_window(model: str, method: str) -> Iterator[Check]:
     """Check the tilt at which leg and brace first part: an edge of no width at the top."""
     for foot, tilt in itertools.product(FEET, (10.0, -40.0)):
         start = _design(kind="braced", foot=foot, tilt_deg=tilt)
-        sin, cos = abs(math.sin(start.tilt)), math.cos(start.tilt)
+        sin, cos = abs(math.sin(start.limbs[0].tilt)), math.cos(start.limbs[0].tilt)
         length = 0.5 * (1.0 / cos + 0.5) / sin + (0.5 if foot == "round" else 0.0)
         for part in (-1e-6, -1e-12, 0.0, 2.0**-52, 1e-14, 1e-11, 1e-9, 1e-8, 1e-6):
             yield from _sound(
@@ -163,7 +164,7 @@ def _flush(model: str, method: str) -> Iterator[Check]:
     """Check a leg's side in the body's end face: built at the limit, refused an ulp beyond."""
     for kind, foot in itertools.product(KINDS, FEET):
         design = _design(kind=kind, foot=foot, tilt_deg=0.0)
-        flush = 13.0 + design.leg_thickness
+        flush = 13.0 + design.limbs[0].thickness
         yield from _sound(_design({"length_mm": flush}, kind=kind, foot=foot, tilt_deg=0.0))
         short = {"length_mm": math.nextafter(flush, 0.0)}
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": 0.0}
@@ -175,8 +176,8 @@ def _anchor_at_edge(model: str, method: str) -> Iterator[Check]:
     for kind, foot, tilt in itertools.product(KINDS, FEET, (10.0, 45.0, -30.0)):
         legs: dict[str, Any] = {"kind": kind, "foot": foot, "tilt_deg": tilt}
         design = _design(**legs)
-        half_width = 0.5 * design.leg_thickness / math.cos(design.tilt)
-        edge = 2.0 * (max(abs(anchor[0]) for anchor in design.anchors) + half_width)
+        half_width = 0.5 * design.limbs[0].thickness / math.cos(design.limbs[0].tilt)
+        edge = 2.0 * (max(abs(limb.anchor[0]) for limb in design.limbs) + half_width)
         yield from _sound(_design({"length_mm": edge}, **legs))
         short = {"length_mm": math.nextafter(edge, 0.0)}
         yield _refused(f"{_name(design)}: an ulp beyond", "leaves the body", short, **legs)
@@ -226,7 +227,8 @@ def _far_away(model: str, method: str) -> Iterator[Check]:
     for scale in (1e-3, 1.0, 1e3):
         shift = scale * np.array([1e6, -1e6, 1e6])
         built = solids.build(_scaled(_design(), scale))
-        for part, mesh in zip(solids.Solids._fields, built, strict=True):
+        meshes = {"walker": built.walker, "body": built.body, "leg": built.legs[0]}
+        for part, mesh in meshes.items():
             here = mass.weigh(mesh, 1.0)
             there = mass.weigh(Mesh(mesh.vertices + shift, mesh.triangles), 1.0)
             what = f"{part} x {scale:g}"
@@ -242,9 +244,9 @@ def _round_feet(model: str, method: str) -> Iterator[Check]:
         design = _design(foot="round", tilt_deg=tilt)
         exact, lacks = closed_forms.leg(design).area, []
         for segments in (2, 3, 16, 64, 4096):
-            leg = solids.build(design, segments).leg
+            leg = solids.build(design, segments).legs[0]
             yield Check(f"{_name(design)}, {segments} edges: open", _defects(leg), 0, EXACT)
-            area = mass.weigh(leg, 1.0).volume / design.body.depth_mm
+            area = mass.weigh(leg, 1.0).volume / design.size.depth
             lacks.append(exact - area)
             what = f"{_name(design)}, {segments} edges: larger than the circle"
             yield Check(what, -lacks[-1] / exact, 1e-14, ROUNDING)

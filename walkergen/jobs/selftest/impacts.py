@@ -193,14 +193,14 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
 def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
     """Check legs: light, H m / 3 -> P(c) / |c|^2 (docs/physics.md section 2); heavy, H > 0."""
     design = design_of("relaxed", 10.0)
-    reach = np.array(design.anchor_to_foot)
+    reach = np.array(design.limbs[0].anchor_to_foot)
     worst, least = 0.0, math.inf
     for ratio in (1e-9, 1e-6, 1e-3, 1.0, 1e3):
         loose = masses(design, leg_mass=0.833 * ratio)
         H = feet(loose)[0]
         least = min(least, determinant(float(H.xx), float(H.xy), float(H.yy)))
         if ratio <= 1e-6:
-            m, M = float(loose.m), float(loose.M)
+            m, M = float(loose.legs[0].m), float(loose.M)
             found = np.array([H.xx, H.xy, H.yy]) * m / 3.0
             limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG**2
             worst = max(worst, float(abs(found - limit).max()) * M / m)
@@ -217,8 +217,8 @@ def _tensors(tilt_deg: float, leg_mass: float) -> list[tuple[Tensor, Tensor]]:
     """Tensors (flexible, rigid) of the back and of the front foot."""
     mass = masses(design_of("relaxed", tilt_deg), leg_mass)
     pairs = []
-    for own, anchor in zip(feet(mass), (mass.a, mass.b), strict=True):
-        H = rigid(mass.M, mass.J, anchor + mass.c_A + mass.c_T)
+    for own, leg in zip(feet(mass), mass.legs, strict=True):
+        H = rigid(mass.M, mass.J, leg.foot)
         pairs.append((Tensor(*(float(v) for v in own)), Tensor(*(float(v) for v in H))))
     return pairs
 

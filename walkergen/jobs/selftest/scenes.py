@@ -17,7 +17,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDS, Outcome
 from walkergen.simulation.world import OK, Y
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Spatial
+from walkergen.walker.mass import LegMass, MassProperties, Spatial
 
 Array = npt.NDArray[np.float64]
 
@@ -44,23 +44,23 @@ def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
 
     The inertia across the run is that of the same box and of strips without thickness.
     """
-    body, limb = design.body, design.legs
+    limb, (length, thickness, depth) = design.limbs[0], design.size
     density = 1e-3 * design.material.density_g_cm3
-    M = density * body.length_mm * body.depth_mm * body.thickness_mm
-    J = M * (body.length_mm**2 + body.thickness_mm**2) / 12.0
-    m = density * limb.length_mm * design.leg_thickness * body.depth_mm
+    M = density * length * depth * thickness
+    J = M * (length**2 + thickness**2) / 12.0
+    m = density * limb.length * limb.thickness * depth
     m = 0.0 if design.braced else (m if leg_mass is None else leg_mass)
-    c = 0.5 * np.array(design.anchor_to_foot)
-    a, b = (np.array(anchor) for anchor in design.anchors)
-    size = np.array([body.length_mm, body.thickness_mm, body.depth_mm])
+    c = 0.5 * np.array(limb.anchor_to_foot)
+    size = np.array([length, thickness, depth])
     box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
     along = c / np.hypot(*c)
-    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length_mm**2 + np.diag(
-        [0, 0, size[2] ** 2]
-    )
+    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2 + np.diag([0, 0, size[2] ** 2])
     strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
-    spatial = Spatial(0.0, box, strip)
-    return MassProperties(M, J, m, m * limb.length_mm**2 / 12.0, a, b, c, c, design.braced, spatial)
+    legs = tuple(
+        LegMass(m, m * limb.length**2 / 12.0, np.array(one.anchor), c, c, 0.0, strip)
+        for one in design.limbs
+    )
+    return MassProperties(M, J, legs, design.braced, Spatial(0.0, box))
 
 
 def scene_of(model: str, method: str, **tables: dict[str, Any]) -> Scene:

@@ -48,7 +48,7 @@ def _spin(model: str, method: str) -> Iterator[Check]:
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
         state = settled(plan)
         state[[W_Y, QUIET]] = FIRST_RATE, 0.0
-        start, reach = state.copy(), math.hypot(HALF, 0.5 * plan.case.design.body.depth_mm)
+        start, reach = state.copy(), math.hypot(HALF, 0.5 * plan.case.design.size.depth)
         walker = plan.world.walker
         torque = FRICTION * walker.mass * GRAVITY * reach
         turn = 0.5 * walker.inertia[1, 1] * FIRST_RATE**2 / torque
@@ -138,7 +138,7 @@ def _rights_itself(model: str, method: str) -> Iterator[Check]:
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet
         level = plan.start(0.0, 0.0, 0.0)
-        edge = math.atan2(0.5 * plan.case.design.body.depth_mm, float(level[C_Y]))
+        edge = math.atan2(0.5 * plan.case.design.size.depth, float(level[C_Y]))
         for side in (1.0, -1.0):
             for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
                 state = plan.start(0.0, 0.0, 0.0, side * (edge + beyond))

@@ -137,8 +137,8 @@ def _scaled(model: str, method: str, scale: float) -> Plan:
     """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
     one = design_of(model, 10.0)
     tables = {
-        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.model_dump().items()}
-        for name, section in (("body", one.body), ("legs", one.legs))
+        name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
+        for name, section in one.model_dump(include={"body", "legs"}).items()
     }
     design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     scene = scene_of(
@@ -193,7 +193,7 @@ def _frozen_joints(model: str, method: str) -> Iterator[Check]:
     frozen: Any = chain_of(walker, state, 1e12 * walker.legs.inertia)  # type: ignore[no-untyped-call]
     stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
     whole = masses.as_rigid(masses_of(design_of(model, 20.0)))
-    d = whole.a + whole.c_A + whole.c_T
+    d = whole.legs[0].foot
     braced = 1.0 / whole.M + float(d[0]) ** 2 / whole.J
     yield Check(
         "mobility of the back foot, relative",

@@ -12,7 +12,7 @@ from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.world import OK
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Spatial
+from walkergen.walker.mass import LegMass, MassProperties, Spatial
 
 Array = npt.NDArray[np.float64]
 
@@ -33,10 +33,11 @@ def body(tall: float = TALL, mass: float = 0.833, gyration: float | None = None)
     """
     radius = (HALF**2 + tall**2) / 3.0 if gyration is None else gyration**2
     J = mass * radius
-    a, b = np.array([-HALF, LEG - tall]), np.array([HALF, LEG - tall])
-    c = np.array([0.0, -0.5 * LEG])
-    spatial = Spatial(0.0, np.diag([J, J, J]), np.zeros((3, 3)))
-    return MassProperties(mass, J, 0.0, 0.0, a, b, c, c, rigid=True, spatial=spatial)
+    c, none = np.array([0.0, -0.5 * LEG]), np.zeros((3, 3))
+    legs = tuple(
+        LegMass(0.0, 0.0, np.array([x, LEG - tall]), c, c, 0.0, none) for x in (-HALF, HALF)
+    )
+    return MassProperties(mass, J, legs, True, Spatial(0.0, np.diag([J, J, J])))
 
 
 def plan(

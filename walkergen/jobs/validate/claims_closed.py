@@ -16,7 +16,7 @@ from walkergen.theory import impact, speed, tensors
 from walkergen.walker import mass as masses
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import LegMass, MassProperties
 
 GROUP = "closed"
 
@@ -44,23 +44,23 @@ def perpendicular(lever: Array) -> Array:
     return np.array([-lever[1], lever[0]])
 
 
-def published_tensor(mass: MassProperties, anchor: Array) -> Array:
+def published_tensor(mass: MassProperties, leg: LegMass) -> Array:
     """Inverse mass at a foot, shape (2, 2), 1/g: I/m + P(c)/j - R^T K^-1 R as the paper has it."""
 
     def spin(lever: Array) -> Array:
         return np.outer(perpendicular(lever), perpendicular(lever))
 
     one = np.eye(2)
-    K = one / mass.M + spin(anchor) / mass.J + one / mass.m + spin(mass.c_A) / mass.j
-    R = one / mass.m - np.outer(perpendicular(mass.c_A), perpendicular(mass.c_T)) / mass.j
-    return np.asarray(one / mass.m + spin(mass.c_T) / mass.j - R.T @ np.linalg.solve(K, R))
+    K = one / mass.M + spin(leg.anchor) / mass.J + one / leg.m + spin(leg.c_A) / leg.j
+    R = one / leg.m - np.outer(perpendicular(leg.c_A), perpendicular(leg.c_T)) / leg.j
+    return np.asarray(one / leg.m + spin(leg.c_T) / leg.j - R.T @ np.linalg.solve(K, R))
 
 
 def tensor(effort: Effort) -> Iterator[Claim]:
     """Claim on the inverse mass that an impact meets at a flexible leg's foot."""
     for tilt in (10.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
-        ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.a)
+        ours, theirs = tensors.feet(mass)[0], published_tensor(mass, mass.legs[0])
         for name, value, place in (("xx", ours.xx, (0, 0)), ("xy", ours.xy, (0, 1)),
                                    ("yy", ours.yy, (1, 1))):  # fmt: skip
             yield exact(
@@ -76,8 +76,9 @@ def stationary(effort: Effort) -> Iterator[Claim]:
     for tilt in (10.0, 20.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours = speed.factors(mass, e, mu)
-        for name, value, anchor in (("back", ours.back, mass.a), ("front", ours.front, mass.b)):
-            H = published_tensor(mass, anchor)
+        each = zip(("back", "front"), (ours.back, ours.front), mass.legs, strict=True)
+        for name, value, leg in each:
+            H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])
             yield exact(
                 GROUP, f"speed over impact speed, {name} foot at {tilt:g} deg, e = 0.9, μ = 0.1",
@@ -148,16 +149,16 @@ def sliding_stop(effort: Effort) -> Iterator[Claim]:
 def leg(effort: Effort) -> Iterator[Claim]:
     """Claim on a leg as a spring: its tip's stiffness, its first frequency."""
     design = Design()
-    E, length = 1e9 * design.material.youngs_modulus_gpa, design.legs.length_mm
-    second = design.body.depth_mm * design.leg_thickness**3 / 12.0
+    E, length = 1e9 * design.material.youngs_modulus_gpa, design.limbs[0].length
+    second = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
     density = 1e-3 * design.material.density_g_cm3
-    k = compliance.stiffness(design, "cantilever")
+    k = compliance.stiffness(design.limbs[0], E, "cantilever")
     yield exact(
         GROUP, "stiffness of a leg's tip", "N/m", 1e-3 * k / length**2,
         1e-3 * 3.0 * E * second / length**3, 1e-12, ROUNDING,
         "cantilever beam, Euler and Bernoulli",
     )  # fmt: skip
-    line = density * design.leg_thickness * design.body.depth_mm
+    line = density * design.limbs[0].thickness * design.size.depth
     ours = math.sqrt(k / (line * length**3 / 3.0)) / (2.0 * math.pi)
     theirs = 1.8751040687**2 * math.sqrt(E * second / (line * length**4)) / (2.0 * math.pi)
     yield exact(

@@ -19,7 +19,7 @@ from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
 from walkergen.theory.impact import Kind
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.design import Kind as Legs
+from walkergen.walker.limbs import Kind as Legs
 
 Array = npt.NDArray[np.float64]
 

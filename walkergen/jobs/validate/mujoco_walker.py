@@ -15,7 +15,7 @@ from mujoco import rollout
 from walkergen.scene import GRAVITY
 from walkergen.simulation.drive import Drive
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import LegMass, MassProperties
 
 Array = npt.NDArray[np.float64]
 
@@ -38,22 +38,19 @@ def _inertia(tensor: Array) -> str:
     return _numbers(*(tensor[i, j] for i, j in pairs))
 
 
-def _leg(
-    name: str, anchor: Array, design: Design, mass: MassProperties, spring: tuple[float, float]
-) -> str:
-    whole = mass.spatial
-    assert whole is not None
-    foot, corners = mass.c_A + mass.c_T, ""
-    for side in (-0.5 * design.body.depth_mm, 0.5 * design.body.depth_mm):
+def _leg(name: str, leg: LegMass, design: Design, spring: tuple[float, float]) -> str:
+    assert leg.tensor is not None
+    foot, corners = leg.c_A + leg.c_T, ""
+    for side in (-0.5 * design.size.depth, 0.5 * design.size.depth):
         corners += f"""
         <site pos="{_numbers(*foot, side)}"/>
         <geom name="{name}{side:+g}" type="sphere" size="{FOOT}" mass="0"
           pos="{_numbers(foot[0], foot[1] + FOOT, side)}" contype="0" conaffinity="0"/>"""
     return f"""
-      <body name="{name}" pos="{_numbers(*anchor, 0.0)}">
+      <body name="{name}" pos="{_numbers(*leg.anchor, 0.0)}">
         <joint type="hinge" axis="0 0 1" stiffness="{spring[0]!r}" damping="{spring[1]!r}"/>
-        <inertial pos="{_numbers(*mass.c_A, 0.0)}" mass="{_numbers(float(mass.m))}"
-          fullinertia="{_inertia(whole.leg)}"/>{corners}
+        <inertial pos="{_numbers(*leg.c_A, 0.0)}" mass="{_numbers(float(leg.m))}"
+          fullinertia="{_inertia(leg.tensor)}"/>{corners}
       </body>"""
 
 
@@ -70,8 +67,11 @@ def mujoco_walker(
     """
     whole = mass.spatial
     assert whole is not None
-    legs = _leg("back", mass.a, design, mass, spring) + _leg("front", mass.b, design, mass, spring)
-    half = 0.5 * design.body.depth_mm
+    legs = "".join(
+        _leg(name, leg, design, spring)
+        for name, leg in zip(("back", "front"), mass.legs, strict=True)
+    )
+    half = 0.5 * design.size.depth
     pairs = "".join(
         f"""
     <pair geom1="plate" geom2="{name}{side:+g}" condim="3" friction="{friction} {friction} 0 0 0"

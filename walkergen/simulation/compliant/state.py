@@ -13,7 +13,8 @@ from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
 from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, RIGID_SIZE, State, World, Y
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import MassProperties, from_centre
+from walkergen.walker.planar import in_plane
 
 
 class Swing(NamedTuple):
@@ -76,45 +77,52 @@ def walker_of(
     spring: Spring = "cantilever",
 ) -> Walker:
     """Walker of a design, legs None if braced; `damping_ratio`: of a free leg on a held body."""
-    O = np.array(design.anchors[0]) - mass.a  # noqa: E741  (the paper's name)
-    half, bottom = 0.5 * design.body.length_mm, -0.5 * design.body.thickness_mm
+    flat, size = in_plane(design, mass), design.size
+    back, front = flat.mass.legs
+    low = np.array([(-0.5 * size.length, -0.5 * size.thickness),
+                    (0.5 * size.length, -0.5 * size.thickness)])  # fmt: skip
+    (left, bottom), (right, _) = from_centre(design, mass, low)
     legs = None
     if not mass.rigid:
-        legs = _legs(mass, stiffness(design, spring), damping_ratio)
-    reach = mass.c_A + mass.c_T
+        hinge = stiffness(flat.limbs[0], design.material.youngs_modulus, spring)
+        legs = _legs(flat.mass, hinge, damping_ratio)
+    reach = back.c_A + back.c_T
     return Walker(
         mass=float(mass.M),
         inertia=float(mass.J),
-        back_x=float(mass.a[0]),
-        back_y=float(mass.a[1]),
-        front_x=float(mass.b[0]),
-        front_y=float(mass.b[1]),
+        back_x=float(back.anchor[0]),
+        back_y=float(back.anchor[1]),
+        front_x=float(front.anchor[0]),
+        front_y=float(front.anchor[1]),
         reach_x=float(reach[0]),
         reach_y=float(reach[1]),
-        corner_back_x=float(-half - O[0]),
-        corner_front_x=float(half - O[0]),
-        corner_y=float(bottom - O[1]),
+        corner_back_x=float(left),
+        corner_front_x=float(right),
+        corner_y=float(bottom),
         legs=legs,
     )
 
 
 def _legs(mass: MassProperties, stiffness: float, damping_ratio: float) -> Legs:
-    inertia = float(mass.j + mass.m * mass.c_A @ mass.c_A)
+    leg = mass.legs[0]
+    inertia = float(leg.inertia)
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * inertia)
-    c_x, c_y = (float(value) for value in mass.c_A)
-    return Legs(float(mass.m), inertia, c_x, c_y, stiffness, damping, _swing(mass, inertia))
+    c_x, c_y = (float(value) for value in leg.c_A)
+    return Legs(float(leg.m), inertia, c_x, c_y, stiffness, damping, _swing(mass, inertia))
 
 
 def _swing(mass: MassProperties, inertia: float) -> Swing:
     """Modes of the relaxed chain in flight, from the inertia of its rotations about its centre."""
-    m, ratio = mass.m, mass.m / (mass.M + 2.0 * mass.m)
-    anchors = mass.a + mass.b
-    inertias = np.full((3, 3), -m * ratio * float(mass.c_A @ mass.c_A))
+    back, front = mass.legs
+    m, ratio = back.m, back.m / (mass.M + 2.0 * back.m)
+    a, b, c_A = back.anchor, front.anchor, back.c_A
+    anchors = a + b
+    inertias = np.full((3, 3), -m * ratio * float(c_A @ c_A))
     inertias[1, 1] += inertia
     inertias[2, 2] += inertia
-    inertias[0, 0] = mass.J + m * (mass.a @ mass.a + mass.b @ mass.b - ratio * anchors @ anchors)
-    for leg, anchor in ((1, mass.a), (2, mass.b)):
-        inertias[0, leg] = inertias[leg, 0] = m * (anchor - ratio * anchors) @ mass.c_A
+    inertias[0, 0] = mass.J + m * (a @ a + b @ b - ratio * anchors @ anchors)
+    for leg, anchor in ((1, a), (2, b)):
+        inertias[0, leg] = inertias[leg, 0] = m * (anchor - ratio * anchors) @ c_A
     hinges = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
     mobility, modes = np.linalg.eigh(hinges @ np.linalg.solve(inertias, hinges.T))
     cos, sin = modes[:, 0]

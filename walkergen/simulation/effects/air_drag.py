@@ -38,9 +38,9 @@ class Air(NamedTuple):
 
 def parameters(case: Case) -> Air:
     """Drag parameters of the design's body."""
-    body, scale = case.design.body, 0.5 * COEFFICIENT * DENSITY
-    faces = body.depth_mm * body.thickness_mm, body.depth_mm * body.length_mm
-    return Air(*(scale * face for face in (*faces, body.length_mm * body.thickness_mm)))
+    size, scale = case.design.size, 0.5 * COEFFICIENT * DENSITY
+    faces = size.depth * size.thickness, size.depth * size.length
+    return Air(*(scale * face for face in (*faces, size.length * size.thickness)))
 
 
 def verdict(case: Case) -> Effect:

@@ -8,7 +8,7 @@ import math
 from typing import Literal
 
 from walkergen.simulation.effects.effect import Case, Effect
-from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 
 NAME, SWITCH = "leg compliance", "legs.model"
 
@@ -29,13 +29,19 @@ the pseudo-rigid-body pair, or its first natural frequency (docs/physics.md sect
 def verdict(case: Case) -> Effect:
     """Verdict: on for the compliant model and in space.
 
-    The number is a leg's frequency over the drive's.
+    The number is the frequency of the slowest leg over the drive's.
     """
     scene, design = case.scene, case.design
     if design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
-    inertia = float(case.mass.j + case.mass.m * case.mass.c_A @ case.mass.c_A)
-    ratio = natural_frequency(stiffness(design, scene.legs.spring), inertia) / scene.drive.frequency
+    frequencies = [
+        natural_frequency(
+            stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia)
+        )
+        for limb, leg in zip(design.limbs, case.mass.legs, strict=True)
+        if leg.m > 0.0
+    ]
+    ratio = min(frequencies, default=0.0) / scene.drive.frequency
     accepted = scene.run.accepted_error
     reason = f"accepted error {accepted:g} against about {RELAXED_ERROR:g} of the relaxed model"
     if scene.legs.model != "auto":
@@ -45,11 +51,10 @@ def verdict(case: Case) -> Effect:
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
 
 
-def stiffness(design: Design, spring: Spring) -> float:
-    """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad."""
-    second_moment = design.body.depth_mm * design.leg_thickness**3 / 12.0
-    modulus = 1e9 * design.material.youngs_modulus_gpa  # 1 Pa = 1 g/(mm s^2)
-    return SPRING_FACTORS[spring] * modulus * second_moment / design.legs.length_mm
+def stiffness(limb: Limb, modulus: float, spring: Spring) -> float:
+    """Torsional stiffness of a flexible leg's hinge, g mm^2/s^2 per rad; modulus in Pa."""
+    second_moment = limb.width * limb.thickness**3 / 12.0
+    return SPRING_FACTORS[spring] * modulus * second_moment / limb.length
 
 
 def natural_frequency(stiffness: float, inertia: float) -> float:

@@ -13,7 +13,7 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.simulation.effects import local_contact
-from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 
 
 class Foot(NamedTuple):
@@ -27,15 +27,15 @@ class Foot(NamedTuple):
     """Stiffness of unloading over that of loading; 1 for viscous feet."""
 
 
-def axial_stiffness(design: Design) -> float:
-    """Normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any."""
-    modulus = 1e9 * design.material.youngs_modulus_gpa
-    stiffness = design.leg_thickness / design.legs.length_mm
-    if design.braced:
-        stiffness += design.legs.brace_thickness_mm / (
-            design.legs.length_mm * math.cos(design.tilt)
-        )
-    return 0.5 * modulus * design.body.depth_mm * stiffness
+def axial_stiffness(limb: Limb, modulus: float) -> float:
+    """Normal stiffness of a corner of a foot, g/s^2: half of that of its leg, and brace if any.
+
+    `modulus`: Young's, Pa.
+    """
+    stiffness = limb.thickness / limb.length
+    if limb.braced:
+        stiffness += limb.brace / (limb.length * math.cos(limb.tilt))
+    return 0.5 * modulus * limb.width * stiffness
 
 
 def restitution(damping_ratio: float) -> float:
@@ -66,15 +66,20 @@ def damping_ratio(label: float) -> float:
     return 0.5 * (low + high) if label < 1.0 else 0.0
 
 
-def foot_of(scene: Scene, design: Design, local: bool) -> Foot:
-    """Elastic contact of a corner; `local`: with the local contact. Raises InputError."""
+def foot_of(scene: Scene, limb: Limb, modulus: float, local: bool) -> Foot:
+    """Elastic contact of a corner of a leg's foot; `local`: with the local contact.
+
+    `modulus`: Young's, Pa. Raises InputError.
+    """
     label, feet = scene.contact.restitution, scene.feet
+    if limb.restitution is not None:
+        label = limb.restitution
     if label < LEAST_LABEL:
         raise InputError(
             f"contact.restitution = {label:g}: an elastic foot always rebounds a little; the model "
             f"'space' takes {LEAST_LABEL:g}..1 (legs.model = 'compliant' takes 0 as well)"
         )
-    normal = feet.stiffness_ratio * axial_stiffness(design)
+    normal = feet.stiffness_ratio * axial_stiffness(limb, modulus)
     if local:
         normal *= local_contact.series(feet.local_stiffness_ratio)
     viscous = feet.damping == "viscous"

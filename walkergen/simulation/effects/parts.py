@@ -32,7 +32,7 @@ def sustained(case: Case) -> Effect:
 
 def pitch(case: Case) -> Effect:
     """Verdict on turning in the plane: always on."""
-    number = case.design.legs.contact_spacing_mm / case.design.body.length_mm
+    number = case.design.foot_span / case.design.size.length
     return Effect("pitch", True, number, "contact spacing over body length", "two feet", "")
 
 

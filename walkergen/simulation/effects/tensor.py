@@ -12,7 +12,8 @@ def verdict(case: Case) -> Effect:
     """Verdict: on for flexible legs unless their model is rigid. The number is m/M."""
     if case.design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "the rigid tensor is exact", "")
-    ratio, meaning = float(case.mass.m / case.mass.M), "mass of a leg over the body's"
+    heaviest = max(float(leg.m) for leg in case.mass.legs)
+    ratio, meaning = heaviest / float(case.mass.M), "mass of a leg over the body's"
     if case.model in ("compliant", "space"):
         return Effect(NAME, True, ratio, meaning, "part of the chain of body and legs", "")
     on = case.model != "rigid"

@@ -11,7 +11,7 @@ NAME, SWITCH = "yaw and roll", "effects.roll_and_yaw"
 
 def verdict(case: Case) -> Effect:
     """Verdict: on in space unless forced off. The number is depth over contact spacing."""
-    depth = case.design.body.depth_mm / case.design.legs.contact_spacing_mm
+    depth = case.design.size.depth / case.design.foot_span
     meaning = "depth over contact spacing"
     if case.model != "space":
         return Effect(NAME, False, depth, meaning, f"the {case.model} model is planar", "")

@@ -26,11 +26,12 @@ def verdict(case: Case) -> Effect:
     on, reason = forced(case.scene.effects.unevenness, height > 0, reason)
     if on:
         only_in_space(case, "feet.unevenness_um", height, "corners", SWITCH)
-    most = 1e3 * TALLEST * case.design.legs.length_mm
+    shortest = min(limb.length for limb in case.design.limbs)
+    most = 1e3 * TALLEST * shortest
     if on and height > most:
         raise InputError(
             f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
-            f"{case.design.legs.length_mm:g} mm; prints differ by some 10 um"
+            f"{shortest:g} mm; prints differ by some 10 um"
         )
     amplitude = 1e3 * case.scene.drive.amplitude
     meaning = "standard deviation of corners' heights over the plate's amplitude"

@@ -22,11 +22,11 @@ first drop takes, so that it does not start inside a wall."""
 
 def gap(case: Case) -> float:
     """Distance of the walls, mm. Raises InputError where the walker does not fit."""
-    body = case.design.body
-    depth, wanted = body.depth_mm, case.scene.arena.gap_mm
+    size, legs = case.design.size, case.design.limbs
+    depth, wanted = size.depth, case.scene.arena.gap_mm
     if wanted is None:
         return depth + DEFAULT_PLAY
-    least = depth + LEAST_PLAY * (case.design.legs.length_mm + body.thickness_mm)
+    least = depth + LEAST_PLAY * (max(leg.length for leg in legs) + size.thickness)
     if wanted < least:
         raise InputError(
             f"arena.gap_mm = {wanted:g}: the walker is {depth:g} mm deep and needs {least:.6g} mm; "
@@ -37,13 +37,13 @@ def gap(case: Case) -> float:
 
 def verdict(case: Case) -> Effect:
     """Verdict: on in a lane that the walker may turn in. The number is the turn it allows, rad."""
-    arena, body = case.scene.arena, case.design.body
+    arena, size = case.scene.arena, case.design.size
     meaning = "turn (rad) at which both walls are touched"
     if arena.kind != "lane" or case.model != "space":
         reason = "the arena is a plane" if arena.kind != "lane" else turning.verdict(case).reason
         return Effect(NAME, False, 0.0, meaning, reason, "")
-    play = gap(case) - body.depth_mm
-    turn = min(play / body.length_mm, 0.5 * math.pi)
+    play = gap(case) - size.depth
+    turn = min(play / size.length, 0.5 * math.pi)
     loose = turning.verdict(case).on
     reason = "the walker yaws" if loose else "the walker is held in its plane"
     on, reason = forced(case.scene.effects.lane_walls, loose, reason)

@@ -20,7 +20,8 @@ from walkergen.simulation.world import PHASE, PITCH, RIGID_SIZE, SPIN, V_X, V_Y,
 from walkergen.theory.tensors import InverseMass
 from walkergen.theory.tensors import feet as tensors_of
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import MassProperties, from_centre
+from walkergen.walker.planar import in_plane
 
 Array = npt.NDArray[np.float64]
 Point = tuple[float, float]
@@ -111,7 +112,7 @@ def new(
     d_back: Point,
     d_front: Point,
     corners: tuple[Point, Point, Point, Point],
-    flexible: tuple[InverseMass, InverseMass] | None = None,
+    flexible: tuple[InverseMass, ...] | None = None,
 ) -> Walker:
     """Walker from its numbers (g, mm); `flexible`: the back and the front foot's tensor (1/g)."""
     tensors = None
@@ -130,20 +131,25 @@ def new(
 
 
 def walker_of(design: Design, mass: MassProperties) -> Walker:
-    """Walker of one design and its (unbatched) mass properties."""
-    a, foot = mass.a, mass.c_A + mass.c_T
-    middle = a - np.array(design.anchors[0])  # O -> middle of the body
-    half_length, half_height = 0.5 * design.body.length_mm, 0.5 * design.body.thickness_mm
-    left, right = float(middle[0] - half_length), float(middle[0] + half_length)
-    low, high = float(middle[1] - half_height), float(middle[1] + half_height)
-    back, front = a + foot, mass.b + foot
+    """Walker of one design and its (unbatched) mass properties, on two feet in its plane."""
+    flat = in_plane(design, mass)
+    size = design.size
+    corners = np.array([
+        (x, y)
+        for y in (-0.5 * size.thickness, 0.5 * size.thickness)
+        for x in (-0.5 * size.length, 0.5 * size.length)
+    ])  # fmt: skip
+    low_left, low_right, high_left, high_right = (
+        (float(x), float(y)) for x, y in from_centre(design, mass, corners)
+    )
+    back, front = (leg.anchor + (leg.c_A + leg.c_T) for leg in flat.mass.legs)
     return new(
         float(mass.M),
         float(mass.J),
         (float(back[0]), float(back[1])),
         (float(front[0]), float(front[1])),
-        ((left, low), (right, low), (left, high), (right, high)),
-        None if mass.rigid else tensors_of(mass),
+        (low_left, low_right, high_left, high_right),
+        None if mass.rigid else tensors_of(flat.mass),
     )
 
 

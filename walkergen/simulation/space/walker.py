@@ -5,18 +5,21 @@ legs) it is block-diagonal: M, inertia about C, and the legs' own block.
 """
 
 import math
+from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from walkergen.errors import InputError
+from walkergen.scene import Scene
 from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist, walls
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.state import Array, Options, Walker
 from walkergen.simulation.world import World
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Spatial, joined
+from walkergen.walker.limbs import Limb
+from walkergen.walker.mass import LegMass, MassProperties, Spatial, from_centre, joined
 
 LEVELS = 8
 """Tabulated flights: the longest takes 2^(LEVELS - 1) steps."""
@@ -36,7 +39,7 @@ NONE = np.zeros(2)
 
 
 class _Limbs(NamedTuple):
-    """Legs as the mass matrix sees them: columns of momenta for n coordinates, vectors from C."""
+    """Free legs as the mass matrix sees them: columns of momenta for n coordinates, from C."""
 
     momentum: Array
     """Linear momentum by each coordinate's rate, shape (3, n)."""
@@ -49,19 +52,21 @@ class _Limbs(NamedTuple):
 def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     """Walker and steps of a case. Raises InputError for masses without a third dimension."""
     design, mass, scene = case.design, case.mass, case.scene
-    if mass.spatial is None:
+    if mass.spatial is None or any(leg.tensor is None for leg in mass.legs):
         raise InputError(f"{design.name}: motion in space needs inertia tensors, as of a mesh")
-    freedoms = 0 if mass.rigid else 2 if resolved.on(twist.NAME) else 1
-    loose, n = resolved.on(turning.NAME), 2 * freedoms
+    free = [place for place, leg in enumerate(mass.legs) if leg.m > 0.0]
+    freedoms = 0 if not free else 2 if resolved.on(twist.NAME) else 1
+    loose, n = resolved.on(turning.NAME), len(free) * freedoms
     total, centre, inertia = _whole(mass, mass.spatial)
     inverse_inertia = np.asarray(np.linalg.inv(inertia), float)
     if not loose:
         inverse_inertia = np.diag([0.0, 0.0, 1.0 / inertia[2, 2]])
-    limbs = _limbs(design, mass, mass.spatial, centre, freedoms)
+    limbs = _limbs([(design.limbs[k], mass.legs[k]) for k in free], centre, freedoms)
     lock = inverse_inertia @ limbs.spin
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
-    springs, dampers = _hinges(case, freedoms)
-    points = _points(case, mass, centre, resolved.on(walls.NAME))
+    springs, dampers = _hinges(case, free, freedoms)
+    points = _points(case, free, centre, resolved.on(walls.NAME))
+    feet = points.pop("foot")
     one = Walker(
         mass=total,
         inverse_mass=np.array([1.0, 1.0, float(loose)]) / total,
@@ -78,121 +83,154 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         lock=lock,
         **points,
         upward=np.where(points["place"] > 0.0, 2, 0),
-        friction=np.where(points["place"] > 0.0, scene.arena.wall_friction, scene.contact.friction),
+        friction=np.array([_friction(scene, design, foot) for foot in feet]),
         spring=np.zeros((0, 2)),
         damper=np.zeros(0),
         unloading=1.0,
         corners=_corners(design, mass, centre),
         flights=np.zeros((0, n, n)),
     )  # fmt: skip
-    return _with_feet(one, case, resolved.on(local_contact.NAME))
+    return _with_feet(one, case, feet, resolved.on(local_contact.NAME))
 
 
 def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
     """Mass of the whole walker, its centre C from O (at half depth), and its inertia about C."""
-    masses = np.array([mass.M, mass.m, mass.m], float)
-    centres = np.array([(0.0, 0.0), mass.a + mass.c_A, mass.b + mass.c_A])
-    centre, inertia = joined(spatial, masses, centres)
+    masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
+    centre, inertia = joined(spatial, mass.legs, masses, centres)
     return float(masses.sum()), centre, inertia
 
 
-def _axis(design: Design) -> Array:
+def _axis(limb: Limb) -> Array:
     """Unit vector anchor -> foot along a relaxed leg's centre line, shape (3,)."""
-    return np.array([-math.sin(design.tilt), -math.cos(design.tilt), 0.0])
+    return np.array([-math.sin(limb.tilt), -math.cos(limb.tilt), 0.0])
 
 
-def _limbs(
-    design: Design, mass: MassProperties, spatial: Spatial, centre: Array, freedoms: int
-) -> _Limbs:
+def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
     """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
-    n, m, axis = 2 * freedoms, float(mass.m), _axis(design)
+    n = len(legs) * freedoms
     found = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
-    arm = np.array([*mass.c_A, 0.0])
-    polar = float(axis @ spatial.leg @ axis)
-    for leg, anchor in enumerate((mass.a, mass.b) if freedoms else ()):
-        j = leg * freedoms
+    for number, (limb, leg) in enumerate(legs):
+        assert leg.tensor is not None
+        j, m, axis, arm = number * freedoms, float(leg.m), _axis(limb), np.array([*leg.c_A, 0.0])
+        polar = float(axis @ leg.tensor @ axis)
         swung = m * np.cross(Z, arm)
-        place = np.array([*anchor, 0.0]) + arm - centre
+        place = np.array([*leg.anchor, leg.across]) + arm - centre
         found.momentum[:, j] = swung
-        found.spin[:, j] = np.cross(place, swung) + spatial.leg @ Z
-        found.inertia[j, j] = m * arm @ arm + spatial.leg[2, 2]
+        found.spin[:, j] = np.cross(place, swung) + leg.tensor @ Z
+        found.inertia[j, j] = m * arm @ arm + leg.tensor[2, 2]
         if freedoms > 1:
             found.spin[:, j + 1] = -0.5 * polar * axis
             found.inertia[j + 1, j + 1] = polar / 3.0
     return found
 
 
-def _hinges(case: Case, freedoms: int) -> tuple[Array, Array]:
-    """Stiffness and damping of the legs' coordinates, shape (n,) each."""
-    design, mass, legs = case.design, case.mass, case.scene.legs
-    if freedoms == 0 or mass.spatial is None:
-        return np.zeros(0), np.zeros(0)
-    axis = _axis(design)
-    inertias = (
-        float(mass.j + mass.m * mass.c_A @ mass.c_A),
-        float(axis @ mass.spatial.leg @ axis) / 3.0,
-    )
-    springs = (compliance.stiffness(design, legs.spring), twist.stiffness(design))
-    dampers = [
-        2.0 * legs.damping_ratio * math.sqrt(k * inertia)
-        for k, inertia in zip(springs, inertias, strict=True)
-    ]
-    return np.array(springs[:freedoms] * 2), np.array(dampers[:freedoms] * 2)
+def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
+    """Stiffness and damping of the free legs' coordinates, shape (n,) each."""
+    design, given = case.design, case.scene.legs
+    springs: list[float] = []
+    dampers: list[float] = []
+    for limb, leg in ((design.limbs[k], case.mass.legs[k]) for k in free):
+        assert leg.tensor is not None
+        axis = _axis(limb)
+        modulus = design.material.youngs_modulus
+        inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
+        stiff = compliance.stiffness(limb, modulus, given.spring), twist.stiffness(limb, modulus)
+        springs += stiff[:freedoms]
+        dampers += [
+            2.0 * given.damping_ratio * math.sqrt(k * inertia)
+            for k, inertia in zip(stiff[:freedoms], inertias[:freedoms], strict=True)
+        ]
+    return np.array(springs), np.array(dampers)
 
 
-def _points(case: Case, mass: MassProperties, centre: Array, walled: bool) -> dict[str, Any]:
-    """Points of contact: both corners of both feet, and the body's upright edges between walls."""
-    design, half = case.design, 0.5 * case.design.body.depth_mm
-    foot, axis = mass.c_A + mass.c_T, _axis(design)[:2]
+def _points(case: Case, free: Sequence[int], centre: Array, walled: bool) -> dict[str, Any]:
+    """Points of contact: both corners of every foot, and the body's upright edges between walls.
+
+    `foot` is the number of the leg whose foot a point is, -1 for an edge of the body.
+    """
+    design, mass = case.design, case.mass
     rows: list[Any] = []
-    for leg, anchor in enumerate((mass.a, mass.b)):
+    for number, (limb, leg) in enumerate(zip(design.limbs, mass.legs, strict=True)):
+        foot, axis, half = leg.c_A + leg.c_T, _axis(limb)[:2], 0.5 * limb.width
         for side in (-half, half):
-            root = np.array([*anchor, 0.0]) - centre
+            root = np.array([*leg.anchor, limb.across]) - centre
             # A braced foot is a point of the body
             rows.append(
-                (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0) if mass.rigid
-                else (leg, root, foot, side, axis, 0.0)
+                (free.index(number), root, foot, side, axis, 0.0, number) if number in free
+                else (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0, number)
             )  # fmt: skip
     if walled:
-        middle, end = np.array(design.anchors[0]) - mass.a, 0.5 * design.body.length_mm
-        for x in (-end, end):
-            for z in (-half, half):
-                root = np.array([x - middle[0], -middle[1], z]) - centre
-                rows.append((-1, root, NONE, 0.0, NONE, 0.5 * walls.gap(case)))
-    keys = ("leg", "root", "reach", "side", "axis", "place")
+        size = design.size
+        for x in (-0.5 * size.length, 0.5 * size.length):
+            for z in (-0.5 * size.depth, 0.5 * size.depth):
+                edge = from_centre(design, mass, np.array([x, 0.0]))
+                root = np.array([*edge, z]) - centre
+                rows.append((-1, root, NONE, 0.0, NONE, 0.5 * walls.gap(case), -1))
+    keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
     return {
         key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)
     }
 
 
+def _friction(scene: Scene, design: Design, foot: int) -> float:
+    """Friction of a point: a foot's own or the scene's, or that of the walls (foot -1)."""
+    if foot < 0:
+        return scene.arena.wall_friction
+    own = design.limbs[foot].friction
+    return scene.contact.friction if own is None else own
+
+
 def _corners(design: Design, mass: MassProperties, centre: Array) -> Array:
     """Corners of the body from C, shape (8, 3)."""
-    middle = np.array(design.anchors[0]) - mass.a
-    body = design.body
+    size = design.size
     signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    half = 0.5 * np.array([body.length_mm, body.thickness_mm, body.depth_mm])
-    return np.asarray(signs * half - np.array([*middle, 0.0]) - centre)
+    corners = signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
+    corners[:, :2] = from_centre(design, mass, corners[:, :2])
+    return np.asarray(corners - centre)
 
 
-def _with_feet(walker: Walker, case: Case, local: bool) -> tuple[Walker, Options]:
+def _with_feet(
+    walker: Walker, case: Case, feet_of_points: Array, local: bool
+) -> tuple[Walker, Options]:
     """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
-    foot = feet.foot_of(case.scene, case.design, local)
-    n, n_points = len(walker.stiffness), len(walker.leg)
-    H = mobility(walker)
-    wall = walker.place > 0.0
-    label = case.scene.arena.wall_restitution
-    ratio = np.where(wall, feet.damping_ratio(label), foot.damping_ratio)
-    spring = np.tile([foot.normal, foot.tangential], (n_points, 1))
+    modulus = case.design.material.youngs_modulus
+    each = [feet.foot_of(case.scene, limb, modulus, local) for limb in case.design.limbs]
+    if len({foot.unloading for foot in each}) > 1:
+        raise InputError(
+            "feet.damping = 'hysteretic': feet of unlike restitution unload unlike, which this "
+            "model has not; use 'viscous', or one restitution for all legs"
+        )
+    n, H = len(walker.stiffness), mobility(walker)
+    wall, label = walker.place > 0.0, case.scene.arena.wall_restitution
+    # A wall is as stiff as the first leg's corners
+    of_points = [each[max(number, 0)] for number in feet_of_points]
+    ratio = np.where(
+        wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points])
+    )
+    spring = np.array([[foot.normal, foot.tangential] for foot in of_points])
     # The label is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
-    damper = 2.0 * ratio * np.sqrt(foot.normal / np.where(own > 0.0, own, np.inf))
+    damper = 2.0 * ratio * np.sqrt(spring[:, 0] / np.where(own > 0.0, own, np.inf))
     on_plate = np.flatnonzero(~wall)
     block = H[np.ix_(3 * on_plate, 3 * on_plate)]
-    fastest = math.sqrt(foot.normal * foot.unloading * float(np.linalg.eigvalsh(block)[-1]))
+    fastest = _fastest(block, spring[on_plate, 0] * each[0].unloading)
     step = _step(case.scene.run.step_us, fastest)
     return walker._replace(
-        spring=spring, damper=damper, unloading=foot.unloading, flights=_flights(walker, step, n)
-    ), Options(step)
+        spring=spring, damper=damper, unloading=each[0].unloading,
+        flights=_flights(walker, step, n),
+    ), Options(step)  # fmt: skip
+
+
+def _fastest(block: Array, springs: Array) -> float:
+    """Largest normal frequency (rad/s) of feet with the mobility `block` (1/g) on springs, g/s^2.
+
+    Of equal springs it is that of the mobility's largest eigenvalue.
+    """
+    if np.all(springs == springs[0]):
+        return math.sqrt(float(springs[0]) * float(np.linalg.eigvalsh(block)[-1]))
+    roots = np.sqrt(springs)
+    return math.sqrt(float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1]))
 
 
 def _step(given_us: float | None, fastest: float) -> float:

@@ -1,0 +1,186 @@
+"""Problems that keep legs from being built on a body, each a line with the limit that it passes."""
+
+import itertools
+import math
+from collections.abc import Sequence
+
+import manifold3d
+import numpy as np
+
+from walkergen.walker import profiles
+from walkergen.walker.limbs import Legs, Limb, pair_of
+
+Size = tuple[float, float, float]
+"""Length, thickness and depth of a body, mm."""
+
+LEVEL_MM = 0.005
+"""Largest difference of the feet's heights of a walker that stands level, mm: as much as prints
+differ anyway (feet.unevenness_sd_um)."""
+
+ROUNDING_MM = 1e-9
+"""Largest error, mm, of sums of lengths that people write."""
+
+
+def of_pair(legs: Legs, size: Size) -> list[str]:
+    """Problems of two equal legs, with the largest tilt that is possible."""
+    found = []
+    for text in _impossible_pair(legs, size, legs.tilt_deg):
+        limit = _largest_tilt(legs, size)
+        hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
+        found.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
+    return found
+
+
+def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
+    """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
+    found = []
+    for number, limb in enumerate(limbs, start=1):
+        texts = [*_too_short(limb), *_off_body(limb, size[0]), *_off_side(limb, size[2])]
+        if limb.braced:
+            texts += [*_thick_brace(limb), *_brace_off_body([limb], size[0])]
+        found += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
+    return found or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
+
+
+def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
+    """Problems of two equal legs at a tilt in deg, whatever their own tilt is."""
+    length, thickness, depth = size
+    trial = legs.model_copy(update={"tilt_deg": tilt_deg})
+    back, front = pair_of(trial, depth, -0.5 * thickness)
+    found = [*_too_short(back), *_off_body(_farther(back, front), length)]
+    spacing = legs.contact_spacing_mm
+    if 2.0 * back.half_width >= spacing:
+        found.append(
+            f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
+            f"the plate, the contact spacing is {spacing:g} mm"
+        )
+    if back.braced:
+        found += _thick_brace(back)
+        brace_x = abs(back.brace_offset)
+        if brace_x + back.half_width + 0.5 * back.brace >= spacing:
+            found.append(
+                f"a leg crosses the other leg's brace: it spans {brace_x:.3f} mm, the contact "
+                f"spacing is {spacing:g} mm"
+            )
+        found += _brace_off_body((back, front), length)
+    return found
+
+
+def _farther(back: Limb, front: Limb) -> Limb:
+    return max(back, front, key=lambda limb: abs(limb.anchor[0]))
+
+
+def _too_short(limb: Limb) -> list[str]:
+    end = {"flat": 0.0, "square": 0.0, "round": 0.5 * limb.thickness}[limb.foot]
+    shortest_side = limb.length - end
+    if limb.foot != "flat":
+        shortest_side -= 0.5 * limb.thickness * math.tan(abs(limb.tilt))
+    if shortest_side > 0:
+        return []
+    return [
+        f"the leg ({limb.thickness:g} mm thick, {limb.length:g} mm long) has no side left: "
+        "make it longer, thinner, or its foot flat"
+    ]
+
+
+def _off_body(limb: Limb, length: float) -> list[str]:
+    half_body, reach = 0.5 * length, abs(limb.anchor[0]) + limb.half_width
+    if reach <= half_body:
+        return []
+    return [
+        f"a leg leaves the body: it reaches x = {reach:.3f} mm, the body ends at "
+        f"{half_body:.3f} mm: lengthen the body, or shorten legs or contact spacing"
+    ]
+
+
+def _off_side(limb: Limb, depth: float) -> list[str]:
+    reach = abs(limb.across) + 0.5 * limb.width
+    if reach <= 0.5 * depth + ROUNDING_MM:
+        return []
+    return [
+        f"across_mm = {limb.across:g} and width_mm = {limb.width:g}: the leg leaves the body: it "
+        f"reaches z = {reach:.3f} mm, the body ends at {0.5 * depth:.3f} mm"
+    ]
+
+
+def _thick_brace(limb: Limb) -> list[str]:
+    foot_width = limb.thickness * {
+        "flat": 1.0 / math.cos(limb.tilt), "square": math.cos(limb.tilt), "round": 1.0
+    }[limb.foot]  # fmt: skip
+    if limb.brace <= foot_width:
+        return []
+    return [
+        f"the brace ({limb.brace:g} mm) is thicker than the foot it stands on ({foot_width:.3f} mm)"
+    ]
+
+
+def _brace_off_body(limbs: Sequence[Limb], length: float) -> list[str]:
+    half_body = 0.5 * length
+    reach = max(abs(limb.anchor[0] + limb.brace_offset) + 0.5 * limb.brace for limb in limbs)
+    if reach <= half_body:
+        return []
+    return [
+        f"a brace leaves the body: it reaches x = {reach:.3f} mm, the body ends at "
+        f"{half_body:.3f} mm"
+    ]
+
+
+def _largest_tilt(legs: Legs, size: Size) -> float | None:
+    """Largest tilt (deg, same sign) without any problem, by bisection; None when tilt 0 has one."""
+    if _impossible_pair(legs, size, 0.0):
+        return None
+    good, bad = 0.0, legs.tilt_deg
+    for _ in range(40):
+        middle = 0.5 * (good + bad)
+        good, bad = (good, middle) if _impossible_pair(legs, size, middle) else (middle, bad)
+    return math.copysign(math.floor(abs(good) * 100) / 100, good)
+
+
+def _crossing(limbs: Sequence[Limb]) -> list[str]:
+    """Pairs of legs that take the same place."""
+    found = []
+    sections = [_section(limb) for limb in limbs]
+    for (i, one), (j, other) in itertools.combinations(enumerate(limbs), 2):
+        apart = abs(one.across - other.across) - 0.5 * (one.width + other.width)
+        if apart >= -ROUNDING_MM:
+            continue
+        shared = (sections[i] ^ sections[j]).area()
+        if shared > ROUNDING_MM:
+            found.append(
+                f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (seen from "
+                f"the side they share {shared:.3g} mm2): move them apart, along or across"
+            )
+    return found
+
+
+def _section(limb: Limb) -> manifold3d.CrossSection:
+    place = np.array(limb.anchor)
+    pieces = [piece + place for piece in profiles.limb(limb, segments=16)]
+    return manifold3d.CrossSection(pieces, manifold3d.FillRule.Positive)
+
+
+def _uneven(limbs: Sequence[Limb]) -> list[str]:
+    """Feet that do not reach the plate while the body stands level."""
+    lowest = min(limb.foot_height for limb in limbs)
+    found = []
+    for number, limb in enumerate(limbs, start=1):
+        short = limb.foot_height - lowest
+        if short > LEVEL_MM:
+            longer = limb.length + short / math.cos(limb.tilt)
+            found.append(
+                f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
+                f"the lowest, so that the walker does not stand level: {longer:.4f} mm would reach "
+                "the plate"
+            )
+    return found
+
+
+def _falling(limbs: Sequence[Limb]) -> list[str]:
+    """Feet all on one line across, on which nothing stands."""
+    places = [limb.along for limb in limbs]
+    if max(places) - min(places) > max(limb.thickness for limb in limbs):
+        return []
+    return [
+        f"legs[1].along_mm = {places[0]:g}: all feet stand at one place along the run, so that the "
+        "walker falls over: put some in front of the others"
+    ]

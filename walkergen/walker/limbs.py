@@ -1,0 +1,166 @@
+"""Legs of a walker: what people write of them, and every leg resolved to numbers.
+
+Two forms: [legs], two equal legs as far apart as their feet, or [[legs]], a list in which every leg
+has its own tilt, thickness, place and material. Frame: the middle of the body at the origin, x
+along the run, y up, z across; a leg leaves the body's underside at its anchor, and its foot lies
+behind the anchor for tilt > 0.
+"""
+
+import math
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field
+
+from walkergen.files.config import Fraction, Section
+
+Length = Annotated[float, Field(gt=0, le=1e6)]
+Place = Annotated[float, Field(ge=-1e6, le=1e6)]
+Tilt = Annotated[float, Field(ge=-85, le=85)]
+Kind = Literal["flexible", "braced"]
+KINDS: tuple[Kind, ...] = ("flexible", "braced")
+FootKind = Literal["square", "flat", "round"]
+
+MOST_LEGS = 64
+"""Largest number of legs of a walker."""
+
+Point = tuple[float, float]
+
+
+class Legs(Section):
+    """Two equal legs; `kind` says which of the two thicknesses applies."""
+
+    kind: Kind = "flexible"
+    tilt_deg: Tilt = 10.0
+    length_mm: Length = 7.5
+    contact_spacing_mm: Length = 13.0
+    flexible_thickness_mm: Length = 0.4
+    thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
+    braced_thickness_mm: Length = 1.0
+    brace_thickness_mm: Length = 0.5
+    foot: FootKind = "flat"
+
+    @property
+    def thickness_mm(self) -> float:
+        """Thickness that applies to the kind of legs."""
+        return self.braced_thickness_mm if self.kind == "braced" else self.flexible_thickness_mm
+
+
+class Leg(Section):
+    """One leg of a list."""
+
+    kind: Kind = "flexible"
+    tilt_deg: Tilt | None = None
+    """Tilt of this leg, deg. None: it follows the family's tilt (the design's leg_tilt_deg)."""
+    mirrored: bool = False
+    """True for a leg that leans the other way, at minus its tilt."""
+    length_mm: Length = 7.5
+    thickness_mm: Length | None = None
+    """None: 0.4 mm flexible, 1 mm braced, as those of [legs]."""
+    thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
+    brace_thickness_mm: Length = 0.5
+    foot: FootKind = "flat"
+    along_mm: Place
+    """Place of its foot along the body, from the middle, mm, whatever the tilt."""
+    across_mm: Place = 0.0
+    """Place of its middle across the body, mm."""
+    width_mm: Length | None = None
+    """Width across the run. None: as deep as the body."""
+    friction: Annotated[float, Field(ge=0, le=1e6)] | None = None
+    """Friction of its foot, of another material than the scene's contact. None: the scene's."""
+    restitution: Fraction | None = None
+    """Restitution of its foot. None: the scene's."""
+
+
+class Limb(NamedTuple):
+    """Leg with all its numbers; lengths in mm."""
+
+    kind: Kind
+    tilt: float
+    """Tilt from the vertical, rad; the foot lies behind the anchor when positive."""
+    length: float
+    """Length of the centre line from the underside of the body to the end of the leg."""
+    thickness: float
+    thickness_sd: float
+    """Standard deviation of the thickness from print to print."""
+    brace: float
+    """Thickness of the brace, which only braced legs have."""
+    foot: FootKind
+    along: float
+    """Place of the foot along the body."""
+    across: float
+    """Place of the leg's middle across the body."""
+    width: float
+    """Width across the run."""
+    bottom: float
+    """Height of the underside of the body, y <= 0."""
+    friction: float | None
+    restitution: float | None
+
+    @property
+    def braced(self) -> bool:
+        """True when a brace makes the leg rigid."""
+        return self.kind == "braced"
+
+    @property
+    def anchor_to_foot(self) -> Point:
+        """Vector from the anchor (centre line on the underside) to where the leg touches, in mm.
+
+        Flat foot (cut parallel to the plate): the middle of the cut. Square (cut across the leg):
+        its lower corner. Round (a half circle): the lowest point of the arc. The centre line from
+        anchor to end has the leg's length in every case.
+        """
+        sin, cos = math.sin(self.tilt), math.cos(self.tilt)
+        length, half = self.length, 0.5 * self.thickness
+        if self.foot == "round":
+            return -(length - half) * sin, -(length - half) * cos - half
+        if self.foot == "square" and self.tilt != 0.0:
+            side = math.copysign(half, self.tilt)
+            return -length * sin + side * cos, -length * cos - side * sin
+        return -length * sin, -length * cos
+
+    @property
+    def anchor(self) -> Point:
+        """Anchor on the underside of the body, x and y from the middle of the body, mm."""
+        return -self.anchor_to_foot[0] + self.along, self.bottom
+
+    @property
+    def brace_offset(self) -> float:
+        """Distance along x from the anchor to the middle of the brace, which is on the foot, mm."""
+        sin = math.sin(self.tilt)
+        if self.foot == "round":
+            return -(self.length - 0.5 * self.thickness) * sin
+        return -self.length * sin
+
+    @property
+    def half_width(self) -> float:
+        """Half the width of the leg along the underside, mm."""
+        return 0.5 * self.thickness / math.cos(abs(self.tilt))
+
+    @property
+    def foot_height(self) -> float:
+        """Height of the foot, from the middle of the body, mm."""
+        return self.bottom + self.anchor_to_foot[1]
+
+
+def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
+    """Two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
+    half = 0.5 * legs.contact_spacing_mm
+    return tuple(
+        Limb(
+            legs.kind, math.radians(legs.tilt_deg), legs.length_mm, legs.thickness_mm,
+            legs.thickness_sd_mm, legs.brace_thickness_mm, legs.foot, along, 0.0, depth, bottom,
+            None, None,
+        )
+        for along in (-half, half)
+    )  # fmt: skip
+
+
+def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
+    """Leg of a list; without a tilt of its own it has `follow_deg`."""
+    tilt = follow_deg if leg.tilt_deg is None else leg.tilt_deg
+    thickness = leg.thickness_mm or Legs(kind=leg.kind).thickness_mm
+    return Limb(
+        leg.kind, math.radians(0.0 - tilt if leg.mirrored else tilt), leg.length_mm, thickness,
+        leg.thickness_sd_mm, leg.brace_thickness_mm, leg.foot, leg.along_mm, leg.across_mm,
+        leg.width_mm or depth, bottom, leg.friction, leg.restitution,
+    )  # fmt: skip
