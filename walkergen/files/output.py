@@ -76,5 +76,9 @@ def results(path: Path, out: Path | None, what: str) -> Path:
 
     A folder of its own within, so that what other commands wrote there stays.
     """
-    name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"
-    return (out or Path("out") / name) / what
+    return (out or Path("out") / named_after(path)) / what
+
+
+def named_after(path: Path) -> str:
+    """Name of a folder for what is made of a file: the file's own, in letters that are safe."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

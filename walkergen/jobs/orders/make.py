@@ -83,7 +83,10 @@ def export_parts(
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
-    parts = [plate.Part.of(names.part(one), solids.build(one).walker) for one in members]
+    parts = [
+        plate.Part.of(name, solids.build(one).walker)
+        for name, one in zip(names.parts(members), members, strict=True)
+    ]
     return [
         Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
         for printer in printers
@@ -121,6 +124,7 @@ def make_plates(
 ) -> tuple[list[plates.Place], list[Path]]:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 
+    Members of several designs go onto the same plates, and have a weights_DESIGN.csv each.
     `tell` is called with the printability checks' findings. Raises, before anything is written,
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would print otherwise than predicted).
@@ -150,5 +154,15 @@ def make_plates(
             output.write(paths[-1], data)
             progress(name, len(paths), steps)
     rows = [row for layout in layouts for row in plates.places(layout)]
-    weights.write_template(folder, dict.fromkeys(row.item for row in rows))
+    _write_forms(order.members, rows, folder)
     return rows, paths
+
+
+def _write_forms(members: Sequence[Design], rows: Sequence[plates.Place], folder: Path) -> None:
+    """Write a form for the masses of each design's copies, unless somebody filled it in."""
+    design_of = dict(zip(names.parts(members), members, strict=True))
+    items: dict[str, dict[str, None]] = {}
+    for row in rows:  # with several printers a copy has several rows
+        items.setdefault(design_of[row.name].name, {})[row.item] = None
+    for name, own in items.items():
+        weights.write_template(folder, own, weights.form(members, name))
