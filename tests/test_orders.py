@@ -1,6 +1,7 @@
 """Order lists: several designs on one plate, told apart everywhere; bytes of one design stay."""
 
 import csv
+import hashlib
 import io
 import itertools
 import json
@@ -78,7 +79,7 @@ def test_a_list_of_one_design_makes_the_bytes_of_the_command_line(run, lists, tm
     assert run("plate", "--orders", str(path), *words, "listed").exit_code == 0
     assert run("plate", "--copies", "5:3,10:4", *words, "plain").exit_code == 0
     plain = files_below(tmp_path / "plain")
-    assert len(plain) == 6
+    assert len(plain) == 7
     assert files_below(tmp_path / "listed") == plain
 
 
@@ -88,7 +89,7 @@ def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path)
         HEADER + "../duck.toml,10,,40\nmaker-large,,braced,9\nkoumakis2016,10,,40\n"
         "../duck.toml,20,,1\n"
     )
-    result = run("plate", "--orders", str(path), "--json")
+    result = run("plate", "--orders", str(path), "--no-pictures", "--json")
     assert result.exit_code == 0, result.exception
     assert all("duck_t10" in line for line in result.stderr.splitlines())  # by its own design
     assert "the depth is not a whole number of layers" in result.stderr
@@ -251,6 +252,37 @@ def test_two_designs_of_one_name_are_refused_unless_they_are_the_same(lists, nam
         "koumakis2016_t10.0_flexible_s0.40", "koumakis2016_t15.0_flexible_s0.40"
     ]  # fmt: skip
     assert copies == [1, 1]
+
+
+def test_each_printer_has_a_manifest_that_sweeps_up_its_own_plates_alone(run, lists, tmp_path):
+    path, folder = lists / "orders.csv", tmp_path / "here" / "plates"
+    path.write_text(HEADER + "../duck.toml,10,,3\nkoumakis2016,10,braced,3\n")
+    words = ("plate", "--orders", str(path), "--no-pictures", "--quiet", "--out", "here")
+    for printer in ("ender3", "prusa-mk3s"):
+        assert run(*words, "--printer", printer, "--max-parts", "2").exit_code == 0
+    assert run(*words, "--printer", "ender3").exit_code == 0
+    ends = {".csv", ".ini", ".json", ".md"}
+    assert set(files_below(folder)) == {
+        *(f"plate_ender3{end}" for end in (*ends, "_1.3mf")),
+        *(f"plate_prusa-mk3s{end}" for end in (*ends, "_1.3mf", "_2.3mf", "_3.3mf")),
+    }
+    for printer in ("ender3", "prusa-mk3s"):
+        manifest = json.loads((folder / f"plate_{printer}.json").read_text())
+        assert manifest["printer"]["name"] == printer
+        assert manifest["members"] == [
+            "duck_t10.0_flexible_s0.40",
+            "koumakis2016_t10.0_braced_s1.00",
+        ]
+        assert manifest["copies"] == [3, 3]
+        assert {name: one["body"]["length_mm"] for name, one in manifest["designs"].items()} == {
+            "duck": 22.0, "koumakis2016": 28.0
+        }  # fmt: skip
+        assert manifest["files"] == {
+            name: hashlib.sha256(data).hexdigest()
+            for name, data in files_below(folder).items()
+            if name.startswith(f"plate_{printer}") and not name.endswith(".json")
+        }
+    assert [finding["where"] for finding in manifest["print"]["findings"]]
 
 
 def test_a_name_cannot_lead_out_of_the_folder(run, lists, tmp_path):
