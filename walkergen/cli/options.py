@@ -88,7 +88,7 @@ Copies = Annotated[
     typer.Option(
         "--copies",
         metavar="COPIES",
-        help="Copies of each walker: 8, or by tilt: 10:20,15:40; or 1.",
+        help="Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
     ),
 ]
 MaxParts = Annotated[
