@@ -15,7 +15,7 @@ def check(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     printer: opt.PrinterName = opt.PRINTER,
-    copies: opt.Copies = "1",
+    copies: opt.Copies = None,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
 ) -> None:

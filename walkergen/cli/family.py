@@ -26,7 +26,7 @@ def family(
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     printer: opt.PrinterName = opt.PRINTER,
-    copies: opt.Copies = "1",
+    copies: opt.Copies = None,
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
     weights: opt.WeightsFile = None,

@@ -1,6 +1,5 @@
 """Options that several commands share, and the parsing of tilts and lists."""
 
-import re
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -86,9 +85,11 @@ PrinterName = Annotated[
     str, typer.Option("--printer", metavar="PRINTER", help="Printer: a template or a TOML file.")
 ]
 Copies = Annotated[
-    str,
+    str | None,
     typer.Option(
-        "--copies", metavar="COPIES", help="Copies of each walker: 8; or by tilt: 10:20,15:40."
+        "--copies",
+        metavar="COPIES",
+        help="Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
     ),
 ]
 MaxParts = Annotated[
@@ -213,9 +214,10 @@ def members_of(design: "Design", tilt: str | None, legs: str | None, whole: bool
 
 
 def batch_of(
-    design: "Design", tilt: str | None, legs: str | None, copies: str, whole: bool
+    design: "Design", tilt: str | None, legs: str | None, copies: str | None, whole: bool
 ) -> "tuple[list[Design], list[int]]":
-    """List the variants that a command line asks for, and the number of copies of each."""
+    """List the variants that a command line asks for, and the number of copies of each, or 1."""
+    copies = "1" if copies is None else copies
     if ":" not in copies:
         members = members_of(design, tilt, legs, whole)
         return members, [_count(copies, copies)] * len(members)
@@ -233,12 +235,15 @@ def batch_of(
 
 
 def _count(word: str, text: str) -> int:
-    if not re.fullmatch(r"\s*[0-9]{1,9}\s*", word) or not 1 <= int(word) <= MOST_COPIES:
+    from walkergen.files import columns
+
+    count = columns.whole(word, MOST_COPIES)
+    if count is None:
         raise InputError(
             f"--copies {text[:60]!r}: {word[:30]!r} must be a whole number in 1..{MOST_COPIES}; "
             "write 8, or TILT:COPIES,TILT:COPIES"
         )
-    return int(word)
+    return count
 
 
 def parse_tilts(text: str) -> list[float]:

@@ -1,6 +1,6 @@
 """The command `plate`."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -9,6 +9,7 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
+from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.jobs.orders.make import Room
@@ -17,10 +18,25 @@ if TYPE_CHECKING:
 
 
 def plate(
-    design: opt.DesignName = opt.PAPER,
+    design: Annotated[
+        str | None,
+        typer.Argument(
+            metavar="DESIGN",
+            help=f"Walker: a template or a TOML file; {opt.PAPER} without --orders.",
+            show_default=False,
+        ),
+    ] = None,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    copies: opt.Copies = "1",
+    copies: opt.Copies = None,
+    orders: Annotated[
+        Path | None,
+        typer.Option(
+            "--orders",
+            metavar="FILE",
+            help="Order list (CSV: design, tilt_deg, legs, copies) of several designs.",
+        ),
+    ] = None,
     printers: Annotated[
         str, typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files.")
     ] = opt.PRINTER,
@@ -38,11 +54,22 @@ def plate(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps."""
+    """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
+
+    Their design, tilts and copies are given here, or those of several designs by an order list.
+    """
+    from walkergen.files import output
     from walkergen.jobs.orders import make as batch
 
-    chosen = opt.design_of(design)
-    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+    if orders is not None:
+        members, counts = _ordered(
+            orders, {"DESIGN": design, "--tilt": tilt, "--legs": legs, "--copies": copies}
+        )
+        name = output.named_after(orders)
+    else:
+        chosen = opt.design_of(opt.PAPER if design is None else design)
+        members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+        name = chosen.name
     machines = opt.printers_of(printers)
     if how_many:
         room = batch.how_many(members, machines, max_parts)
@@ -51,20 +78,35 @@ def plate(
         else:
             _show_room(room)
         return
-    folder = out or Path("out") / chosen.name
+    folder = out or Path("out") / name
     order = batch.Order(
         members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
     )
-    with show.progress(chosen.name, wanted=not quiet) as progress:
+    with show.progress(name, wanted=not quiet) as progress:
         tell = partial(show.warnings, quiet=quiet)
         rows, files = batch.make_plates(order, folder, progress, tell)
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
-        _show_placements(rows, files, chosen)
+        _show_placements(rows, files, members)
 
 
-def _show_placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "Design") -> None:
+def _ordered(path: Path, given: "Mapping[str, str | None]") -> "tuple[list[Design], list[int]]":
+    """Read an order list. Raises InputError for what is `given` beside it on the command line."""
+    from walkergen.jobs.orders import order_list
+
+    for option, value in given.items():
+        if value is not None:
+            raise InputError(
+                f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies: "
+                f"leave {option} out"
+            )
+    return order_list.read(path)
+
+
+def _show_placements(
+    rows: "Sequence[Place]", paths: Sequence[Path], members: "Sequence[Design]"
+) -> None:
     """Print the number of copies of each part on each plate, the files, and how to read marks."""
     from collections import Counter
 
@@ -81,8 +123,9 @@ def _show_placements(rows: "Sequence[Place]", paths: Sequence[Path], design: "De
         own = [row.plate for row in rows if row.printer == printer]
         count = max(own)
         print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
-    if legend := names.how_to_read(design.marks):
-        print(legend)
+    for told in dict.fromkeys(names.how_to_read(design.marks) for design in members):
+        if told:
+            print(told)
 
 
 def _show_room(rows: "Sequence[Room]") -> None:

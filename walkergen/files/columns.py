@@ -7,6 +7,7 @@ dependency.
 
 import csv
 import math
+import re
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import islice
 from pathlib import Path
@@ -133,6 +134,12 @@ def number(text: str) -> float | None:
     except ValueError:
         return None
     return value if math.isfinite(value) else None
+
+
+def whole(text: str, most: int) -> int | None:
+    """Whole number in 1..most that a text stands for, in plain digits, or None."""
+    value = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else 0
+    return value if 1 <= value <= most else None
 
 
 def summary(bad: dict[int, str]) -> str:

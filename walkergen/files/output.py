@@ -3,13 +3,17 @@
 import contextlib
 import hashlib
 import json
+import platform
 import re
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+from walkergen import __version__
 from walkergen.errors import OutputError
 
 MANIFEST = "manifest.json"
+LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 
 def write(path: Path, data: bytes) -> None:
@@ -34,10 +38,14 @@ def write(path: Path, data: bytes) -> None:
 
 
 class Folder:
-    """An output folder that remembers the hash of every file written into it."""
+    """An output folder that remembers the hash of every file written into it.
 
-    def __init__(self, path: Path) -> None:
+    Folders of several makers have a manifest each, of another name.
+    """
+
+    def __init__(self, path: Path, manifest: str = MANIFEST) -> None:
         self.path = path
+        self.manifest = manifest
         self.hashes: dict[str, str] = {}
 
     def write(self, name: str, data: bytes) -> None:
@@ -57,14 +65,25 @@ class Folder:
                 path.unlink()
         manifest = {**facts, "files": dict(sorted(self.hashes.items()))}
         text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        write(self.path / MANIFEST, text.encode())
+        write(self.path / self.manifest, text.encode())
 
     def _earlier(self) -> dict[str, str]:
         try:
-            files = json.loads((self.path / MANIFEST).read_text(encoding="utf-8"))["files"]
+            files = json.loads((self.path / self.manifest).read_text(encoding="utf-8"))["files"]
             return {str(name): str(digest) for name, digest in files.items()}
         except (OSError, ValueError, KeyError, TypeError, AttributeError):
             return {}  # no manifest, or not one of ours: nothing is known to be left over
+
+
+def versions() -> dict[str, str]:
+    """Versions of walkergen, Python and the libraries that shape the files."""
+    found = {"walkergen": __version__, "python": platform.python_version()}
+    for library in LIBRARIES:
+        try:
+            found[library] = version(library)
+        except PackageNotFoundError:  # vendored without metadata, as in some distributions
+            found[library] = "unknown"
+    return found
 
 
 def _hash(path: Path) -> str:
@@ -76,5 +95,9 @@ def results(path: Path, out: Path | None, what: str) -> Path:
 
     A folder of its own within, so that what other commands wrote there stays.
     """
-    name = re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"
-    return (out or Path("out") / name) / what
+    return (out or Path("out") / named_after(path)) / what
+
+
+def named_after(path: Path) -> str:
+    """Name of a folder for what is made of a file: the file's own, in letters that are safe."""
+    return re.sub(r"[^A-Za-z0-9_-]+", "-", path.stem).strip("-")[:64] or "results"

@@ -41,15 +41,16 @@ def find(name: str) -> Path:
     raise InputError(f"{name!r}: no such template; known: {known}")
 
 
-def load(name_or_path: str, kind: str, model: type[Model]) -> Model:
+def load(name_or_path: str, kind: str, model: type[Model], near: Path = Path()) -> Model:
     """Read a template by bare name, or the user's own file by its path (anything with .toml or /).
 
+    Paths begin at the folder `near`, by default the one that walkergen runs in.
     Raises InputError that lists the known names, or every mistake in the file.
     """
     if name_or_path in names(kind):
         return read(folder() / kind / f"{name_or_path}.toml", model)
     if name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path:
-        return read(Path(name_or_path), model)
+        return read(near / name_or_path, model)
     raise InputError(
         f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
         "or give the path of a TOML file"

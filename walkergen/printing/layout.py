@@ -8,7 +8,7 @@ from walkergen.printing import checks, export, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
-from walkergen.walker import names
+from walkergen.walker import names, weights
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 from walkergen.walker.solids import Solids
@@ -26,7 +26,7 @@ class Place(NamedTuple):
     item: str
     """Name of the copy, as in the 3MF file."""
     name: str
-    """Name of the part, as in stl/."""
+    """Name of the part, as in stl/; of several designs it begins with the design's name."""
     tilt_deg: float
     legs: str
     mark: str
@@ -68,8 +68,8 @@ def arrange(
 ) -> Layout:
     """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
     parts = [
-        plate.Part.of(names.part(design), one.walker, count)
-        for design, one, count in zip(members, built, copies, strict=True)
+        plate.Part.of(name, one.walker, count)
+        for name, one, count in zip(names.parts(members), built, copies, strict=True)
     ]
     return checked(
         printer, members, built, parts, plate.pack(parts, printer, max_plates, max_parts)
@@ -133,13 +133,14 @@ def files(
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
-    weights = [
+    weighed = [
         sheet.weigh(part.name, design, one, layout.printer)
         for part, design, one in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
-    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts)
+    form = weights.form(layout.members, "DESIGN")
+    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts, form)
     legend = names.legend(layout.members)
-    return sheet.to_markdown(printed, weights, layout.findings, legend)
+    return sheet.to_markdown(printed, weighed, layout.findings, legend)
 
 
 def to_csv(rows: Sequence[Place]) -> str:

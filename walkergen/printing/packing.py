@@ -87,8 +87,7 @@ def pack(
     more than `max_plates` are needed, and for more than MOST_PARTS copies.
     """
     total = sum(part.copies for part in parts)
-    if total > MOST_PARTS:
-        raise PlateError(f"{total} parts: at most {MOST_PARTS} are arranged at once; make fewer")
+    check_number(total)
     _check_sizes(parts, printer)
     plates = _packed(parts, printer, max_parts)
     if max_plates is not None and len(plates) > max_plates:
@@ -98,6 +97,12 @@ def pack(
             f"(room for {placed} parts): allow more plates or print fewer parts"
         )
     return plates
+
+
+def check_number(total: int) -> None:
+    """Raise PlateError for more parts than are arranged at once."""
+    if total > MOST_PARTS:
+        raise PlateError(f"{total} parts: at most {MOST_PARTS} are arranged at once; make fewer")
 
 
 def plate_3mf(

@@ -42,6 +42,8 @@ class Batch(NamedTuple):
     printer: Printer
     plates: Sequence[Plate]
     parts: Sequence[Part]
+    form: str
+    """Name of the file for weighed masses."""
 
 
 def to_markdown(
@@ -56,7 +58,7 @@ def to_markdown(
         _contents(batch),
         *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
         _findings(findings),
-        _weighing(weights),
+        _weighing(weights, batch.form),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -111,7 +113,7 @@ def _findings(findings: Sequence[Finding]) -> str:
     return "## Checks before the print\n\n" + ("\n".join(told) or "Nothing found.")
 
 
-def _weighing(weights: Sequence[Weight]) -> str:
+def _weighing(weights: Sequence[Weight], form: str) -> str:
     rows = [
         (one.name, f"{one.whole_g:.4f}", f"{one.leg_g:.4f}",
          f"{one.leg_g * one.plastic:.4f} ± {one.leg_g * one.tolerance:.4f}", "")
@@ -119,7 +121,7 @@ def _weighing(weights: Sequence[Weight]) -> str:
     ]  # fmt: skip
     return (
         "## After the print: weigh\n\n"
-        "Weigh every part, without its brim, to 1 mg or better, and write it into `weights.csv`; "
+        f"Weigh every part, without its brim, to 1 mg or better, and write it into `{form}`; "
         "`walkergen predict` takes it by `--weights`. Cut the legs "
         "off one spare part of each kind, flush with the body, and weigh them together: half of "
         "that is a leg. Speeds rest on both masses.\n\n"

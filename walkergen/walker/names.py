@@ -1,21 +1,58 @@
-"""Names of parts and the legend of their marks: both say what varies within a family."""
+"""Names of parts and the legend of their marks: what varies within a family, and among designs."""
 
 from collections.abc import Sequence
+from string import ascii_uppercase
 
 import numpy as np
 
 from walkergen.walker.design import Design
 from walkergen.walker.marks import Marks
 
+STEM = "walker"
+"""Beginning of the names of walkers of a single design."""
 
-def part(design: Design) -> str:
+
+def part(design: Design, stem: str = STEM) -> str:
     """Name of a walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
     tilt = _decimal(design.tilt_deg, 1)
-    return f"walker_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+    return f"{stem}_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+
+
+def parts(members: Sequence[Design]) -> list[str]:
+    """Names of walkers that are printed together: those of several designs begin with its name."""
+    several = len(by_design(members)) > 1
+    return [part(one, one.name if several else STEM) for one in members]
+
+
+def by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
+    """Walkers by the names of their designs, in their order."""
+    found: dict[str, list[Design]] = {}
+    for one in members:
+        found.setdefault(one.name, []).append(one)
+    return found
+
+
+def letters(members: Sequence[Design]) -> dict[str, str]:
+    """Letters that stand for the names of several designs in pictures: A, ... Z, AA; or none."""
+    designs = list(by_design(members))
+    return {} if len(designs) == 1 else {name: _letter(at) for at, name in enumerate(designs)}
 
 
 def legend(members: Sequence[Design]) -> str:
-    """Markdown table of the mark for each tilt; "" without marks."""
+    """Markdown that tells printed parts apart: letters of several designs, marks of each tilt."""
+    short = letters(members)
+    if not short:
+        return _legend_of_marks(members)
+    lines = [f"| {letter} | {name} |" for name, letter in short.items()]
+    sections = ["| on the map | design |\n|---|---|\n" + "\n".join(lines) + "\n"]
+    for name, own in by_design(members).items():
+        if marks := _legend_of_marks(own):
+            sections.append(f"Marks of {name}. {marks}")
+    return "\n".join(sections)
+
+
+def _legend_of_marks(members: Sequence[Design]) -> str:
+    """Markdown table of the mark for each tilt of one design; "" without marks."""
     marks = {design.tilt_deg: design.mark for design in members if design.mark}
     if not marks:
         return ""
@@ -35,6 +72,12 @@ def how_to_read(marks: Marks) -> str:
         f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
         f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm)."
     )
+
+
+def _letter(index: int) -> str:
+    """Letters that count from 0 as the columns of a spreadsheet do: A, ... Z, AA, AB, ..."""
+    before, last = divmod(index, len(ascii_uppercase))
+    return (_letter(before - 1) if before else "") + ascii_uppercase[last]
 
 
 def _decimal(value: float, digits: int) -> str:

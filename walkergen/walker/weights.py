@@ -52,6 +52,14 @@ class Weighings(NamedTuple):
     leg_g: Mean | None = None
 
 
+def form(members: Sequence[Design], name: str) -> str:
+    """Name of the file for the masses of a design's walkers, by the design's name, among others'.
+
+    Of one design alone it is FILE; several have a form each, since `read` takes those of one.
+    """
+    return FILE if len(names.by_design(members)) == 1 else f"weights_{name}.csv"
+
+
 def template(parts: Iterable[str]) -> str:
     """Text of a weights.csv to fill in: a line for every part, without numbers."""
     return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
@@ -69,10 +77,16 @@ def filled(path: Path) -> bool:
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Mean masses by the names of members, copies (NAME-3) taken together.
 
+    Names may begin with the design's name, as on plates of several designs.
     Raises InputError when the file is no table of masses, or with every line of a wrong mass and
     every unknown part with its near matches.
     """
-    rows, parts = _rows(path), [names.part(design) for design in members]
+    rows = _rows(path)
+    parts = {
+        names.part(design, stem): names.part(design)
+        for design in members
+        for stem in (design.name, names.STEM)
+    }
     found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
@@ -165,13 +179,14 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
     return found
 
 
-def _known(name: str, parts: Sequence[str]) -> str:
+def _known(name: str, parts: Mapping[str, str]) -> str:
     """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
     for candidate in (name, COPY.sub("", name)):
         if candidate in parts:
-            return candidate
-    near = difflib.get_close_matches(name, parts, n=3, cutoff=0.6)
-    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(parts[:3])} ..."
+            return parts[candidate]
+    known = list(dict.fromkeys(parts.values()))
+    near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
+    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(known[:3])} ..."
     raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
 
 
@@ -182,8 +197,8 @@ def _mean(values: Sequence[float]) -> Mean:
     return Mean(float(np.mean(values)), error, count)
 
 
-def write_template(folder: Path, parts: Iterable[str]) -> None:
-    """Write folder/weights.csv to fill in, unless somebody has. Raises InputError, OutputError."""
-    path = folder / FILE
+def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> None:
+    """Write the form folder/NAME unless somebody filled it in. Raises InputError, OutputError."""
+    path = folder / name
     if not filled(path):
         output.write(path, template(parts).encode())

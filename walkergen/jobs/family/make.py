@@ -1,17 +1,15 @@
 """The main job: from one design to solids, STL, plates, predicted speeds, pictures in a folder."""
 
 import math
-import platform
 import time
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from walkergen import __version__, discrepancy, prediction
+from walkergen import discrepancy, prediction
 from walkergen.analysis.speeds import SAME_PLATE, Measured
-from walkergen.files.output import Folder
+from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.jobs.family import tables
 from walkergen.jobs.family.tables import Simulated, Weighing
@@ -29,8 +27,6 @@ from walkergen.walker.limbs import Legs
 from walkergen.walker.mass import MassProperties, Mesh
 from walkergen.walker.solids import Solids
 from walkergen.walker.weights import Weighings
-
-LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 
 
 class Job(NamedTuple):
@@ -281,14 +277,3 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "versions": versions(),
         "time_taken_s": round(seconds, 3),
     }
-
-
-def versions() -> dict[str, str]:
-    """Versions of walkergen, Python and the libraries that shape the files."""
-    found = {"walkergen": __version__, "python": platform.python_version()}
-    for library in LIBRARIES:
-        try:
-            found[library] = version(library)
-        except PackageNotFoundError:  # vendored without metadata, as in some distributions
-            found[library] = "unknown"
-    return found

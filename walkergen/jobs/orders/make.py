@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.files import output
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.printing import checks, export, walls
+from walkergen.printing import checks, export, sheet, walls
 from walkergen.printing import layout as plates
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
@@ -83,7 +84,10 @@ def export_parts(
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
-    parts = [plate.Part.of(names.part(one), solids.build(one).walker) for one in members]
+    parts = [
+        plate.Part.of(name, solids.build(one).walker)
+        for name, one in zip(names.parts(members), members, strict=True)
+    ]
     return [
         Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
         for printer in printers
@@ -121,6 +125,9 @@ def make_plates(
 ) -> tuple[list[plates.Place], list[Path]]:
     """Arrange copies for every printer; write 3MF files, maps, print sheets and weights.csv.
 
+    Members of several designs go onto the same plates, and have a weights_DESIGN.csv each.
+    Plates of an earlier run for the same printer that this run does not make, and that nobody
+    changed since, are removed.
     `tell` is called with the printability checks' findings. Raises, before anything is written,
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would print otherwise than predicted).
@@ -141,14 +148,43 @@ def make_plates(
     tell(findings)
     checks.refuse(findings, order.strict)
     steps = sum(
-        plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) for layout in layouts
+        plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts
     )
     paths: list[Path] = []
     for layout in layouts:
+        # A manifest a printer, so that plates for one do not sweep away those for another.
+        target = Folder(folder / "plates", f"plate_{layout.printer.name}.json")
         for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
-            paths.append(folder / "plates" / name)
-            output.write(paths[-1], data)
+            target.write(name, data)
+            paths.append(target.path / name)
             progress(name, len(paths), steps)
+        target.finish(_facts(layout))
+        paths.append(target.path / target.manifest)
+        progress(target.manifest, len(paths), steps)
     rows = [row for layout in layouts for row in plates.places(layout)]
-    weights.write_template(folder, dict.fromkeys(row.item for row in rows))
+    _write_forms(order.members, rows, folder)
     return rows, paths
+
+
+def _facts(layout: plates.Layout) -> dict[str, Any]:
+    """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
+    own = names.by_design(layout.members)
+    return {
+        # Of several members of a design the first: names tell the tilts and kinds of the others.
+        "designs": {name: members[0].model_dump(mode="json") for name, members in own.items()},
+        "members": [part.name for part in layout.parts],
+        "copies": [part.copies for part in layout.parts],
+        "printer": layout.printer.model_dump(mode="json"),
+        "print": sheet.facts(layout.printer, layout.findings),
+        "versions": output.versions(),
+    }
+
+
+def _write_forms(members: Sequence[Design], rows: Sequence[plates.Place], folder: Path) -> None:
+    """Write a form for the masses of each design's copies, unless somebody filled it in."""
+    design_of = dict(zip(names.parts(members), members, strict=True))
+    items: dict[str, dict[str, None]] = {}
+    for row in rows:  # with several printers a copy has several rows
+        items.setdefault(design_of[row.name].name, {})[row.item] = None
+    for name, own in items.items():
+        weights.write_template(folder, own, weights.form(members, name))
