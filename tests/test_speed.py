@@ -33,8 +33,8 @@ def ideal(tilt_deg, m_over_M=None):
 def test_known_values(tilt, mode, back, front):
     """docs/physics.md section 4, e = 0.9, mu = 0.1; given to three decimals."""
     found = factors(ideal(tilt), 0.9, 0.1, mode)
-    assert float(found.back) == pytest.approx(back, abs=6e-4)
-    assert float(found.front) == pytest.approx(front, abs=6e-4)
+    assert float(found.feet[0]) == pytest.approx(back, abs=6e-4)
+    assert float(found.feet[1]) == pytest.approx(front, abs=6e-4)
 
 
 @pytest.mark.parametrize(("e", "friction", "value"), [(0.9, 0.1, 5.2), (0.8, 0.25, 12.0)])
@@ -48,7 +48,7 @@ def test_equation_15_does_not_vanish_at_tilt_zero_but_coulomb_does(e, friction, 
     assert np.mean(printed) == pytest.approx(value, abs=0.05 * value)
     # Mode paper takes the sign from H_xy: each foot has that size, back and front cancel.
     ours = factors(ideal(0.0), e, friction, "paper")
-    assert float(ours.front) == pytest.approx(printed[1], rel=1e-12)
+    assert float(ours.feet[1]) == pytest.approx(printed[1], rel=1e-12)
     assert float(ours.mean) == 0.0
     assert float(factors(ideal(0.0), e, friction).mean) == 0.0
     # Beyond 0.048 deg, where the back foot's H_xy changes sign, only coulomb stays small.
@@ -119,7 +119,7 @@ def test_always_finite_over_the_corners():
     corners = itertools.product(tilts, ratios, (0.0, 0.5, 1.0), (0.0, 1e-12, 0.1, 5.0, 1e3), LAWS)
     for tilt, ratio, e, mu, law in corners:
         found = factors(ideal(tilt, ratio), e, mu, law=law)
-        assert np.isfinite([found.back, found.front]).all()
+        assert np.isfinite([found.feet[0], found.feet[1]]).all()
         if tilt == 0.0:
             assert float(found.mean) == 0.0
         elif abs(tilt) == 1e-12:
@@ -131,7 +131,7 @@ def test_mirror_image_runs_backwards():
     for tilt in (3.0, 10.0, 40.0):
         forward, backward = factors(ideal(tilt), 0.8, 0.25), factors(ideal(-tilt), 0.8, 0.25)
         assert float(backward.mean) == pytest.approx(-float(forward.mean), rel=1e-12)
-        assert float(backward.back) == pytest.approx(-float(forward.front), rel=1e-12)
+        assert float(backward.feet[0]) == pytest.approx(-float(forward.feet[1]), rel=1e-12)
 
 
 def test_speed_does_not_depend_on_scale_or_density():

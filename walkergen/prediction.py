@@ -14,7 +14,8 @@ import numpy.typing as npt
 from walkergen import discrepancy, uncertain
 from walkergen.discrepancy import UnknownError
 from walkergen.scene import Scene
-from walkergen.theory.speed import Factors, Mode, factors
+from walkergen.theory.speed import Mode
+from walkergen.theory.stationary import Stationary, stationary
 from walkergen.uncertain import QUANTILES, THEORY, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -46,8 +47,10 @@ class Prediction(NamedTuple):
     """Mass of one leg, g; None for braced legs, which are part of M."""
     j_g_mm2: float | None
     factor_back: float
+    """Stationary speed of the back foot by itself, over the impact speed; of more, the last one."""
     factor_front: float
     factor_mean: float
+    """That of the walker: the mean of two equal feet, of unlike ones what balances them."""
     speed_mm_s: float
     speed_sd_mm_s: float
     """Standard deviation by what design and scene do not know exactly, and by the impact speed."""
@@ -97,10 +100,11 @@ def spread(
     weight = thickness if design.weighed.leg_mass_g is None else ones
     leg = drawn.get("leg mass", ones) * weight
     body = drawn.get("body mass", ones)
-    each = factors(scaled(mass, body, leg), restitution, friction, mode, contact.law)
+    drawn_mass = scaled(mass, body, leg)
+    each = stationary(design, drawn_mass, restitution, friction, mode, contact.law)
     nominal = scene.prediction.impact_speed_factor
     w = drawn.get("prediction.impact_speed_factor", nominal * ones) * scene.drive.peak_speed
-    theory = np.asarray(each.mean) * w
+    theory = np.asarray(each.factor) * w
     modulus = design.material.youngs_modulus_gpa
     stiffness = drawn.get("material.youngs_modulus_gpa", modulus * ones) / modulus
     unevenness = drawn.get("feet.unevenness_um", scene.feet.unevenness_um * ones)
@@ -145,11 +149,11 @@ def predict(
     when mode and law do not go together.
     """
     contact = scene.contact
-    each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
+    each = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
     known = known_inputs(scene, design)
     found = spread(design, mass, scene, mode, known, uncertain.draws(known, DRAWS, SEED))
     bounds = [None] * 4 if found.all is None else np.quantile(found.all, QUANTILES).tolist()
-    notes = [*_notes(each, contact.friction, mode), found.unknown]
+    notes = [each.note, *_notes(each, contact.friction, mode), found.unknown]
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
@@ -157,10 +161,10 @@ def predict(
         J_g_mm2=float(mass.J),
         m_g=None if mass.rigid else float(mass.legs[0].m),
         j_g_mm2=None if mass.rigid else float(mass.legs[0].j),
-        factor_back=float(each.back),
-        factor_front=float(each.front),
-        factor_mean=float(each.mean),
-        speed_mm_s=float(each.mean) * scene.impact_speed,
+        factor_back=float(each.feet[0]),
+        factor_front=float(each.feet[-1]),
+        factor_mean=float(each.factor),
+        speed_mm_s=float(each.factor) * scene.impact_speed,
         speed_sd_mm_s=float(np.std(found.theory)),
         speed_low_68_mm_s=bounds[1],
         speed_high_68_mm_s=bounds[2],
@@ -172,15 +176,18 @@ def predict(
     )
 
 
-def _notes(each: Factors, friction: float, mode: Mode) -> Iterator[str]:
+def _notes(each: Stationary, friction: float, mode: Mode) -> Iterator[str]:
     if friction == 0.0:
         yield "friction 0: every speed is stationary; the limit friction -> 0 is given"
         return
-    reverses = {"back": bool(each.reverses_back), "front": bool(each.reverses_front)}
-    stuck = [foot for foot, slides in reverses.items() if not slides]
+    stuck = [place for place, slides in enumerate(each.reverses) if not slides]
+    count = len(each.reverses)
     if not stuck:
         return
-    feet = "both feet" if len(stuck) == 2 else f"the {stuck[0]} foot"
+    if len(stuck) == count:
+        feet = "both feet" if count == 2 else "all feet"
+    else:
+        feet = f"the {('back', 'front')[stuck[0]]} foot" if count == 2 else f"{len(stuck)} feet"
     if mode == "paper":
         yield f"eq. 15 fails: {feet} would stick, not slide back"
     else:
@@ -214,11 +221,11 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        each = factors(mass, contact.restitution, contact.friction, mode, contact.law)
+        each = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
         found = spread(variant, mass, scene, mode, known, values)
-        speed.append(float(each.mean) * scene.impact_speed)
+        speed.append(float(each.factor) * scene.impact_speed)
         sd.append(float(np.std(found.theory)))
         unknown = np.full(len(QUANTILES), np.nan)
         bounds.append(unknown if found.all is None else np.quantile(found.all, QUANTILES))
-        sticks.append(not (each.reverses_back and each.reverses_front))
+        sticks.append(not all(each.reverses))
     return Curve(tilts, np.array(speed), np.array(sd), np.array(bounds).T, np.array(sticks))

@@ -22,18 +22,17 @@ LAWS: tuple[LawName, ...] = get_args(LawName)
 
 
 class Factors(NamedTuple):
-    """Stationary speed over impact speed, for each foot; the walker's factor is their mean."""
+    """Stationary speed over impact speed, of each foot by itself."""
 
-    back: Array
-    front: Array
-    reverses_back: Array
-    """True where the foot slides back after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
-    reverses_front: Array
+    feet: tuple[Array, ...]
+    """Factors of the feet, in the order of the legs."""
+    reverses: tuple[npt.NDArray[np.bool_], ...]
+    """True where a foot slides back after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
 
     @property
     def mean(self) -> Array:
-        """Mean factor of both feet: back and front feet have as many impacts."""
-        return 0.5 * (self.back + self.front)
+        """Mean factor of the feet: that of a walker whose feet have as many impacts."""
+        return np.asarray(sum(self.feet) / len(self.feet))
 
 
 def factor(
@@ -109,11 +108,9 @@ def factors(
     mode: Mode = "coulomb",
     law: LawName = "poisson",
 ) -> Factors:
-    """Stationary factors of a walker's two feet from its mass properties. Raises TheoryError."""
-    back, front = feet(mass)
+    """Stationary factors of feet of one material from mass properties. Raises TheoryError."""
+    tensors = feet(mass)
     return Factors(
-        factor(back, restitution, friction, mode, law),
-        factor(front, restitution, friction, mode, law),
-        np.asarray(friction * back.xx < np.abs(back.xy)),
-        np.asarray(friction * front.xx < np.abs(front.xy)),
+        tuple(factor(H, restitution, friction, mode, law) for H in tensors),
+        tuple(np.asarray(friction * H.xx < np.abs(H.xy)) for H in tensors),
     )

@@ -170,6 +170,13 @@ class Design(Section):
         return isinstance(self.legs, Legs)
 
     @property
+    def symmetric(self) -> bool:
+        """True when the legs are their own mirror image across the run, left and right."""
+        legs = sorted(self.limbs, key=lambda limb: (limb.along, limb.tilt, limb.across))
+        image = [limb._replace(across=0.0 - limb.across) for limb in self.limbs]
+        return legs == sorted(image, key=lambda limb: (limb.along, limb.tilt, limb.across))
+
+    @property
     def foot_span(self) -> float:
         """Distance along the run from the last foot to the first, mm."""
         places = [limb.along for limb in self.limbs]

@@ -140,7 +140,7 @@ def errors_of(found: MassProperties, true: MassProperties, scene: Scene) -> Erro
         factors(mass, contact.restitution, contact.friction, "coulomb", contact.law)
         for mass in (found, true)
     )
-    size = max(abs(float(other.back)), abs(float(other.front)), 1e-300)
+    size = max(*(abs(float(foot)) for foot in other.feet), 1e-300)
 
     def relative(name: str) -> float:
         return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)

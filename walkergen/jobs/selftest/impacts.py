@@ -163,7 +163,7 @@ def _upright_factors(model: str, method: str) -> Iterator[Check]:
             right, left = factors(1e-12, e, mu), factors(-1e-12, e, mu)
             odd = max(odd, abs(float(right.mean + left.mean)))
             if mu > 0.0:
-                jump = max(jump, abs(float(right.mean)) / (1.0 + abs(float(at_zero.back))))
+                jump = max(jump, abs(float(right.mean)) / (1.0 + abs(float(at_zero.feet[0]))))
     yield Check("mean speed of the feet at tilt 0, over w", mean, 0.0, "exact: mirror images")
     yield Check("mean at +-1e-12 deg, summed", odd, 0.0, "exact: mirror images")
     yield Check(

@@ -76,7 +76,7 @@ def stationary(effort: Effort) -> Iterator[Claim]:
     for tilt in (10.0, 20.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours = speed.factors(mass, e, mu)
-        each = zip(("back", "front"), (ours.back, ours.front), mass.legs, strict=True)
+        each = zip(("back", "front"), (ours.feet[0], ours.feet[1]), mass.legs, strict=True)
         for name, value, leg in each:
             H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])

@@ -1,0 +1,80 @@
+"""Stationary speed of a whole walker: the paper's mean of two equal feet, or the feet's balance.
+
+Two equal feet are taken to have as many impacts, as in the paper; unlike feet have as many as
+balance the angular momentum (`walkergen.theory.balance`).
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.theory.speed import Array, LawName, Mode, factor, factors
+from walkergen.theory.tensors import feet
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+from walkergen.walker.planar import Planar, in_plane
+
+
+Flags = npt.NDArray[np.bool_]
+
+
+class Stationary(NamedTuple):
+    """Stationary speed of a walker over its impact speed."""
+
+    factor: Array
+    """Speed of the walker over the impact speed, of the inputs' shape."""
+    feet: tuple[Array, ...]
+    """What each foot of the plane would run at by itself, over the impact speed, back to front."""
+    reverses: tuple[Flags, ...]
+    """True where that foot slides back after its stop, as the paper assumes: mu < |H_xy|/H_xx."""
+    note: str
+    """What was balanced; "" for the paper's mean."""
+
+
+def stationary(
+    design: Design,
+    mass: MassProperties,
+    restitution: float | Array,
+    friction: float | Array,
+    mode: Mode = "coulomb",
+    law: LawName = "poisson",
+) -> Stationary:
+    """Stationary speed of a walker from its mass properties, which may carry batch axes.
+
+    Restitution and friction are the scene's; feet of another material keep theirs, changed in the
+    same proportion as a draw of the scene's. Raises TheoryError for numbers out of range, for a
+    walker whose centre of mass is not between its feet, and for mode `paper` of unlike feet.
+    """
+    if design.alike:
+        each = factors(mass, restitution, friction, mode, law)
+        return Stationary(each.mean, each.feet, each.reverses, "")
+    from walkergen.theory.balance import Foot, balanced  # compiles
+
+    flat = in_plane(design, mass)
+    centre = _centre(flat)
+    found = []
+    for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):
+        e = restitution if limb.restitution is None else limb.restitution
+        mu = friction if limb.friction is None else limb.friction
+        lever = leg.foot - centre
+        found.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
+    balance = balanced(found, mode, law)
+    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in found)
+    reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in found)
+    return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
+
+
+def _centre(flat: Planar) -> Array:
+    """Centre of mass of the whole walker from O, shape (..., 2), mm."""
+    moment = sum(np.asarray(leg.m)[..., None] * (leg.anchor + leg.c_A) for leg in flat.mass.legs)
+    return np.asarray(moment / np.asarray(flat.mass.total)[..., None])
+
+
+def _told(design: Design, note: str, shares: Array) -> str:
+    if shares.ndim == 1:
+        percent = " : ".join(f"{100 * share:.0f}" for share in shares)
+        note += f" (impacts from back to front {percent} %)"
+    if not design.symmetric:
+        note += "; legs are not alike left and right: it turns, which only the model in space knows"
+    return note
