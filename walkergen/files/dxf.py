@@ -6,6 +6,7 @@ by cubic curves, 3e-4 of the radius beside them.
 
 import io
 import itertools
+from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -115,10 +116,10 @@ def _entities(document: "Drawing", source: str) -> Iterator[Any]:
     hidden = {
         layer.dxf.name.lower() for layer in document.layers if layer.is_off() or layer.is_frozen()
     }
-    waiting = [(entity, 0) for entity in document.modelspace()]
+    waiting = deque((entity, 0) for entity in document.modelspace())
     seen = 0
     while waiting:
-        entity, depth = waiting.pop()
+        entity, depth = waiting.popleft()
         kind, seen = entity.dxftype(), seen + 1
         if seen > MOST_ENTITIES or depth > DEEPEST:
             raise InputError(

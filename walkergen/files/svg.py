@@ -37,6 +37,19 @@ UNREADABLE = {
 }  # fmt: skip
 """Elements that make what people see other than the closed paths of the file."""
 
+NUMBER = r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?"
+NUMBERS = {
+    **dict.fromkeys(
+        ("cx", "cy", "height", "r", "rx", "ry", "width", "x", "x1", "x2", "y", "y1", "y2"),
+        re.compile(rf"\s*({NUMBER}\s*([a-zA-Z]{{1,2}}|%)?|auto)\s*"),
+    ),
+    "d": re.compile(r"[MmZzLlHhVvCcSsQqTtAa0-9eE.,+\-\s]*"),
+    "points": re.compile(r"[0-9eE.,+\-\s]*"),
+}  # fmt: skip
+"""What attributes of shapes look like; svgelements leaves out what it cannot read."""
+
+SHAPES = {"circle", "ellipse", "line", "path", "polygon", "polyline", "rect"}
+
 MOST_ELEMENTS = 20_000
 """Elements of a drawing at most, counted as often as <use> repeats them."""
 
@@ -81,9 +94,11 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
         parsed = svgelements.SVG.parse(io.BytesIO(ET.tostring(root)), reify=False, on_error="raise")
         drawn = [svgelements.Path(one) for one in parsed.elements(_visible)]
         size = _size(drawn)
+        if not math.isfinite(size):
+            raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
         return [_shape(path, size, scale, source) for path in drawn]
     except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
-        raise InputError(f"{source}: a path cannot be read: {str(error)[:80]}") from error
+        raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
 
@@ -114,6 +129,9 @@ def _refuse_unreadable(root: ET.Element, source: str) -> None:
             raise InputError(f"{source}: holds {UNREADABLE[name]} (<{name}>); {hint}")
         if handler := next((key for key in element.attrib if key.lower().startswith("on")), None):
             raise InputError(f"{source}: holds a script ({handler}); save it as a plain SVG")
+        for key, pattern in NUMBERS.items() if name in SHAPES else ():
+            if not pattern.fullmatch(value := element.attrib.get(key, "0")):
+                raise InputError(f"{source}: <{name}> has {key} = {value[:40]!r}; give numbers")
         if name == "style" and "@import" in (element.text or ""):
             raise InputError(f"{source}: its <style> imports another file; save it as a plain SVG")
     targets = {element.attrib["id"]: element for element in root.iter() if "id" in element.attrib}
@@ -223,8 +241,9 @@ def _shape(path: "svgelements.Path", size: float, scale: tuple[float, float], so
             continue  # a pen that is moved and draws nothing
         # People see y down; the shape has it up.
         points = (own @ linear.T + offset) * np.array([scale[0], -scale[1]])
-        closed = type(subpath[len(list(subpath)) - 1]).__name__ == "Close"
-        if not closed and not meet(points[0], points[-1], GAP * size * max(scale)):
+        if meet(points[0], points[-1], GAP * size * max(scale)):
+            points = points[:-1]
+        elif type(list(subpath)[-1]).__name__ != "Close":
             raise InputError(
                 f"{source}: a path is open: it begins at {_shown(own[0])} and ends at "
                 f"{_shown(own[-1])} of the drawing; close it (Z) or leave it out"
@@ -235,16 +254,16 @@ def _shape(path: "svgelements.Path", size: float, scale: tuple[float, float], so
 
 def _points(subpath: Any, tolerance: float) -> Array:
     """Points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
-    parts = [np.empty((0, 2))]
+    found: list[Any] = []
     for segment in subpath:
         kind = type(segment).__name__
         if kind == "Move":
-            parts.append(_array([segment.end]))
+            found.append(segment.end)
         elif kind in ("Line", "Close"):
-            parts.append(_array([segment.start, segment.end]))
+            found += [segment.start, segment.end]
         else:
-            parts.append(flatten(partial(_at, segment), tolerance))
-    return np.vstack(parts)
+            found += list(flatten(partial(_at, segment), tolerance))
+    return _array(found)
 
 
 def _at(segment: Any, at: Array) -> Array:

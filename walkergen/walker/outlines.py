@@ -138,8 +138,8 @@ def area(polygon: Polygon) -> float:
 
 
 def _distinct(contour: Polygon) -> Polygon:
-    """Contour without points that repeat their predecessor."""
-    kept: Polygon = contour[np.any(contour != np.roll(contour, 1, axis=0), axis=1)]
+    """Contour without points that their successor repeats."""
+    kept: Polygon = contour[np.any(contour != np.roll(contour, -1, axis=0), axis=1)]
     return kept
 
 
