@@ -33,7 +33,7 @@ ANNOTATIONS = {
 COMPOSITE = {"INSERT", "LWPOLYLINE", "POLYLINE"}
 """Entities that are taken apart into others."""
 
-MOST_ENTITIES, DEEPEST = 100_000, 16
+MOST_ENTITIES, DEEPEST = 20_000, 16
 """Entities of a drawing at most, counted as often as blocks repeat them, and blocks in blocks."""
 
 
@@ -121,7 +121,7 @@ def _entities(document: "Drawing", source: str) -> Iterator[Any]:
     while waiting:
         entity, depth = waiting.popleft()
         kind, seen = entity.dxftype(), seen + 1
-        if seen > MOST_ENTITIES or depth > DEEPEST:
+        if seen + len(waiting) > MOST_ENTITIES or depth > DEEPEST:
             raise InputError(
                 f"{source}: draws more than {MOST_ENTITIES} entities, or blocks more than "
                 f"{DEEPEST} deep; simplify it"
@@ -168,6 +168,8 @@ def _points(entity: Any, tolerance: float, source: str) -> Array:
         raise InputError(
             f"{source}: {kind} is no plane curve; draw lines, arcs, splines, polylines"
         )
+    if len(points) < 2:
+        raise InputError(f"{source}: a {kind} draws nothing (a radius of 0?); leave it out")
     placed = np.array([tuple(point) for point in points], dtype=float)
     if np.ptp(placed[:, 2]) > tolerance:
         raise InputError(f"{source}: {kind} leaves the x-y plane; draw the outline flat")
@@ -180,6 +182,8 @@ def _joined(curves: Sequence[Array], gap: float, source: str) -> Iterator[Array]
 
     edges = []
     for curve in curves:
+        if not np.isfinite(curve).all():
+            raise InputError(f"{source}: a coordinate is not finite; draw the outline anew")
         if meet(curve[0], curve[-1], gap):
             yield curve[:-1]
         else:
