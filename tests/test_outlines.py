@@ -1,0 +1,353 @@
+"""Outlines of bodies: areas beside closed forms, holes, orientation, and what is refused."""
+
+import math
+
+import ezdxf
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from walkergen.errors import GeometryError, InputError
+from walkergen.files.contours import FLATNESS, MOST_POINTS
+from walkergen.walker.lettering import letters
+from walkergen.walker.outlines import SEGMENTS, area, disc, ellipse, from_file, polygon
+
+PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
+SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]
+
+
+def svg(folder, body, page=PAGE, before=""):
+    path = folder / "shape.svg"
+    names = 'xmlns="http://www.w3.org/2000/svg" xmlns:xlink="http://www.w3.org/1999/xlink"'
+    path.write_text(f"{before}<svg {names} {page}>{body}</svg>")
+    return path
+
+
+def dxf(folder, draw, units=4):
+    document = ezdxf.new("R2000", units=units)
+    draw(document.modelspace(), document)
+    path = folder / "shape.dxf"
+    document.saveas(path)
+    return path
+
+
+def total(outline):
+    """Area without the holes; fails where an outline is not as promised."""
+    assert all(part.dtype == np.float64 and part.shape[1:] == (2,) for part in outline)
+    every = np.vstack(outline)
+    # Half a sum of two coordinates, subtracted: an ulp of each.
+    np.testing.assert_allclose(every.min(axis=0), -every.max(axis=0), atol=1e-12)
+    assert area(outline[0]) > 0.0
+    return sum(map(area, outline))
+
+
+def refused(error, *words, of):
+    with pytest.raises(error) as caught:
+        of()
+    text = str(caught.value)
+    assert "\n" not in text
+    assert all(word in text for word in words), text
+    return text
+
+
+def test_ellipse_and_disc_lack_the_area_they_state():
+    step = 2 * math.pi / SEGMENTS
+    share = math.sin(step) / step
+    assert total(disc(28.0)) == pytest.approx(share * math.pi * 14**2, rel=1e-13)
+    assert total(ellipse(28.0, 8.0)) == pytest.approx(share * math.pi * 14 * 4, rel=1e-13)
+    assert 1.0 - share == pytest.approx(5.1e-5, rel=0.01)
+    (points,) = ellipse(28.0, 8.0)
+    assert len(points) == SEGMENTS
+    np.testing.assert_array_equal(np.ptp(points, axis=0), (28.0, 8.0))
+    for mirror in ((-1, 1), (1, -1)):
+        assert set(map(tuple, points * mirror + 0.0)) == set(map(tuple, points + 0.0))
+
+
+@settings(max_examples=60, deadline=None, derandomize=True)
+@given(
+    st.lists(st.floats(0.5, 20.0), min_size=3, max_size=40),
+    st.booleans(),
+    st.tuples(st.floats(-1e3, 1e3), st.floats(-1e3, 1e3)),
+)
+def test_either_sense_and_any_place_give_the_same_star(radii, reverse, place):
+    angles = np.linspace(0, 2 * math.pi, len(radii), endpoint=False)
+    star = np.array(radii)[:, None] * np.column_stack([np.cos(angles), np.sin(angles)])
+    following = np.roll(np.array(radii), -1)
+    expected = 0.5 * math.sin(2 * math.pi / len(radii)) * float(np.array(radii) @ following)
+    given_points = (star + place)[:: -1 if reverse else 1]
+    # Coordinates of a thousand keep 1e-13 of themselves, over a star's size of ten.
+    assert total(polygon(given_points)) == pytest.approx(expected, rel=1e-10)
+
+
+@pytest.mark.parametrize(
+    ("points", "words"),
+    [
+        (SQUARE[:2], ("2 points", "three")),
+        ("abc", ("three",)),
+        ([(0, 0), (1, 2, 3), (4, 5)], ("three",)),
+        ([*SQUARE, (0, 0)], ("(0, 0)", "twice")),
+        ([(0, 0), (10, 10), (10, 0), (0, 10)], ("crosses", "(5, 5)")),
+        ([(0, 0), (10, 0), (5, 0.0), (5, 8)], ("touches itself",)),
+        ([(0, 0), (1, 1), (2, 2)], ("on a line",)),
+        ([(0, 0), (math.nan, 1), (2, 0)], ("point 2", "nan")),
+        ([(0, 0), (math.inf, 1), (2, 0)], ("point 2", "inf")),
+        ([(0, 0), (28000, 0), (0, 8000)], ("28000 mm", "micrometres")),
+        ([(0, 0), (0.028, 0), (0, 0.008)], ("0.028 mm", "metres")),
+    ],
+)
+def test_points_that_are_no_outline(points, words):
+    text = refused(GeometryError, *words, of=lambda: polygon(points))
+    assert text.startswith("body.points_mm = ")
+
+
+def test_too_many_points():
+    angles = np.linspace(0, 2 * math.pi, MOST_POINTS + 1, endpoint=False)
+    circle = np.column_stack([np.cos(angles), np.sin(angles)])
+    refused(GeometryError, "100001 points", "simplify", of=lambda: polygon(circle))
+
+
+def test_letters_have_their_height_and_holes():
+    assert [len(letters(text, 10.0)) for text in "LA8"] == [1, 2, 3]
+    assert np.ptp(letters("H", 10.0)[0][:, 1]) == pytest.approx(10.0, rel=1e-12)
+    # Two bars of 10 mm and the bar between them, from the font's own numbers.
+    assert total(letters("H", 7.0)) == pytest.approx(0.49 * total(letters("H", 10.0)), rel=1e-9)
+    pieces = letters("i 8%", 10.0, connected=False)
+    assert sum(area(part) > 0 for part in pieces) == 2 + 1 + 3
+    first, again = letters("$8$", 5.0, connected=False), letters("$8$", 5.0, connected=False)
+    assert len(first) == 3 * 3  # a formula would drop the dollars
+    assert all(np.array_equal(one, two) for one, two in zip(first, again, strict=True))
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("", ("0 characters",)),
+        ("a" * 300, ("300 characters", "1 to 40")),
+        ("   ", ("draws nothing",)),
+        ("a\x07", ("U+0007",)),
+        ("a\nb", ("U+000A",)),
+        ("a\u200b", ("U+200B", "ZERO WIDTH SPACE")),
+        ("漢", ("U+6F22", "not in the font")),
+        ("Aij", ("'i', 'j'", "several pieces")),
+        ("LA", ("'L' and 'A'", "do not touch")),
+    ],
+)
+def test_texts_that_are_no_body(text, words):
+    started = refused(GeometryError, *words, of=lambda: letters(text, 10.0))
+    assert started.startswith("body.text = ")
+
+
+SVG_SHAPES = [
+    ('<circle cx="50" cy="50" r="10"/>', 100 * math.pi, 1),
+    ('<circle cx="50" cy="50" r="10" transform="skewX(40) rotate(7)"/>', 100 * math.pi, 1),
+    ('<ellipse rx="20" ry="5" transform="rotate(30) scale(2)"/>', 400 * math.pi, 1),
+    ('<rect width="20" height="20" rx="3"/>', 400 - 9 * (4 - math.pi), 1),
+    ('<polygon points="0,0 10,0 10,30"/>', 150.0, 1),
+    # Two arches, one up and one down, of equal area: the rectangle below them is left.
+    ('<path d="M0 0 C0 20 30 20 30 0 S60 -20 60 0 V-40 H0z"/>', 2400.0, 1),
+    ('<path d="M0 0 Q10 20 20 0z"/>', 2 / 3 * 20 * 10, 1),
+    ('<path d="M0 0h20v20h-20zM5 5h10v10h-10z"/>', 400.0, 1),  # nonzero: no hole
+    ('<path d="M0 0h20v20h-20zM5 5v10h10v-10z"/>', 300.0, 2),
+    ('<g style="fill-rule:evenodd"><path d="M0 0h20v20h-20zM5 5h10v10h-10z"/></g>', 300.0, 2),
+    ('<rect width="20" height="20"/><circle cx="10" cy="10" r="5"/>', 400 - 25 * math.pi, 2),
+    ('<defs><rect id="a" width="5" height="4"/></defs><use href="#a" y="2"/>', 20.0, 1),
+    ('<rect width="9" height="9"/><g display="none"><circle r="99"/></g>', 81.0, 1),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("body", "expected", "parts"), SVG_SHAPES)
+def test_svg_shapes(tmp_path, body, expected, parts):
+    outline = from_file(svg(tmp_path, body))
+    size = np.ptp(np.vstack(outline), axis=0).max()
+    # Two thirds of the sag along a perimeter of at most 4 sizes and as much in holes.
+    assert total(outline) == pytest.approx(expected, abs=2 / 3 * 8 * FLATNESS * size**2)
+    assert len(outline) == parts
+
+
+@pytest.mark.parametrize(
+    ("page", "scale", "length"),
+    [
+        (PAGE, None, 20.0),
+        (PAGE, 0.5, 10.0),
+        ('width="2in" height="2in" viewBox="0 0 100 100"', None, 20 * 50.8 / 100),
+        ('width="2cm" height="1cm" viewBox="5 5 100 100"', None, 2.0),
+        ('width="96pt" height="96pt"', None, 20 * 25.4 / 96),
+        ('width="100" height="100" viewBox="0 0 7 7"', 2.0, 40.0),
+    ],
+)
+def test_units_of_svg(tmp_path, page, scale, length):
+    path = svg(tmp_path, '<rect width="20" height="10"/>', page)
+    assert np.ptp(from_file(path, scale)[0][:, 0]) == pytest.approx(length, rel=1e-12)
+
+
+def test_an_svg_comes_out_as_people_see_it(tmp_path):
+    (flag,) = from_file(svg(tmp_path, '<path d="M0 0 h10 v30 z"/>'))  # its tip points down
+    assert flag[flag[:, 1].argmin()] == pytest.approx((5.0, -15.0), abs=1e-12)
+
+
+ENTITIES = (
+    '<!DOCTYPE svg [<!ENTITY a "aaaa"><!ENTITY b "&a;&a;&a;&a;">'
+    '<!ENTITY c SYSTEM "file:///etc/hostname">]>'
+)
+USES = "".join(
+    f'<g id="u{n}">' + f'<use href="#u{n - 1}"/>' * 10 + "</g>" for n in range(1, 12)
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("<script>alert(1)</script>", ("script",)),
+        ('<rect onload="x()" width="2" height="2"/>', ("script",)),
+        ('<image href="http://example.com/a.png"/>', ("picture",)),
+        ('<use xlink:href="http://example.com/a.svg#b"/>', ("example.com",)),
+        ("<style>@import url(http://example.com/a.css);</style>", ("imports",)),
+        ("<text>hi</text>", ("text", "paths")),
+        (f'<defs><rect id="u0" width="1" height="1"/>{USES}</defs>', ("20000 elements",)),
+        ('<g id="a"><use href="#a"/></g>', ("without end",)),
+        ("<g>" * 3000 + '<rect width="1" height="1"/>' + "</g>" * 3000, ("nested",)),
+        ('<path d="M0 0 L10 0 10 10"/>', ("open", "(10, 10)")),
+        ('<line x2="10"/>', ("open",)),
+        ('<circle r="abc"/>', ("r = 'abc'",)),
+        ('<path d="M0 0 Lnan 0 10 10Z"/>', ("nan",)),
+        ('<path d="M0 0 L1e999 0 10 10Z"/>', ("not finite",)),
+        ('<path transform="matrix(1 2)" d="M0 0 L10 0 10 10Z"/>', ("cannot be read",)),
+    ],
+)
+def test_svg_files_that_cannot_be_read(tmp_path, body, words):
+    text = refused(InputError, *words, of=lambda: from_file(svg(tmp_path, body)))
+    assert text.startswith("body.outline = 'shape.svg': ")
+
+
+def test_svg_pages_and_entities(tmp_path):
+    square = '<rect width="9" height="9"/>'
+    for page in ("", 'width="9" height="9"', 'width="100%" height="9mm"'):
+        refused(InputError, "scale_mm", of=lambda page=page: from_file(svg(tmp_path, square, page)))
+    bad = 'width="9mm" height="9mm" viewBox="0 0 0 9"'
+    refused(InputError, "viewBox", of=lambda: from_file(svg(tmp_path, square, bad)))
+    refused(InputError, "entity", of=lambda: from_file(svg(tmp_path, square, before=ENTITIES)))
+    known = '<!DOCTYPE svg PUBLIC "-//W3C//DTD SVG 1.1//EN" "http://example.com/svg11.dtd">'
+    assert total(from_file(svg(tmp_path, square, before=known))) == pytest.approx(81.0)
+
+
+@pytest.mark.parametrize(
+    ("body", "words"),
+    [
+        ("", ("no closed path",)),
+        ('<path d="M0 0L10 10 10 0 0 10z"/>', ("crosses",)),
+        ('<rect width="9" height="9"/><circle cx="9" cy="5" r="3"/>', ("two paths", "unite")),
+        ('<rect width="9" height="9"/><rect width="9" height="9"/>', ("twice",)),
+        ('<rect width="9" height="9"/><circle cx="50" cy="5" r="3"/>', ("2 pieces",)),
+    ],
+)
+def test_svg_shapes_that_are_no_outline(tmp_path, body, words):
+    refused(GeometryError, *words, of=lambda: from_file(svg(tmp_path, body)))
+
+
+@pytest.mark.parametrize("data", [b"", b"hello", bytes(range(256)), b"<html></html>", b"<svg><g"])
+@pytest.mark.parametrize("ending", ["svg", "dxf"])
+def test_files_of_another_kind(tmp_path, data, ending):
+    path = tmp_path / f"shape.{ending}"
+    path.write_bytes(data)
+    refused(InputError, f"body.outline = 'shape.{ending}'", of=lambda: from_file(path))
+    refused(InputError, "no such file", of=lambda: from_file(tmp_path / f"none.{ending}"))
+    refused(InputError, ".svg or .dxf", of=lambda: from_file(tmp_path / "shape.png"))
+    refused(InputError, "scale_mm = 0", of=lambda: from_file(path, 0.0))
+
+
+def stadium(space, _):
+    space.add_line((0, 0), (10, 0))
+    space.add_arc((0, 5), 5, 90, 270)
+    space.add_line((0, 10), (10, 10 + 1e-7))  # as programs write it
+    space.add_arc((10, 5), 5, -90, 90)
+
+
+def with_hole(space, document):
+    stadium(space, document)
+    space.add_circle((5, 5), 2)
+    space.add_text("a note")
+
+
+def block(space, document):
+    document.blocks.new("B").add_lwpolyline([(0, 0), (1, 0), (0, 1)], close=True)
+    space.add_blockref("B", (5, 5), dxfattribs={"xscale": -10, "yscale": 10, "rotation": 30})
+
+
+def hidden(space, document):
+    document.layers.add("aux").off()
+    space.add_circle((0, 0), 5)
+    space.add_circle((0, 0), 50, dxfattribs={"layer": "aux"})
+
+
+@pytest.mark.parametrize(
+    ("draw", "expected", "parts"),
+    [
+        (lambda space, _: space.add_circle((3, 4), 10), 100 * math.pi, 1),
+        (lambda space, _: space.add_ellipse((0, 0), (10, 0), 0.5), 50 * math.pi, 1),
+        (lambda space, _: space.add_lwpolyline(
+            [(0, 0, 1), (10, 0, 1)], format="xyb", close=True), 25 * math.pi, 1),
+        (stadium, 100 + 25 * math.pi, 1),
+        (with_hole, 100 + 21 * math.pi, 2),
+        (block, 50.0, 1),
+        (hidden, 25 * math.pi, 1),
+    ],
+)  # fmt: skip
+def test_dxf_shapes(tmp_path, draw, expected, parts):
+    outline = from_file(dxf(tmp_path, draw))
+    size = np.ptp(np.vstack(outline), axis=0).max()
+    assert total(outline) == pytest.approx(expected, abs=2 / 3 * 8 * FLATNESS * size**2)
+    assert len(outline) == parts
+
+
+def test_units_of_dxf(tmp_path):
+    def square(space, _):
+        space.add_lwpolyline(SQUARE, close=True)
+
+    for units, length in ((1, 254.0), (4, 10.0), (5, 100.0), (13, None), (6, None)):
+        path = dxf(tmp_path, square, units)
+        if length is None:
+            refused(GeometryError, "mm long", of=lambda path=path: from_file(path))
+        else:
+            assert np.ptp(from_file(path)[0][:, 0]) == pytest.approx(length, rel=1e-12)
+    assert np.ptp(from_file(path, 2.0)[0][:, 0]) == pytest.approx(20.0, rel=1e-12)
+    refused(InputError, "scale_mm", of=lambda: from_file(dxf(tmp_path, square, 0)))
+    # Without a header the library would answer metres.
+    headless = "0\nSECTION\n2\nENTITIES\n0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n1\n0\nENDSEC\n0\nEOF\n"
+    path.write_text(headless)
+    refused(InputError, "scale_mm", of=lambda: from_file(path))
+    assert total(from_file(path, 3.0)) == pytest.approx(9 * math.pi, rel=1e-4)
+
+
+def open_lines(space, _):
+    space.add_line((0, 0), (10, 0))
+    space.add_line((10, 0), (10, 5))
+
+
+def star(space, _):
+    for end in ((5, 5), (3, 5), (1, 1)):
+        space.add_line((0, 0), end)
+
+
+def endless(space, document):
+    document.blocks.new("B").add_blockref("B", (1, 0))
+    space.add_blockref("B", (0, 0))
+
+
+@pytest.mark.parametrize(
+    ("draw", "words"),
+    [
+        (open_lines, ("open", "(10, 5)")),
+        (star, ("meet in a point",)),
+        (endless, ("20000 entities", "16 deep")),
+        (lambda space, _: space.add_circle((0, 0), math.nan), ("size",)),
+        (lambda space, _: [space.add_circle((0, 0), r) for r in (0, 5)], ("draws nothing",)),
+        (lambda space, _: space.add_lwpolyline([(0, 0), (1, math.nan), (4, 5)]), ("finite",)),
+        (lambda space, _: space.add_circle(
+            (0, 0), 1, dxfattribs={"extrusion": (0, 1, 1)}), ("flat",)),
+        (lambda space, _: space.add_3dface([(0, 0), (1, 0), (1, 1)]), ("3DFACE",)),
+    ],
+)  # fmt: skip
+def test_dxf_files_that_cannot_be_read(tmp_path, draw, words):
+    text = refused(InputError, *words, of=lambda: from_file(dxf(tmp_path, draw)))
+    assert text.startswith("body.outline = 'shape.dxf': ")

@@ -1,0 +1,44 @@
+"""Profiles: a walker's side view as polygons, and drawings of it for laser cutters.
+
+A walker is a prism: its profile and its depth are all of it, but for digits engraved.
+"""
+
+from collections.abc import Sequence
+from pathlib import Path
+
+import numpy as np
+
+from walkergen.errors import SolidError
+from walkergen.files import dxf, output, svg
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.outlines import Polygon
+
+
+def profile_of(design: Design) -> list[Polygon]:
+    """Profile of body and legs, in the design's frame, mm: outer contour first, then windows.
+
+    Raises SolidError when it is not one piece.
+    """
+    import shapely
+
+    body, limb = solids.outline(design)
+    legs = [part + np.array(anchor) for anchor in design.anchors for part in limb]
+    united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
+    if not isinstance(united, shapely.Polygon):
+        raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")
+    least = solids.NARROWEST_WINDOW * united.area  # as in the solid: slivers are no windows
+    holes = [ring for ring in united.interiors if shapely.Polygon(ring).area > least]
+    oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))
+    rings = (oriented.exterior, *oriented.interiors)
+    return [np.array(ring.coords, dtype=np.float64)[:-1, :2] for ring in rings]
+
+
+def write_dxf(path: Path, polygons: Sequence[Polygon]) -> None:
+    """Write polygons in mm as DXF, its unit stated, whole or not at all. Raises OutputError."""
+    output.write(path, dxf.pack(polygons))
+
+
+def write_svg(path: Path, polygons: Sequence[Polygon]) -> None:
+    """Write polygons in mm as SVG, its size stated, whole or not at all. Raises OutputError."""
+    output.write(path, svg.pack(polygons))

@@ -1,0 +1,121 @@
+"""Lettering: outlines of text, in the font DejaVu Sans that comes with matplotlib.
+
+The font is read from matplotlib's own folder, so that every machine draws the same letters. This
+module stands apart from outlines.py, which knows no pictures.
+"""
+
+import unicodedata
+from collections.abc import Iterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import manifold3d
+import numpy as np
+
+from walkergen.errors import GeometryError
+from walkergen.files.contours import FLATNESS, Shape, flatten
+from walkergen.walker.outlines import Polygon, area, sound
+
+MOST_CHARACTERS = 40
+
+FINE = 2.0**20
+"""Factor that brings letters (about 100 units) to manifold3d, which rounds them to 1e-8 units."""
+
+
+def letters(
+    text: str, height: float, connected: bool = True, source: str = "body.text"
+) -> list[Polygon]:
+    """Outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
+
+    Where `connected`, it must be one piece, as for a body. Raises GeometryError, which begins with
+    `source` = the text, for none or more than MOST_CHARACTERS, for characters that the font lacks
+    or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
+    """
+    where = f"{source} = {text if len(text) <= MOST_CHARACTERS else text[:20] + '...'!r}"
+    if not 1 <= len(text) <= MOST_CHARACTERS:
+        raise GeometryError(
+            f"{where}: has {len(text)} characters, allowed are 1 to {MOST_CHARACTERS}; shorten it"
+        )
+    _check_characters(text, where)
+    if not text.strip():
+        raise GeometryError(f"{where}: draws nothing; write a letter or digit")
+    scale = height / float(np.ptp(_contours("H")[0][:, 1]))
+    if connected:
+        _check_connected(text, where)
+    drawn = [scale * contour for contour in _contours(text)]
+    return sound([Shape(drawn, nonzero=False)], where, connected)
+
+
+def _check_characters(text: str, where: str) -> None:
+    """Raise GeometryError, by name, for a character that the font lacks or that controls."""
+    from matplotlib.ft2font import FT2Font
+
+    font = FT2Font(_font())
+    for character in text:
+        if unicodedata.category(character)[0] in "CZ" and character != " ":
+            problem = "is no letter"
+        elif not font.get_char_index(ord(character)):
+            problem = "is not in the font DejaVu Sans"
+        else:
+            continue
+        name = unicodedata.name(character, "a control character")
+        raise GeometryError(
+            f"{where}: U+{ord(character):04X} ({name}) {problem}; leave it out or draw it"
+        )
+
+
+def _check_connected(text: str, where: str) -> None:
+    """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
+    if _pieces(text) == 1:
+        return
+    broken = [one for one in dict.fromkeys(text) if one != " " and _pieces(one) > 1]
+    if broken:
+        named = ", ".join(map(repr, broken))
+        raise GeometryError(
+            f"{where}: {named} is drawn in several pieces, a body is one; use other letters, or "
+            "engrave the text"
+        )
+    apart = next(
+        f"{one!r} and {two!r}" for one, two in pairwise(text)
+        if _pieces(one + two) != 1
+    )  # fmt: skip
+    raise GeometryError(
+        f"{where}: {apart} do not touch, a body is one piece; use one letter, or engrave the text"
+    )
+
+
+def _pieces(text: str) -> int:
+    return sum(area(contour) > 0.0 for contour in _contours(text))
+
+
+def _contours(text: str) -> list[Polygon]:
+    """Contours of a text in the font's units, outer ones counter-clockwise, overlaps united."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.path import Path as Curves
+    from matplotlib.textpath import text_to_path
+
+    # The text as it stands: "$" begins no formula.
+    properties = FontProperties(fname=_font())
+    vertices, codes = text_to_path.get_text_path(properties, text, ismath=False)
+    if not len(vertices):
+        return []
+    tolerance = FLATNESS * float(np.ptp(np.asarray(vertices), axis=0).max())
+    loops: list[list[Any]] = []
+    curves: Iterator[tuple[Any, int]] = Curves(vertices, codes).iter_bezier()  # type: ignore[assignment]
+    for curve, code in curves:
+        if code == Curves.MOVETO:
+            loops.append([])
+        elif len(curve.control_points) == 2:
+            loops[-1].append(curve.control_points[:1])
+        else:
+            loops[-1].append(flatten(curve, tolerance)[:-1])
+    rings = [FINE * np.vstack(loop) for loop in loops if loop]
+    united = manifold3d.CrossSection(rings, manifold3d.FillRule.NonZero)
+    return [np.asarray(ring, dtype=np.float64) / FINE for ring in united.to_polygons()]
+
+
+def _font() -> str:
+    import matplotlib
+
+    return str(Path(matplotlib.get_data_path()) / "fonts" / "ttf" / "DejaVuSans.ttf")
