@@ -10,9 +10,12 @@ from pathlib import Path
 from walkergen.errors import InputError
 
 
-def content(path: Path) -> bytes:
-    """Bytes of a file, whatever its format. Raises InputError when it cannot be read."""
-    with _explained(path, "a file"):
+def content(path: Path, most_bytes: int | None = None) -> bytes:
+    """Bytes of a file, whatever its format.
+
+    Raises InputError when it cannot be read or exceeds `most_bytes`.
+    """
+    with _explained(path, "a file", most_bytes):
         return path.read_bytes()
 
 
