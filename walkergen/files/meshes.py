@@ -16,6 +16,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import reading, stl, threemf
+from walkergen.files.threemf import Part
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
 
@@ -27,16 +28,6 @@ MOST_TRIANGLES = 2_000_000
 
 Array = npt.NDArray[np.float64]
 Indices = npt.NDArray[np.int64]
-
-
-class Part(NamedTuple):
-    """Surface in a file, as sound or unsound as it stands there."""
-
-    name: str
-    vertices: Array
-    """Corners in the file's own axes, shape (n, 3); mm for 3MF, else the file's own unit."""
-    triangles: Indices
-    """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
 
 class Loaded(NamedTuple):
@@ -58,9 +49,9 @@ def load(path: Path, source: str) -> Loaded:
     data = reading.content(path, MOST_BYTES)
     if kind == "3mf":
         _refuse_bombs(data, source)
-        raw = [tuple(one) for one in threemf.read(data, source)]
+        raw = threemf.read(data, source)
     elif _is_binary_stl(kind, data):
-        raw = [("mesh", *_binary_stl(data, source))]
+        raw = [Part("mesh", *_binary_stl(data, source))]
     else:
         raw = _by_trimesh(data, kind, source)
     parts = [_part(source, *one) for one in raw]
@@ -124,7 +115,7 @@ def _part(source: str, name: str, vertices: Array, triangles: Indices) -> Part:
     return Part(name, *merged(vertices, triangles))
 
 
-def _by_trimesh(data: bytes, kind: str, source: str) -> list[tuple[str, Array, Indices]]:
+def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
     """Names, vertices and triangles of all that a file holds, placed as it says."""
     import trimesh
 
@@ -144,7 +135,9 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[tuple[str, Array, I
         triangles = np.asarray(mesh.faces, np.int64).reshape(-1, 3)
         if np.linalg.det(turn) < 0.0:  # a mirror image is turned inside out
             triangles = triangles[:, ::-1]
-        found.append((str(name), np.asarray(mesh.vertices, np.float64) @ turn.T + shift, triangles))
+        with np.errstate(invalid="ignore"):  # what is not finite is refused by _part
+            vertices = np.asarray(mesh.vertices, np.float64) @ turn.T + shift
+        found.append(Part(str(name), vertices, triangles))
     return found
 
 

@@ -19,18 +19,18 @@ DEEPEST = 16
 Array = npt.NDArray[np.float64]
 
 
-class Placed(NamedTuple):
-    """Mesh of an item, or of a component of it."""
+class Part(NamedTuple):
+    """Surface in a file, as sound or unsound as it stands there."""
 
     name: str
     """Item's part number, or its object's name, or its place in the file."""
     vertices: Array
-    """Corners, shape (n, 3), mm."""
+    """Corners in the file's own axes, shape (n, 3); mm for 3MF, else the file's own unit."""
     triangles: npt.NDArray[np.int64]
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
 
-def read(data: bytes, source: str) -> list[Placed]:
+def read(data: bytes, source: str) -> list[Part]:
     """Meshes of all items, in the file's order. Raises InputError, beginning with `source`."""
     import lib3mf
 
@@ -38,7 +38,8 @@ def read(data: bytes, source: str) -> list[Placed]:
     try:
         model.QueryReader("3mf").ReadFromBuffer(data)
         unit = MM[int(model.GetUnit())]
-        items, found = model.GetBuildItems(), []
+        items = model.GetBuildItems()
+        found: list[Part] = []
         while items.MoveNext():
             item = items.GetCurrent()
             thing = item.GetObjectResource()
@@ -49,7 +50,7 @@ def read(data: bytes, source: str) -> list[Placed]:
     return found
 
 
-def _meshes(thing: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Placed]:
+def _meshes(thing: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Part]:
     """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
     if thing.IsMeshObject():
         # lib3mf gives lists of C structures, which join as the bytes that they are
@@ -67,7 +68,7 @@ def _meshes(thing: Any, name: str, chain: list[Any], unit: float, source: str) -
 
 def _placed(
     name: str, vertices: Array, triangles: npt.NDArray[np.int64], chain: list[Any], unit: float
-) -> Placed:
+) -> Part:
     for step in reversed(chain):
         moved = step.GetObjectTransform() if hasattr(step, "GetObjectTransform") else (
             step.GetTransform()
@@ -76,4 +77,4 @@ def _placed(
         vertices = vertices @ matrix[:3] + matrix[3]
         if np.linalg.det(matrix[:3]) < 0.0:  # a mirror image is turned inside out
             triangles = triangles[:, ::-1]
-    return Placed(name, unit * vertices, triangles)
+    return Part(name, unit * vertices, triangles)

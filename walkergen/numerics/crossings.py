@@ -29,7 +29,7 @@ DEEPEST = 128
 class Crossings(NamedTuple):
     """Pairs of triangles that cross each other."""
 
-    count: int
+    number: int
     pair: tuple[int, int]
     """One such pair; (-1, -1) without any."""
 
@@ -79,11 +79,12 @@ def _codes(vertices: Array, triangles: Indices) -> Indices:
     low = middles.min(axis=0)
     side = max(float((middles.max(axis=0) - low).max()), 1e-300)
     cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
-    return _interleaved(cells)
+    codes: Indices = _interleaved(cells)
+    return codes
 
 
 @kernel
-def _interleaved(cells):  # type: ignore[no-untyped-def]
+def _interleaved(cells):
     """Bits of three whole numbers in turn, for each row."""
     codes = np.zeros(len(cells), np.int64)
     for row in range(len(cells)):
@@ -94,7 +95,7 @@ def _interleaved(cells):  # type: ignore[no-untyped-def]
 
 
 @kernel
-def _tree(low, high, leaves):  # type: ignore[no-untyped-def]
+def _tree(low, high, leaves):
     """Bounding boxes' corners as heaps: node 1 is all, the leaves follow from `leaves` on."""
     lows = np.full((2 * leaves, 3), np.inf)
     highs = np.full((2 * leaves, 3), -np.inf)
@@ -111,7 +112,7 @@ def _tree(low, high, leaves):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _pairs(shapes, lows, highs, leaves, stack, tolerance):  # type: ignore[no-untyped-def]
+def _pairs(shapes, lows, highs, leaves, stack, tolerance):
     """Number of crossing pairs, and the first of them in the order of the tree."""
     total = len(shapes.triangles)
     count, one, other = 0, -1, -1
@@ -141,7 +142,7 @@ def _pairs(shapes, lows, highs, leaves, stack, tolerance):  # type: ignore[no-un
 
 
 @lean
-def _apart(low, high, one, lows, highs, other):  # type: ignore[no-untyped-def]
+def _apart(low, high, one, lows, highs, other):
     """True when box `one` of the first list and box `other` of the second do not meet."""
     return (
         low[one, 0] > highs[other, 0] or high[one, 0] < lows[other, 0]
@@ -151,7 +152,7 @@ def _apart(low, high, one, lows, highs, other):  # type: ignore[no-untyped-def]
 
 
 @lean
-def _cross(shapes, one, other, tolerance):  # type: ignore[no-untyped-def]
+def _cross(shapes, one, other, tolerance):
     """True when two triangles cross each other."""
     shared = 0
     for i in range(3):
@@ -159,98 +160,92 @@ def _cross(shapes, one, other, tolerance):  # type: ignore[no-untyped-def]
             shared += shapes.triangles[one, i] == shapes.triangles[other, j]
     if shared > 1:
         return False
-    least, most = _sides(shapes, one, other)
-    if max(-least, most) <= tolerance:
+    parted, level = False, False
+    for first, second in ((one, other), (other, one)):
+        least, most = np.inf, -np.inf
+        for corner in range(3):
+            height = _height(shapes, first, second, corner)
+            least, most = min(least, height), max(most, height)
+        parted = parted or -least <= tolerance or most <= tolerance
+        level = level or max(-least, most) <= tolerance
+    if level:
         return _overlap(shapes, one, other, tolerance)
-    if -least <= tolerance or most <= tolerance:
+    if parted:
         return False
-    least, most = _sides(shapes, other, one)
-    if -least <= tolerance or most <= tolerance:
-        return False
-    pierced = False
-    for i in range(3):
-        pierced = pierced or _pierces(shapes, one, i, other) or _pierces(shapes, other, i, one)
-    return pierced
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
+        if _pierces(shapes, first, number % 3, second):
+            return True
+    return False
 
 
 @lean
-def _height(shapes, triangle, other, corner):  # type: ignore[no-untyped-def]
+def _height(shapes, triangle, other, corner):
     """Height of a corner of another triangle above a triangle's plane."""
-    foot, normal = shapes.corners[triangle, 0], shapes.normals[triangle]
-    point = shapes.corners[other, corner]
-    return (
-        (point[0] - foot[0]) * normal[0]
-        + (point[1] - foot[1]) * normal[1]
-        + (point[2] - foot[2]) * normal[2]
-    )
+    height = 0.0
+    for axis in range(3):
+        rise = shapes.corners[other, corner, axis] - shapes.corners[triangle, 0, axis]
+        height += rise * shapes.normals[triangle, axis]
+    return height
 
 
 @lean
-def _sides(shapes, triangle, other):  # type: ignore[no-untyped-def]
-    """Least and greatest height of another triangle's corners above a triangle's plane."""
-    a = _height(shapes, triangle, other, 0)
-    b = _height(shapes, triangle, other, 1)
-    c = _height(shapes, triangle, other, 2)
-    return min(a, b, c), max(a, b, c)
+def _pierces(shapes, one, edge, other):
+    """True when an edge of a triangle passes through another that has neither of its ends.
 
-
-@lean
-def _pierces(shapes, one, edge, other):  # type: ignore[no-untyped-def]
-    """True when an edge of a triangle passes through another that has neither of its ends."""
+    An edge that meets an edge of the other passes: nothing slips between two neighbours.
+    """
     following = (edge + 1) % 3
-    for corner in shapes.triangles[other]:
-        if corner in (shapes.triangles[one, edge], shapes.triangles[one, following]):
+    for corner in range(3):
+        end = shapes.triangles[other, corner]
+        if end == shapes.triangles[one, edge] or end == shapes.triangles[one, following]:
             return False
     above, below = _height(shapes, other, one, edge), _height(shapes, other, one, following)
     if above * below >= 0.0:
         return False
     share = above / (above - below)
-    p, q = shapes.corners[one, edge], shapes.corners[one, following]
-    x = p[0] + share * (q[0] - p[0])
-    y = p[1] + share * (q[1] - p[1])
-    z = p[2] + share * (q[2] - p[2])
-    # An edge that meets the other's edge passes through it: nothing slips between two neighbours.
-    return (
-        _inside(shapes, other, 0, x, y, z) >= 0.0
-        and _inside(shapes, other, 1, x, y, z) >= 0.0
-        and _inside(shapes, other, 2, x, y, z) >= 0.0
-    )
+    for side in range(3):
+        start = _inside(shapes, other, side, one, edge)
+        end = _inside(shapes, other, side, one, following)
+        if start + share * (end - start) < 0.0:
+            return False
+    return True
 
 
 @lean
-def _inside(shapes, triangle, edge, x, y, z):  # type: ignore[no-untyped-def]
-    """Distance of a point of a triangle's plane from the line along an edge, positive inside."""
-    a, b = shapes.corners[triangle, edge], shapes.corners[triangle, (edge + 1) % 3]
-    normal = shapes.normals[triangle]
-    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
-    length = np.sqrt(ux * ux + uy * uy + uz * uz)
-    if length == 0.0:
-        return 0.0
-    across = (
-        (x - a[0]) * (normal[1] * uz - normal[2] * uy)
-        + (y - a[1]) * (normal[2] * ux - normal[0] * uz)
-        + (z - a[2]) * (normal[0] * uy - normal[1] * ux)
-    )
-    return across / length
+def _inside(shapes, triangle, edge, other, corner):
+    """Distance of another triangle's corner from the line along an edge, positive inside.
+
+    It is measured in the plane of the triangle that has the edge.
+    """
+    following = (edge + 1) % 3
+    length, across = 0.0, 0.0
+    for axis in range(3):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        along = shapes.corners[triangle, following, axis] - shapes.corners[triangle, edge, axis]
+        length += along * along
+        ui = shapes.corners[triangle, following, i] - shapes.corners[triangle, edge, i]
+        uj = shapes.corners[triangle, following, j] - shapes.corners[triangle, edge, j]
+        inward = shapes.normals[triangle, i] * uj - shapes.normals[triangle, j] * ui
+        across += inward * (
+            shapes.corners[other, corner, axis] - shapes.corners[triangle, edge, axis]
+        )
+    return across / np.sqrt(length) if length > 0.0 else 0.0
 
 
 @lean
-def _overlap(shapes, one, other, tolerance):  # type: ignore[no-untyped-def]
+def _overlap(shapes, one, other, tolerance):
     """True when two triangles of one plane, facing the same way, overlap: no edge divides them."""
-    normal, second = shapes.normals[one], shapes.normals[other]
-    if normal[0] * second[0] + normal[1] * second[1] + normal[2] * second[2] <= 0.0:
+    facing = 0.0
+    for axis in range(3):
+        facing += shapes.normals[one, axis] * shapes.normals[other, axis]
+    if facing <= 0.0:
         return False
-    return not (_divided(shapes, one, other, tolerance) or _divided(shapes, other, one, tolerance))
-
-
-@lean
-def _divided(shapes, one, other, tolerance):  # type: ignore[no-untyped-def]
-    """True when the second triangle lies beyond an edge of the first, in the plane of both."""
-    for edge in range(3):
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
         deepest = -np.inf
         for corner in range(3):
-            point = shapes.corners[other, corner]
-            deepest = max(deepest, _inside(shapes, one, edge, point[0], point[1], point[2]))
+            deepest = max(deepest, _inside(shapes, first, number % 3, second, corner))
         if deepest <= tolerance:
-            return True
-    return False
+            return False
+    return True

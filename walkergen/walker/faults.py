@@ -39,11 +39,11 @@ class Edges(NamedTuple):
 class Shells(NamedTuple):
     """Closed pieces of a surface."""
 
-    count: int
+    number: int
     label: Indices
     """Number of the piece of each triangle, shape (k,)."""
     volumes: Array
-    """Volumes of the pieces, negative where turned inward, mm^3, shape (count,)."""
+    """Volumes of the pieces, negative where turned inward, mm^3, shape (number,)."""
 
 
 def refuse(mesh: Mesh, source: str) -> None:
@@ -91,7 +91,7 @@ def shells(mesh: Mesh) -> Shells:
     number, label = csgraph.connected_components(coo_matrix(links, (count, count)), directed=False)
     corners = (mesh.vertices - mesh.vertices.mean(axis=0))[mesh.triangles]
     six = np.einsum("ki,ki->k", corners[:, 0], np.cross(corners[:, 1], corners[:, 2]))
-    volumes = np.bincount(label, weights=six / 6.0, minlength=number)
+    volumes: Array = np.bincount(label, weights=six / 6.0, minlength=number).astype(np.float64)
     return Shells(int(number), label.astype(np.int64), volumes)
 
 
@@ -154,11 +154,11 @@ def _of_shells(mesh: Mesh, found: Shells) -> str:
 def _of_crossings(mesh: Mesh) -> str:
     limit = tolerance(mesh)
     found = crossings.find(mesh.vertices, mesh.triangles, limit)
-    if not found.count:
+    if not found.number:
         return ""
     where = places(mesh.vertices[mesh.triangles[list(found.pair)]])
     return (
-        f"crosses itself: {found.count} pairs of triangles (deeper than {limit:.2g} mm), one at "
+        f"crosses itself: {found.number} pairs of triangles (deeper than {limit:.2g} mm), one at "
         f"{where}; unite its parts in the program that made it (Blender: remesh)"
     )
 

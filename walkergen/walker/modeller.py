@@ -4,8 +4,6 @@ Booleans of solids keep double precision: their tolerance is 1e-12 of the larges
 (measured at sizes from 1e-3 to 1e3 mm), so that nothing has to be scaled, as profiles have.
 """
 
-from typing import Any
-
 import manifold3d
 import numpy as np
 
@@ -13,18 +11,11 @@ from walkergen.errors import SolidError
 from walkergen.walker.mass import Mesh
 
 
-def as_mesh64(mesh: Mesh, tolerance: float = 0.0) -> Any:
-    """Mesh as manifold3d takes it."""
-    return manifold3d.Mesh64(
-        np.ascontiguousarray(mesh.vertices, np.float64),
-        np.ascontiguousarray(mesh.triangles).astype(np.uint64),
-        tolerance=tolerance,
-    )
-
-
 def solid(mesh: Mesh) -> manifold3d.Manifold:
     """Solid of a closed mesh. Raises SolidError when manifold3d refuses it."""
-    return evaluated(manifold3d.Manifold(as_mesh64(mesh)))
+    vertices = np.ascontiguousarray(mesh.vertices, np.float64)
+    triangles = np.ascontiguousarray(mesh.triangles, np.uint64)
+    return evaluated(manifold3d.Manifold(manifold3d.Mesh64(vertices, triangles)))
 
 
 def evaluated(made: manifold3d.Manifold) -> manifold3d.Manifold:

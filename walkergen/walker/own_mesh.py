@@ -78,13 +78,15 @@ def rotation(up: Axis, forward: Axis, key: str) -> Array:
 
 
 def _unit(axis: str) -> Array:
-    return (-1.0 if axis.startswith("-") else 1.0) * np.eye(3)["xyz".index(axis[-1])]
+    unit = np.zeros(3)
+    unit["xyz".index(axis[-1])] = -1.0 if axis.startswith("-") else 1.0
+    return unit
 
 
 def _placed(vertices: Array) -> Array:
     """Vertices with the middle of their box at the origin in x and y, and z from 0."""
     low, high = vertices.min(axis=0), vertices.max(axis=0)
-    middle = 0.5 * (low + high)
+    middle: Array = 0.5 * (low + high)
     middle[2] = low[2]
     placed: Array = vertices - middle
     return placed

@@ -12,10 +12,13 @@ import manifold3d
 import numpy as np
 
 from walkergen.walker import faults, modeller
-from walkergen.walker.mass import Mesh, weigh
+from walkergen.walker.mass import Mesh
 
 LARGEST_HOLE = 200
 """Most open edges that are filled: a larger hole is a missing side, not a flaw."""
+
+NEIGHBOURS = 10.0
+"""Distance over the tolerance of crossings up to which vertices of open edges are one."""
 
 CRUMBS = 0.01
 """Volume of all bodies beside the largest, over the largest, up to which they are dropped."""
@@ -45,18 +48,26 @@ def _volume(mesh: Mesh) -> str:
 
 
 def _merged(mesh: Mesh) -> tuple[Mesh, str]:
-    """Merge vertices within the tolerance along open edges."""
-    if not len(faults.edges(mesh.triangles).open):
+    """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
+    from scipy.sparse import coo_matrix, csgraph
+    from scipy.spatial import KDTree
+
+    rim = np.unique(faults.edges(mesh.triangles).open)
+    if not len(rim):
         return mesh, ""
-    given = modeller.as_mesh64(mesh, 2.0 * faults.tolerance(mesh))
-    if not given.merge():
+    within = NEIGHBOURS * faults.tolerance(mesh)
+    pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
+    links = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
+    groups = coo_matrix(links, (len(rim), len(rim)))
+    number, label = csgraph.connected_components(groups, directed=False)
+    if number == len(rim):
         return mesh, ""
+    first = np.full(number, len(mesh.vertices))
+    np.minimum.at(first, label, rim)
     index = np.arange(len(mesh.vertices))
-    index[np.asarray(given.merge_from_vert, np.int64)] = np.asarray(given.merge_to_vert, np.int64)
-    while (index != index[index]).any():
-        index = index[index]
-    merged = Mesh(mesh.vertices, index[mesh.triangles])
-    return merged, f"merged {int((index != np.arange(len(index))).sum())} vertices with neighbours"
+    index[rim] = first[label]
+    told = f"merged {len(rim) - number} vertices with others less than {within:.2g} mm away"
+    return Mesh(mesh.vertices, index[mesh.triangles]), told
 
 
 def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
@@ -95,7 +106,7 @@ def _filled(mesh: Mesh) -> tuple[Mesh, str]:
 
 
 def _turned(mesh: Mesh) -> tuple[Mesh, str]:
-    """Turn triangles until neighbours agree, then all of a surface that encloses less than 0."""
+    """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
     triangles = mesh.triangles
     found = faults.edges(triangles)
     if len(found.disagreeing):
@@ -104,8 +115,8 @@ def _turned(mesh: Mesh) -> tuple[Mesh, str]:
         given = trimesh.Trimesh(mesh.vertices, triangles, process=False)
         trimesh.repair.fix_winding(given)
         triangles = np.asarray(given.faces, np.int64)
-    if not len(found.open) and _enclosed(Mesh(mesh.vertices, triangles)) < 0.0:
-        triangles = triangles[:, ::-1]
+    if not len(found.open):
+        triangles = _outward(Mesh(mesh.vertices, triangles))
     ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
     same = np.any([(mesh.triangles == one).all(axis=1) for one in ahead], axis=0)
     number = int((~same).sum())
@@ -113,9 +124,17 @@ def _turned(mesh: Mesh) -> tuple[Mesh, str]:
     return turned, f"turned {number} of {len(same)} triangles" if number else ""
 
 
-def _enclosed(mesh: Mesh) -> float:
-    """Volume that a closed mesh encloses, mm^3; negative inside out."""
-    return float(weigh(mesh, 1.0).volume)
+def _outward(mesh: Mesh) -> faults.Indices:
+    """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
+    pieces = faults.shells(mesh)
+    triangles = mesh.triangles.copy()
+    for number in np.flatnonzero(pieces.volumes < 0.0):
+        mine = pieces.label == number
+        rest = Mesh(mesh.vertices, mesh.triangles[~mine])
+        within = faults.winding(rest, mesh.vertices[triangles[mine][0, 0]])
+        if round(within) % 2 == 0:
+            triangles[mine] = triangles[mine][:, ::-1]
+    return triangles
 
 
 def _united(mesh: Mesh) -> tuple[Mesh, str]:
@@ -125,7 +144,7 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
         return mesh, ""
     pieces = faults.shells(mesh)
     outward = np.flatnonzero(pieces.volumes > 0.0)
-    if len(outward) < 2 or len(outward) < pieces.count:
+    if len(outward) < 2 or len(outward) < pieces.number:
         return mesh, ""
     solids = [
         modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number]))

@@ -106,7 +106,7 @@ def _foot(mesh: Mesh) -> Array:
     """Middle in x and z of the lowest points; y of the lowest."""
     lowest = float(mesh.vertices[:, 1].min())
     touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE]
-    foot = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
+    foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
     foot[1] = lowest
     return foot
 
