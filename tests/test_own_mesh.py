@@ -266,14 +266,17 @@ def test_a_leg_on_a_flat_face_against_closed_forms(scale):
     """The modeller's tolerance is relative: the same digits at any scale."""
     foot = scale * np.array([1.23, -8.0, 0.1])
     body = hostile.box(scale * 20.0, scale * 6.0, scale * 8.0)
-    found = joining.footing(body, foot, UPWARD, scale * 0.4, scale * 7.0)
+    found = joining.footing(joining.ready(body), foot, UPWARD, scale * 0.4, scale * 7.0)
     rise = scale * 5.0
     expected = foot + rise / math.cos(TILT) * UPWARD
     np.testing.assert_allclose(found.anchor, expected, rtol=1e-12, atol=1e-12 * scale)
     higher = rise / math.cos(TILT) + 0.5 * scale * 0.4 * math.tan(TILT)
     assert found.reach == pytest.approx(higher, rel=1e-12)
     leg = joining.prism(foot, UPWARD, scale * 0.4, scale * 7.0, found.reach + scale)
-    outside, whole = joining.flush(leg, body), joining.union_with_legs(body, [leg])
+    outside, whole = (
+        joining.flush(leg, joining.ready(body)),
+        joining.union_with_legs(joining.ready(body), [leg]),
+    )
     parts = [mass.weigh(mesh, 1.0).volume for mesh in (body, outside, whole)]
     assert parts[1] == pytest.approx(rise / math.cos(TILT) * 0.4 * 7.0 * scale**2, rel=1e-11)
     assert parts[2] == pytest.approx(parts[0] + parts[1], rel=1e-13)
@@ -286,13 +289,13 @@ def test_a_duck_on_legs():
     legs = []
     for x, z in ((-6.0, 0.0), (4.0, 0.5)):
         foot = np.array([x, -10.0, z])
-        found = joining.footing(body, foot, UPWARD, 0.8, 3.0)
+        found = joining.footing(joining.ready(body), foot, UPWARD, 0.8, 3.0)
         legs.append(joining.prism(foot, UPWARD, 0.8, 3.0, found.reach + 0.5))
         assert joining.first_hit(body, found.anchor + UPWARD, -UPWARD) is not None
-    whole = joining.union_with_legs(body, legs)
+    whole = joining.union_with_legs(joining.ready(body), legs)
     faults.refuse(whole, "walker")
     volume = [mass.weigh(mesh, 1.0).volume for mesh in (body, whole)]
-    outside = [joining.flush(leg, body) for leg in legs]
+    outside = [joining.flush(leg, joining.ready(body)) for leg in legs]
     # Coordinates carry 16 digits; the volumes' sums lose two
     together = volume[0] + sum(mass.weigh(leg, 1.0).volume for leg in outside)
     assert volume[1] == pytest.approx(together, rel=1e-12)
@@ -306,20 +309,20 @@ def test_legs_that_do_not_stand_under_the_body_are_refused():
         modeller.solid(BOX) - modeller.solid(hostile.box(3.0, 30.0, 3.0, (5.0, 0.0, 0.0)))
     )
     with pytest.raises(GeometryError, match="misses the body"):
-        joining.footing(ring, foot + 5.0 * ALONG, up, 1.0, 1.0)
+        joining.footing(joining.ready(ring), foot + 5.0 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.footing(ring, foot + 3.2 * ALONG, up, 1.0, 1.0)
+        joining.footing(joining.ready(ring), foot + 3.2 * ALONG, up, 1.0, 1.0)
     with pytest.raises(GeometryError, match="under a hole or beyond an edge"):
-        joining.footing(ring, foot, up, 1.0, 9.0)
+        joining.footing(joining.ready(ring), foot, up, 1.0, 9.0)
     with pytest.raises(GeometryError, match="begins within the body"):
-        joining.footing(BOX, np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
+        joining.footing(joining.ready(BOX), np.array([0.0, -1.0, 0.0]), up, 1.0, 1.0)
     apart = hostile.box(1.0, 4.0, 1.0, (0.0, -8.0, 0.0))
     with pytest.raises(GeometryError, match="are 2 pieces"):
-        joining.union_with_legs(BOX, [apart])
+        joining.union_with_legs(joining.ready(BOX), [apart])
     with pytest.raises(GeometryError, match="wholly within the body"):
-        joining.flush(hostile.box(1.0, 1.0, 1.0), BOX)
+        joining.flush(hostile.box(1.0, 1.0, 1.0), joining.ready(BOX))
     with pytest.raises(GeometryError, match=r"comes out of the body again by 4 mm\^3"):
-        joining.flush(hostile.box(1.0, 14.0, 1.0), BOX)
+        joining.flush(hostile.box(1.0, 14.0, 1.0), joining.ready(BOX))
 
 
 def test_the_first_hit_slips_through_no_edge():

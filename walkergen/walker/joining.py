@@ -17,6 +17,18 @@ CRUMB = 1e-9
 """Volume of a piece, over that of the leg, below which it is the modeller's rounding."""
 
 
+class Body(NamedTuple):
+    """Body that legs are joined to, made ready once: the modeller takes as long as for a union."""
+
+    mesh: Mesh
+    solid: manifold3d.Manifold
+
+
+def ready(mesh: Mesh) -> Body:
+    """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
+    return Body(mesh, modeller.solid(mesh))
+
+
 class Footing(NamedTuple):
     """How a leg that comes from its foot meets the body."""
 
@@ -29,7 +41,7 @@ class Footing(NamedTuple):
 
 
 def footing(
-    body: Mesh, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs"
+    body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs"
 ) -> Footing:
     """Find where a leg of rectangular section meets the body.
 
@@ -39,15 +51,15 @@ def footing(
     body, lies partly beside it or under a hole, or has its foot within the body.
     """
     place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
-    distance = first_hit(body, foot, direction)
+    distance = first_hit(body.mesh, foot, direction)
     if distance is None:
         raise GeometryError(f"{place} misses the body; move it under the body")
-    corners = np.stack([body.vertices.min(axis=0), body.vertices.max(axis=0)])
+    corners = np.stack([body.mesh.vertices.min(axis=0), body.mesh.vertices.max(axis=0)])
     far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
     leg = prism(foot, direction, thickness, width, far)
     outside = [
         modeller.mesh_of(piece).vertices
-        for piece in modeller.evaluated(modeller.solid(leg) - modeller.solid(body)).decompose()
+        for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
     ]
     heights = [(points - foot) @ direction for points in outside]
     lower = [height for height in heights if height.min() < CRUMB * far]
@@ -97,14 +109,14 @@ def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
     return float(distance[hit].min()) if hit.any() else None
 
 
-def flush(leg: Mesh, body: Mesh, key: str = "legs") -> Mesh:
+def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
     """Part of a leg outside the body, from its foot to the body's surface: cut flush.
 
     Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
     it again.
     """
     whole = modeller.solid(leg)
-    left = modeller.evaluated(whole - modeller.solid(body)).decompose()
+    left = modeller.evaluated(whole - body.solid).decompose()
     pieces = [piece for piece in left if piece.volume() > CRUMB * whole.volume()]
     if not pieces:
         raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
@@ -118,13 +130,13 @@ def flush(leg: Mesh, body: Mesh, key: str = "legs") -> Mesh:
     return modeller.mesh_of(lowest)
 
 
-def union_with_legs(body: Mesh, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
+def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
     """One closed mesh of a body and the legs that reach into it.
 
     Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
     modeller loses or doubles something.
     """
-    parts = [modeller.solid(mesh) for mesh in (body, *legs)]
+    parts = [body.solid, *(modeller.solid(leg) for leg in legs)]
     whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
     found = modeller.bodies(whole)
     if len(found) != 1:
