@@ -25,6 +25,7 @@ from walkergen.cli import (
     simulate,
     templates,
     validate,
+    weigh,
 )
 from walkergen.errors import WalkergenError
 
@@ -38,7 +39,7 @@ app = typer.Typer(
 for command in (
     family.family, predict.predict, export.export, check.check, plate.plate, simulate.simulate,
     explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit, movie.movie,
-    report.report, reproduce.reproduce, validate.validate,
+    report.report, reproduce.reproduce, validate.validate, weigh.weigh,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(bench.app, name="bench")

@@ -1,0 +1,80 @@
+"""Reading of 3MF files by lib3mf: every printed item as it is placed, in mm.
+
+trimesh reads 3MF too, but keeps one of several items that share object and part number.
+"""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+
+MM = (1e-3, 1.0, 10.0, 25.4, 304.8, 1000.0)
+"""Millimetres of micron, millimetre, centimetre, inch, foot and metre: lib3mf's order of units."""
+
+DEEPEST = 16
+"""Most levels of components within components."""
+
+Array = npt.NDArray[np.float64]
+
+
+class Part(NamedTuple):
+    """Surface in a file, as sound or unsound as it stands there."""
+
+    name: str
+    """Item's part number, or its object's name, or its place in the file."""
+    vertices: Array
+    """Corners in the file's own axes, shape (n, 3); mm for 3MF, else the file's own unit."""
+    triangles: npt.NDArray[np.int64]
+    """Corners of the triangles as indices into the vertices, shape (k, 3)."""
+
+
+def read(data: bytes, source: str) -> list[Part]:
+    """Meshes of all items, in the file's order. Raises InputError, beginning with `source`."""
+    import lib3mf
+
+    model = lib3mf.get_wrapper().CreateModel()  # must outlive its objects and items
+    try:
+        model.QueryReader("3mf").ReadFromBuffer(data)
+        unit = MM[int(model.GetUnit())]
+        items = model.GetBuildItems()
+        found: list[Part] = []
+        while items.MoveNext():
+            item = items.GetCurrent()
+            thing = item.GetObjectResource()
+            name = item.GetPartNumber() or thing.GetName() or f"item {len(found) + 1}"
+            found += _meshes(thing, name, [item], unit, source)
+    except lib3mf.ELib3MFException as error:
+        raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
+    return found
+
+
+def _meshes(thing: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Part]:
+    """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
+    if thing.IsMeshObject():
+        # lib3mf gives lists of C structures, which join as the bytes that they are
+        vertices = np.frombuffer(b"".join(thing.GetVertices()), "<f4").reshape(-1, 3)
+        triangles = np.frombuffer(b"".join(thing.GetTriangleIndices()), "<u4").reshape(-1, 3)
+        return [_placed(name, vertices.astype(np.float64), triangles.astype(np.int64), chain, unit)]
+    if not thing.IsComponentsObject() or len(chain) > DEEPEST:
+        raise InputError(f"{source}: {name[:40]!r} is no mesh; give triangles")
+    found = []
+    for number in range(thing.GetComponentCount()):
+        part = thing.GetComponent(number)
+        found += _meshes(part.GetObjectResource(), name, [*chain, part], unit, source)
+    return found
+
+
+def _placed(
+    name: str, vertices: Array, triangles: npt.NDArray[np.int64], chain: list[Any], unit: float
+) -> Part:
+    for step in reversed(chain):
+        moved = step.GetObjectTransform() if hasattr(step, "GetObjectTransform") else (
+            step.GetTransform()
+        )  # fmt: skip
+        matrix = np.array([list(row) for row in moved.Fields], np.float64)
+        vertices = vertices @ matrix[:3] + matrix[3]
+        if np.linalg.det(matrix[:3]) < 0.0:  # a mirror image is turned inside out
+            triangles = triangles[:, ::-1]
+    return Part(name, unit * vertices, triangles)

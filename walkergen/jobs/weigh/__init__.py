@@ -1,0 +1,1 @@
+"""Job of `weigh`: mass properties of any mesh file."""

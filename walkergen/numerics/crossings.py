@@ -1,0 +1,251 @@
+"""Triangles of a mesh that cross each other, found exactly but for a tolerance, in n log n time.
+
+Triangles are ordered along a Morton curve; a tree of bounding boxes over that order, a binary heap,
+tells which pairs come near each other. Two triangles cross when an edge of one passes through the
+other, and each has corners farther than the tolerance on both sides of the other's plane; or when
+they lie in one plane, face the same way and overlap by more than the tolerance. Neighbours along
+an edge are not compared: where neighbours are turned alike, one can at most lie folded upon the
+other.
+"""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.numerics.kernels import kernel, lean
+
+Array = npt.NDArray[np.float64]
+Indices = npt.NDArray[np.int64]
+
+LEAF = 4
+"""Triangles of a leaf of the tree."""
+
+MORTON_BITS = 16
+DEEPEST = 128
+"""Size of the stack of a walk down the tree: more than twice the depth for 2^60 triangles."""
+
+
+class Crossings(NamedTuple):
+    """Pairs of triangles that cross each other."""
+
+    number: int
+    pair: tuple[int, int]
+    """One such pair; (-1, -1) without any."""
+
+
+class Shapes(NamedTuple):
+    """Triangles in the order of the tree, as its kernels read them."""
+
+    triangles: Indices
+    """Indices of the vertices, shape (k, 3)."""
+    corners: Array
+    """Places of the vertices, shape (k, 3, 3)."""
+    normals: Array
+    """Unit normals, shape (k, 3); zero for a triangle without area."""
+    low: Array
+    """Least coordinates of each triangle, shape (k, 3)."""
+    high: Array
+    """Greatest coordinates of each triangle, shape (k, 3)."""
+
+
+def find(vertices: Array, triangles: Indices, tolerance: float) -> Crossings:
+    """Find the pairs of triangles that cross by more than a tolerance, in the vertices' unit.
+
+    Vertices of shape (n, 3), finite; triangles of shape (k, 3), neighbours sharing their vertices.
+    Touching within the tolerance is no crossing.
+    """
+    if len(triangles) == 0:
+        return Crossings(0, (-1, -1))
+    order = np.argsort(_codes(vertices, triangles), kind="stable")
+    ordered = triangles[order]
+    leaves = 1
+    while leaves * LEAF < len(ordered):
+        leaves *= 2
+    corners = vertices[ordered]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals = np.divide(normals, lengths, out=np.zeros_like(normals), where=lengths > 0.0)
+    shapes = Shapes(ordered, corners, normals, corners.min(axis=1), corners.max(axis=1))
+    low, high = _tree(shapes.low, shapes.high, leaves)
+    count, one, other = _pairs(shapes, low, high, leaves, np.empty(DEEPEST, np.int64), tolerance)
+    found = (-1, -1) if count == 0 else (int(order[one]), int(order[other]))
+    return Crossings(int(count), found)
+
+
+def _codes(vertices: Array, triangles: Indices) -> Indices:
+    """Places of triangles' middles along the Morton curve, shape (k,)."""
+    middles = vertices[triangles].sum(axis=1)
+    low = middles.min(axis=0)
+    side = max(float((middles.max(axis=0) - low).max()), 1e-300)
+    cells = ((middles - low) * ((2**MORTON_BITS - 1) / side)).astype(np.int64)
+    codes: Indices = _interleaved(cells)
+    return codes
+
+
+@kernel
+def _interleaved(cells):
+    """Bits of three whole numbers in turn, for each row."""
+    codes = np.zeros(len(cells), np.int64)
+    for row in range(len(cells)):
+        for bit in range(MORTON_BITS):
+            for axis in range(3):
+                codes[row] |= ((cells[row, axis] >> bit) & 1) << (3 * bit + axis)
+    return codes
+
+
+@kernel
+def _tree(low, high, leaves):
+    """Bounding boxes' corners as heaps: node 1 is all, the leaves follow from `leaves` on."""
+    lows = np.full((2 * leaves, 3), np.inf)
+    highs = np.full((2 * leaves, 3), -np.inf)
+    for number in range(len(low)):
+        node = leaves + number // LEAF
+        for axis in range(3):
+            lows[node, axis] = min(lows[node, axis], low[number, axis])
+            highs[node, axis] = max(highs[node, axis], high[number, axis])
+    for node in range(leaves - 1, 0, -1):
+        for axis in range(3):
+            lows[node, axis] = min(lows[2 * node, axis], lows[2 * node + 1, axis])
+            highs[node, axis] = max(highs[2 * node, axis], highs[2 * node + 1, axis])
+    return lows, highs
+
+
+@lean
+def _pairs(shapes, lows, highs, leaves, stack, tolerance):
+    """Number of crossing pairs, and the first of them in the order of the tree."""
+    total = len(shapes.triangles)
+    count, one, other = 0, -1, -1
+    for first in range(total):
+        own = leaves + first // LEAF
+        stack[0] = 1
+        height = 1
+        while height > 0:
+            height -= 1
+            node = stack[height]
+            if _apart(shapes.low, shapes.high, first, lows, highs, node):
+                continue
+            if node < leaves:
+                stack[height] = 2 * node
+                stack[height + 1] = 2 * node + 1
+                height += 2
+            elif node >= own:  # each pair once
+                start = LEAF * (node - leaves)
+                for second in range(max(start, first + 1), min(start + LEAF, total)):
+                    if _apart(shapes.low, shapes.high, first, shapes.low, shapes.high, second):
+                        continue
+                    if _cross(shapes, first, second, tolerance):
+                        if count == 0:
+                            one, other = first, second
+                        count += 1
+    return count, one, other
+
+
+@lean
+def _apart(low, high, one, lows, highs, other):
+    """True when box `one` of the first list and box `other` of the second do not meet."""
+    return (
+        low[one, 0] > highs[other, 0] or high[one, 0] < lows[other, 0]
+        or low[one, 1] > highs[other, 1] or high[one, 1] < lows[other, 1]
+        or low[one, 2] > highs[other, 2] or high[one, 2] < lows[other, 2]
+    )  # fmt: skip
+
+
+@lean
+def _cross(shapes, one, other, tolerance):
+    """True when two triangles cross each other."""
+    shared = 0
+    for i in range(3):
+        for j in range(3):
+            shared += shapes.triangles[one, i] == shapes.triangles[other, j]
+    if shared > 1:
+        return False
+    parted, level = False, False
+    for first, second in ((one, other), (other, one)):
+        least, most = np.inf, -np.inf
+        for corner in range(3):
+            height = _height(shapes, first, second, corner)
+            least, most = min(least, height), max(most, height)
+        parted = parted or -least <= tolerance or most <= tolerance
+        level = level or max(-least, most) <= tolerance
+    if level:
+        return _overlap(shapes, one, other, tolerance)
+    if parted:
+        return False
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
+        if _pierces(shapes, first, number % 3, second):
+            return True
+    return False
+
+
+@lean
+def _height(shapes, triangle, other, corner):
+    """Height of a corner of another triangle above a triangle's plane."""
+    height = 0.0
+    for axis in range(3):
+        rise = shapes.corners[other, corner, axis] - shapes.corners[triangle, 0, axis]
+        height += rise * shapes.normals[triangle, axis]
+    return height
+
+
+@lean
+def _pierces(shapes, one, edge, other):
+    """True when an edge of a triangle passes through another that has neither of its ends.
+
+    An edge that meets an edge of the other passes: nothing slips between two neighbours.
+    """
+    following = (edge + 1) % 3
+    for corner in range(3):
+        end = shapes.triangles[other, corner]
+        if end == shapes.triangles[one, edge] or end == shapes.triangles[one, following]:
+            return False
+    above, below = _height(shapes, other, one, edge), _height(shapes, other, one, following)
+    if above * below >= 0.0:
+        return False
+    share = above / (above - below)
+    for side in range(3):
+        start = _inside(shapes, other, side, one, edge)
+        end = _inside(shapes, other, side, one, following)
+        if start + share * (end - start) < 0.0:
+            return False
+    return True
+
+
+@lean
+def _inside(shapes, triangle, edge, other, corner):
+    """Distance of another triangle's corner from the line along an edge, positive inside.
+
+    It is measured in the plane of the triangle that has the edge.
+    """
+    following = (edge + 1) % 3
+    length, across = 0.0, 0.0
+    for axis in range(3):
+        i, j = (axis + 1) % 3, (axis + 2) % 3
+        along = shapes.corners[triangle, following, axis] - shapes.corners[triangle, edge, axis]
+        length += along * along
+        ui = shapes.corners[triangle, following, i] - shapes.corners[triangle, edge, i]
+        uj = shapes.corners[triangle, following, j] - shapes.corners[triangle, edge, j]
+        inward = shapes.normals[triangle, i] * uj - shapes.normals[triangle, j] * ui
+        across += inward * (
+            shapes.corners[other, corner, axis] - shapes.corners[triangle, edge, axis]
+        )
+    return across / np.sqrt(length) if length > 0.0 else 0.0
+
+
+@lean
+def _overlap(shapes, one, other, tolerance):
+    """True when two triangles of one plane, facing the same way, overlap: no edge divides them."""
+    facing = 0.0
+    for axis in range(3):
+        facing += shapes.normals[one, axis] * shapes.normals[other, axis]
+    if facing <= 0.0:
+        return False
+    for number in range(6):
+        first, second = (one, other) if number < 3 else (other, one)
+        deepest = -np.inf
+        for corner in range(3):
+            deepest = max(deepest, _inside(shapes, first, number % 3, second, corner))
+        if deepest <= tolerance:
+            return False
+    return True

@@ -1,0 +1,152 @@
+"""Legs joined to a body of any shape: where they meet it, what of them lies outside, the union.
+
+A leg is followed from its foot upward along its centre line, in the frame of walkergen (y up).
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+
+from walkergen.errors import GeometryError, SolidError
+from walkergen.walker import modeller
+from walkergen.walker.mass import Array, Mesh
+
+CRUMB = 1e-9
+"""Volume of a piece, over that of the leg, below which it is the modeller's rounding."""
+
+
+class Body(NamedTuple):
+    """Body that legs are joined to, made ready once: the modeller takes as long as for a union."""
+
+    mesh: Mesh
+    solid: manifold3d.Manifold
+
+
+def ready(mesh: Mesh) -> Body:
+    """Body of a sound mesh, for the functions below. Raises SolidError when it is refused."""
+    return Body(mesh, modeller.solid(mesh))
+
+
+class Footing(NamedTuple):
+    """How a leg that comes from its foot meets the body."""
+
+    anchor: Array
+    """Point where the centre line first meets the body, shape (3,), mm."""
+    reach: float
+    """Distance along the centre line from the foot to where the leg's whole section is covered,
+    mm: the highest point of the body's lower surface over the section. A leg that ends deeper than
+    this leaves no gap."""
+
+
+def footing(
+    body: Body, foot: Array, direction: Array, thickness: float, width: float, key: str = "legs"
+) -> Footing:
+    """Find where a leg of rectangular section meets the body.
+
+    The foot, shape (3,), mm, is the middle of the leg's lower end; the unit direction, shape (3,),
+    leads from the foot up, in the x-y plane; thickness is measured across the leg in that plane
+    and width along z, mm. Raises GeometryError, beginning with `key`, when the leg misses the
+    body, lies partly beside it or under a hole, or has its foot within the body.
+    """
+    place = f"{key}: the leg with its foot at x = {foot[0]:.4g}, z = {foot[2]:.4g} mm"
+    distance = first_hit(body.mesh, foot, direction)
+    if distance is None:
+        raise GeometryError(f"{place} misses the body; move it under the body")
+    corners = np.stack([body.mesh.vertices.min(axis=0), body.mesh.vertices.max(axis=0)])
+    far = float(np.linalg.norm(np.abs(corners - foot).max(axis=0))) + thickness + width
+    leg = prism(foot, direction, thickness, width, far)
+    outside = [
+        modeller.mesh_of(piece).vertices
+        for piece in modeller.evaluated(modeller.solid(leg) - body.solid).decompose()
+    ]
+    heights = [(points - foot) @ direction for points in outside]
+    lower = [height for height in heights if height.min() < CRUMB * far]
+    if len(lower) != 1:
+        raise GeometryError(f"{place} begins within the body; make the leg longer")
+    reach = float(lower[0].max())
+    if reach > far * (1.0 - CRUMB):
+        raise GeometryError(
+            f"{place}, {thickness:g} mm thick and {width:g} mm wide, is not wholly under the body: "
+            "it lies under a hole or beyond an edge; move it or make it smaller"
+        )
+    return Footing(foot + distance * direction, reach)
+
+
+def prism(foot: Array, direction: Array, thickness: float, width: float, length: float) -> Mesh:
+    """Straight leg of rectangular section, square at both ends, from its foot upward."""
+    side = 0.5 * thickness * np.array([direction[1], -direction[0], 0.0])
+    across, along = np.array([0.0, 0.0, 0.5 * width]), length * direction
+    ring = np.array([-side - across, side - across, side + across, -side + across])
+    vertices = foot + np.concatenate([ring, ring + along])
+    # Corners 0 1 2 3 at the foot, 4 5 6 7 at the top; triangles counter-clockwise from outside
+    quads = np.array([(0, 1, 2, 3), (7, 6, 5, 4), (0, 4, 5, 1), (1, 5, 6, 2), (2, 6, 7, 3),
+                      (3, 7, 4, 0)])  # fmt: skip
+    return Mesh(vertices, np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]))
+
+
+def first_hit(mesh: Mesh, start: Array, direction: Array) -> float | None:
+    """Distance from a point along a unit direction to the surface, mm; None when it is missed.
+
+    A ray through an edge or a vertex hits. Source: Moeller and Trumbore (1997).
+    """
+    a, b, c = mesh.vertices[mesh.triangles].transpose(1, 0, 2)
+    first, second = b - a, c - a
+    normal = np.cross(direction, second)
+    determinant = np.einsum("ki,ki->k", first, normal)
+    scale = np.linalg.norm(first, axis=1) * np.linalg.norm(second, axis=1)
+    steep = np.abs(determinant) > 1e-12 * scale
+    with np.errstate(divide="ignore", invalid="ignore"):
+        from_a = start - a
+        u = np.einsum("ki,ki->k", from_a, normal) / determinant
+        turned = np.cross(from_a, first)
+        v = turned @ direction / determinant
+        distance = np.einsum("ki,ki->k", second, turned) / determinant
+        # Of a triangle's side, so that a ray cannot slip through between two neighbours
+        slack = 1e-9
+        hit = steep & (u >= -slack) & (v >= -slack) & (u + v <= 1.0 + slack) & (distance >= 0.0)
+    return float(distance[hit].min()) if hit.any() else None
+
+
+def flush(leg: Mesh, body: Body, key: str = "legs") -> Mesh:
+    """Part of a leg outside the body, from its foot to the body's surface: cut flush.
+
+    Raises GeometryError, beginning with `key`, when the leg lies within the body, or comes out of
+    it again.
+    """
+    whole = modeller.solid(leg)
+    left = modeller.evaluated(whole - body.solid).decompose()
+    pieces = [piece for piece in left if piece.volume() > CRUMB * whole.volume()]
+    if not pieces:
+        raise GeometryError(f"{key}: a leg lies wholly within the body; make it longer")
+    # (x, y, z) of the low corner come first in a bounding box
+    lowest = min(pieces, key=lambda piece: piece.bounding_box()[1])
+    if len(pieces) > 1:
+        loose = sum(piece.volume() for piece in pieces) - lowest.volume()
+        raise GeometryError(
+            f"{key}: a leg comes out of the body again by {loose:.3g} mm^3: end it within the body"
+        )
+    return modeller.mesh_of(lowest)
+
+
+def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh:
+    """One closed mesh of a body and the legs that reach into it.
+
+    Raises GeometryError, beginning with `key`, when a leg stays apart, and SolidError when the
+    modeller loses or doubles something.
+    """
+    parts = [body.solid, *(modeller.solid(leg) for leg in legs)]
+    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
+    found = modeller.bodies(whole)
+    if len(found) != 1:
+        raise GeometryError(
+            f"{key}: body and {len(legs)} legs are {len(found)} pieces, must be one; let every leg "
+            "reach into the body"
+        )
+    volumes = [part.volume() for part in parts]
+    if not max(volumes) * (1.0 - CRUMB) <= whole.volume() <= sum(volumes) * (1.0 + CRUMB):
+        raise SolidError(
+            f"the union of {max(volumes):.6g} mm^3 and its legs has {whole.volume():.6g} mm^3"
+        )
+    return modeller.mesh_of(whole)

@@ -1,0 +1,160 @@
+"""Repair of a surface that is not yet a solid: each step does one thing and says what it did.
+
+Vertices along open edges are merged, triangles without area and doubled ones dropped, small holes
+filled by trimesh, the turning of triangles made one, bodies that overlap united by manifold3d, and
+crumbs beside the largest body dropped. What is still unsound afterwards is for `faults` to refuse;
+a body that crosses itself stays so.
+"""
+
+from collections.abc import Callable
+
+import manifold3d
+import numpy as np
+
+from walkergen.walker import faults, modeller
+from walkergen.walker.mass import Mesh
+
+LARGEST_HOLE = 200
+"""Most open edges that are filled: a larger hole is a missing side, not a flaw."""
+
+NEIGHBOURS = 10.0
+"""Distance over the tolerance of crossings up to which vertices of open edges are one."""
+
+CRUMBS = 0.01
+"""Volume of all bodies beside the largest, over the largest, up to which they are dropped."""
+
+
+def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
+    """Mesh after the steps that changed it, and what each changed, in words; (mesh, ()) if none."""
+    steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
+        _merged, _without_doubles, _filled, _turned, _united,
+    )  # fmt: skip
+    before, told = mesh, []
+    for step in steps:
+        mesh, change = step(mesh)
+        if change:
+            told.append(change)
+        if len(mesh.triangles) == 0:
+            break
+    if told and len(mesh.triangles):
+        told.append(f"volume {_volume(before)} -> {_volume(mesh)} mm^3")
+    return mesh, tuple(told)
+
+
+def _volume(mesh: Mesh) -> str:
+    if len(faults.edges(mesh.triangles).open):
+        return "(open)"
+    return f"{faults.shells(mesh).volumes.sum():.6g}"
+
+
+def _merged(mesh: Mesh) -> tuple[Mesh, str]:
+    """Merge vertices of open edges that lie within NEIGHBOURS tolerances of each other."""
+    from scipy.sparse import coo_matrix, csgraph
+    from scipy.spatial import KDTree
+
+    rim = np.unique(faults.edges(mesh.triangles).open)
+    if not len(rim):
+        return mesh, ""
+    within = NEIGHBOURS * faults.tolerance(mesh)
+    pairs = KDTree(mesh.vertices[rim]).query_pairs(within, output_type="ndarray")
+    links = np.ones(len(pairs), np.int8), (pairs[:, 0], pairs[:, 1])
+    groups = coo_matrix(links, (len(rim), len(rim)))
+    number, label = csgraph.connected_components(groups, directed=False)
+    if number == len(rim):
+        return mesh, ""
+    first = np.full(number, len(mesh.vertices))
+    np.minimum.at(first, label, rim)
+    index = np.arange(len(mesh.vertices))
+    index[rim] = first[label]
+    told = f"merged {len(rim) - number} vertices with others less than {within:.2g} mm away"
+    return Mesh(mesh.vertices, index[mesh.triangles]), told
+
+
+def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
+    """Drop triangles without area; of equal ones keep one, of two back to back none."""
+    triangles = mesh.triangles
+    real = ~(triangles == np.roll(triangles, 1, axis=1)).any(axis=1)
+    triangles = triangles[real]
+    corners = np.sort(triangles, axis=1)
+    start = np.argmin(triangles, axis=1)
+    following = triangles[np.arange(len(triangles)), (start + 1) % 3]
+    turned = np.where(following == corners[:, 1], 1, -1)
+    _, first, index = np.unique(corners, axis=0, return_index=True, return_inverse=True)
+    index = index.reshape(-1)
+    net = np.bincount(index, weights=turned, minlength=len(first)).astype(np.int64)
+    # The first of each group that is turned as most of the group are
+    wanted = np.flatnonzero(turned * np.sign(net)[index] > 0)
+    keep = np.sort(wanted[np.unique(index[wanted], return_index=True)[1]])
+    flat, doubled = int((~real).sum()), len(triangles) - len(keep)
+    told = [f"{flat} triangles without area"] * (flat > 0) + [f"{doubled} doubled"] * (doubled > 0)
+    return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(told)}" if told else ""
+
+
+def _filled(mesh: Mesh) -> tuple[Mesh, str]:
+    """Close small holes by fans of triangles."""
+    number = len(faults.edges(mesh.triangles).open)
+    if not 0 < number <= LARGEST_HOLE:
+        return mesh, ""
+    import trimesh
+
+    given = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    trimesh.repair.fill_holes(given, use_fan=True)
+    triangles = np.asarray(given.faces, np.int64)
+    added = len(triangles) - len(mesh.triangles)
+    told = f"filled holes of {number} open edges by {added} triangles" if added else ""
+    return Mesh(np.asarray(given.vertices, np.float64), triangles), told
+
+
+def _turned(mesh: Mesh) -> tuple[Mesh, str]:
+    """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
+    triangles = mesh.triangles
+    found = faults.edges(triangles)
+    if len(found.disagreeing):
+        import trimesh
+
+        given = trimesh.Trimesh(mesh.vertices, triangles, process=False)
+        trimesh.repair.fix_winding(given)
+        triangles = np.asarray(given.faces, np.int64)
+    if not len(found.open):
+        triangles = _outward(Mesh(mesh.vertices, triangles))
+    ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
+    same = np.any([(mesh.triangles == one).all(axis=1) for one in ahead], axis=0)
+    number = int((~same).sum())
+    turned = Mesh(mesh.vertices, np.ascontiguousarray(triangles))
+    return turned, f"turned {number} of {len(same)} triangles" if number else ""
+
+
+def _outward(mesh: Mesh) -> faults.Indices:
+    """Triangles with every closed piece of negative volume turned, unless it is a cavity."""
+    pieces = faults.shells(mesh)
+    triangles = mesh.triangles.copy()
+    for number in np.flatnonzero(pieces.volumes < 0.0):
+        mine = pieces.label == number
+        rest = Mesh(mesh.vertices, mesh.triangles[~mine])
+        within = faults.winding(rest, mesh.vertices[triangles[mine][0, 0]])
+        if round(within) % 2 == 0:
+            triangles[mine] = triangles[mine][:, ::-1]
+    return triangles
+
+
+def _united(mesh: Mesh) -> tuple[Mesh, str]:
+    """Unite bodies that overlap; keep the largest if the others are crumbs."""
+    found = faults.edges(mesh.triangles)
+    if any(len(pairs) for pairs in found):
+        return mesh, ""
+    pieces = faults.shells(mesh)
+    outward = np.flatnonzero(pieces.volumes > 0.0)
+    if len(outward) < 2 or len(outward) < pieces.number:
+        return mesh, ""
+    solids = [
+        modeller.solid(Mesh(mesh.vertices, mesh.triangles[pieces.label == number]))
+        for number in outward
+    ]
+    whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
+    bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
+    rest = sum(abs(body.volume()) for body in bodies[1:])
+    told = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
+    if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
+        dropped = f"dropped {len(bodies) - 1} bodies of {rest:.3g} mm^3 together"
+        return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (told, dropped)))
+    return (modeller.mesh_of(whole), told) if told else (mesh, "")

@@ -1,0 +1,139 @@
+"""A finished walker from elsewhere: cut at a height into its body and its legs.
+
+Everything below the cut is legs, a closed piece each. The section at the cut gives a leg's anchor,
+thickness and width; its lowest points give the foot. A leg with several struts at the cut, such as
+a brace beside the leg, is measured at the largest of them.
+"""
+
+import math
+from typing import NamedTuple
+
+import manifold3d
+import numpy as np
+
+from walkergen.errors import GeometryError
+from walkergen.walker import modeller
+from walkergen.walker.mass import Array, Mesh
+
+FOOT_TOLERANCE = 1e-3
+"""Height above a leg's lowest point up to which points touch the plate, mm: a micrometre."""
+
+MOST_LEGS = 100
+
+SMALLEST_STRUT = 1e-6
+"""Area of a strut's section over the largest of a leg, below which it is rounding."""
+
+
+class FoundLeg(NamedTuple):
+    """Leg of a finished walker, measured; places in the mesh's frame, mm."""
+
+    mesh: Mesh
+    """Part below the cut, closed."""
+    anchor: Array
+    """Middle (centroid) of the section at the cut, shape (3,)."""
+    foot: Array
+    """Middle in x and z of the lowest points, within FOOT_TOLERANCE, shape (3,)."""
+    tilt: float
+    """Angle of the line from anchor to foot from the vertical in the x-y plane, rad; positive when
+    the foot lies behind the anchor."""
+    length: float
+    """Distance from anchor to foot in the x-y plane, mm."""
+    thickness: float
+    """Extent of the section along x times the tilt's cosine: across the leg, mm."""
+    width: float
+    """Extent of the section along z, mm."""
+    z: float
+    """Middle of the section along z, mm."""
+    struts: int
+    """Number of separate sections at the cut: 2 for a leg and its brace with air between."""
+
+
+class CutWalker(NamedTuple):
+    """Finished walker, cut."""
+
+    body: Mesh
+    legs: tuple[FoundLeg, ...]
+    """Legs from back to front, those at one place from z = 0 on."""
+
+
+def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> CutWalker:
+    """Cut a sound walker (y up) at a height above its lowest point into body and legs.
+
+    Raises GeometryError, beginning with `key`, when the height is outside of the walker, the body
+    would fall apart, or there are more than MOST_LEGS pieces below.
+    """
+    bottom, top = float(mesh.vertices[:, 1].min()), float(mesh.vertices[:, 1].max())
+    if not 0.0 < below_mm < top - bottom:
+        raise GeometryError(
+            f"{key} = {below_mm:g}: must lie in 0..{top - bottom:.4g} mm, the walker's height"
+        )
+    height = bottom + below_mm
+    upper, lower = modeller.solid(mesh).split_by_plane((0.0, 1.0, 0.0), height)
+    tops, pieces = (modeller.bodies(modeller.evaluated(half)) for half in (upper, lower))
+    if len(tops) != 1:
+        raise GeometryError(
+            f"{key} = {below_mm:g}: above it are {len(tops)} pieces, must be one body; "
+            "cut lower or higher"
+        )
+    if not 0 < len(pieces) <= MOST_LEGS:
+        raise GeometryError(
+            f"{key} = {below_mm:g}: below it are {len(pieces)} pieces, must be 1..{MOST_LEGS} "
+            "legs; cut elsewhere"
+        )
+    legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
+    ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
+    return CutWalker(modeller.mesh_of(tops[0]), tuple(ordered))
+
+
+def _measured(piece: manifold3d.Manifold, height: float, source: str) -> FoundLeg:
+    """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
+    mesh = modeller.mesh_of(piece)
+    struts = _struts(mesh, height)
+    if not struts:
+        raise GeometryError(f"{source}: a piece below it has no section there; cut elsewhere")
+    points, anchor = struts[0]
+    extent = points.max(axis=0) - points.min(axis=0)
+    foot = _foot(mesh)
+    dx, dy = anchor[0] - foot[0], anchor[1] - foot[1]
+    tilt = math.atan2(dx, dy)
+    return FoundLeg(
+        mesh, anchor, foot, tilt, math.hypot(dx, dy), float(extent[0]) * math.cos(tilt),
+        float(extent[2]), float(0.5 * (points[:, 2].max() + points[:, 2].min())), len(struts),
+    )  # fmt: skip
+
+
+def _foot(mesh: Mesh) -> Array:
+    """Middle in x and z of the lowest points; y of the lowest."""
+    lowest = float(mesh.vertices[:, 1].min())
+    touching = mesh.vertices[mesh.vertices[:, 1] <= lowest + FOOT_TOLERANCE]
+    foot: Array = 0.5 * (touching.min(axis=0) + touching.max(axis=0))
+    foot[1] = lowest
+    return foot
+
+
+def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
+    """Corners, shape (n, 3), and centroid, shape (3,), of every section at a height, largest first.
+
+    The sections are the flat faces that the cut has left at the top of a leg.
+    """
+    from scipy.sparse import coo_matrix, csgraph
+
+    slack = 1e-9 * max(1.0, float(np.abs(mesh.vertices).max()))
+    top = np.abs(mesh.vertices[:, 1] - height) <= slack
+    lids = mesh.triangles[top[mesh.triangles].all(axis=1)]
+    links = np.ones(2 * len(lids), np.int8), (lids[:, :2].reshape(-1), lids[:, 1:].reshape(-1))
+    size = (len(mesh.vertices), len(mesh.vertices))
+    _, label = csgraph.connected_components(coo_matrix(links, size), directed=False)
+    corners = mesh.vertices[lids]
+    areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
+    found = []
+    for strut in np.unique(label[lids[:, 0]]):
+        mine = label[lids[:, 0]] == strut
+        area = float(areas[mine].sum())
+        if area > 0.0:
+            centroid = areas[mine] @ corners[mine].mean(axis=1) / area
+            found.append((area, corners[mine].reshape(-1, 3), centroid))
+    found.sort(key=lambda one: -one[0])
+    return [
+        (points, middle) for area, points, middle in found if area > SMALLEST_STRUT * found[0][0]
+    ]
