@@ -141,10 +141,15 @@ def applied(
 
 
 def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
-    """Design with another thickness of its legs, validated, and another material."""
+    """Design with another thickness of its first leg, and of others in proportion; validated."""
     if thickness is not None:
-        data = design.model_dump()
-        data["legs"][f"{design.kind}_thickness_mm"] = thickness
+        data = design.model_dump(exclude_unset=True)
+        if design.alike:
+            data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = thickness
+        else:
+            ratio = thickness / design.limbs[0].thickness
+            for leg, limb in zip(data["legs"], design.limbs, strict=True):
+                leg["thickness_mm"] = ratio * limb.thickness
         design = Design.model_validate(data)
     if material:
         changed = design.material.model_copy(update=material)

@@ -29,6 +29,11 @@ class Section(BaseModel):
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
 
+    @classmethod
+    def beside(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+        """Data of a file in `folder`, in which tables that name other files say where they are."""
+        return data
+
 
 Model = TypeVar("Model", bound=Section)
 
@@ -51,7 +56,7 @@ def read(path: Path, model: type[Model]) -> Model:
         )
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
-    return validate(data, model, str(path), text)
+    return validate(model.beside(data, path.parent), model, str(path), text)
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "") -> Model:

@@ -12,6 +12,7 @@ from walkergen.errors import SolidError
 from walkergen.files import dxf, output, svg
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.extrusion import NARROWEST_WINDOW
 from walkergen.walker.outlines import Polygon
 
 
@@ -22,12 +23,16 @@ def profile_of(design: Design) -> list[Polygon]:
     """
     import shapely
 
-    body, limb = solids.outline(design)
-    legs = [part + np.array(anchor) for anchor in design.anchors for part in limb]
+    body, limbs = solids.outline(design)
+    legs = [
+        part + np.array(limb.anchor)
+        for limb, parts in zip(design.limbs, limbs, strict=True)
+        for part in parts
+    ]
     united = shapely.union_all([shapely.Polygon(part) for part in (body, *legs)])
     if not isinstance(united, shapely.Polygon):
         raise SolidError(f"the profile of {design.name} is not one piece: {united.geom_type}")
-    least = solids.NARROWEST_WINDOW * united.area  # as in the solid: slivers are no windows
+    least = NARROWEST_WINDOW * united.area  # as in the solid: slivers are no windows
     holes = [ring for ring in united.interiors if shapely.Polygon(ring).area > least]
     oriented = shapely.orient_polygons(shapely.Polygon(united.exterior, holes))
     rings = (oriented.exterior, *oriented.interiors)

@@ -15,7 +15,6 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 from walkergen.walker.planar import Planar, in_plane
 
-
 Flags = npt.NDArray[np.bool_]
 
 
@@ -46,12 +45,12 @@ def stationary(
     same proportion as a draw of the scene's. Raises TheoryError for numbers out of range, for a
     walker whose centre of mass is not between its feet, and for mode `paper` of unlike feet.
     """
+    flat = in_plane(design, mass)
     if design.alike:
-        each = factors(mass, restitution, friction, mode, law)
+        each = factors(flat.mass, restitution, friction, mode, law)
         return Stationary(each.mean, each.feet, each.reverses, "")
     from walkergen.theory.balance import Foot, balanced  # compiles
 
-    flat = in_plane(design, mass)
     centre = _centre(flat)
     found = []
     for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):

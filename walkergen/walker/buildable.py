@@ -4,10 +4,10 @@ import itertools
 import math
 from collections.abc import Sequence
 
-import manifold3d
 import numpy as np
 
 from walkergen.walker import profiles
+from walkergen.walker.body import Shape
 from walkergen.walker.limbs import Legs, Limb, pair_of
 
 Size = tuple[float, float, float]
@@ -47,7 +47,7 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = pair_of(trial, depth, -0.5 * thickness)
-    found = [*_too_short(back), *_off_body(_farther(back, front), length)]
+    found = [*_too_short(back), *_off_body(_farther(back, front), length), *_off_side(back, depth)]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
         found.append(
@@ -98,8 +98,8 @@ def _off_side(limb: Limb, depth: float) -> list[str]:
     if reach <= 0.5 * depth + ROUNDING_MM:
         return []
     return [
-        f"across_mm = {limb.across:g} and width_mm = {limb.width:g}: the leg leaves the body: it "
-        f"reaches z = {reach:.3f} mm, the body ends at {0.5 * depth:.3f} mm"
+        f"the leg, {limb.width:g} mm wide (width_mm) at {limb.across:g} (across_mm), leaves the "
+        f"body: it reaches z = {reach:.3f} mm, the body ends at {0.5 * depth:.3f} mm"
     ]
 
 
@@ -138,25 +138,29 @@ def _largest_tilt(legs: Legs, size: Size) -> float | None:
 
 def _crossing(limbs: Sequence[Limb]) -> list[str]:
     """Pairs of legs that take the same place."""
+    import shapely
+
     found = []
-    sections = [_section(limb) for limb in limbs]
+    sections = [
+        shapely.union_all(
+            [
+                shapely.Polygon(piece + np.array(limb.anchor))
+                for piece in profiles.limb(limb, segments=16)
+            ]
+        )
+        for limb in limbs
+    ]
     for (i, one), (j, other) in itertools.combinations(enumerate(limbs), 2):
         apart = abs(one.across - other.across) - 0.5 * (one.width + other.width)
         if apart >= -ROUNDING_MM:
             continue
-        shared = (sections[i] ^ sections[j]).area()
+        shared = sections[i].intersection(sections[j]).area
         if shared > ROUNDING_MM:
             found.append(
                 f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (seen from "
                 f"the side they share {shared:.3g} mm2): move them apart, along or across"
             )
     return found
-
-
-def _section(limb: Limb) -> manifold3d.CrossSection:
-    place = np.array(limb.anchor)
-    pieces = [piece + place for piece in profiles.limb(limb, segments=16)]
-    return manifold3d.CrossSection(pieces, manifold3d.FillRule.Positive)
 
 
 def _uneven(limbs: Sequence[Limb]) -> list[str]:
@@ -184,3 +188,29 @@ def _falling(limbs: Sequence[Limb]) -> list[str]:
         f"legs[1].along_mm = {places[0]:g}: all feet stand at one place along the run, so that the "
         "walker falls over: put some in front of the others"
     ]
+
+
+def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
+    """Legs that do not stand wholly under an outline seen from above."""
+    import shapely
+
+    outer, *holes = shape.plan
+    ground = shapely.Polygon(outer, holes)
+    found = []
+    for number, limb in enumerate(limbs, start=1):
+        x, half = limb.anchor[0], limb.half_width
+        left, right = x - half, x + half
+        if limb.braced:
+            left = min(left, x + limb.brace_offset - 0.5 * limb.brace)
+            right = max(right, x + limb.brace_offset + 0.5 * limb.brace)
+        top = shapely.box(
+            left, -limb.across - 0.5 * limb.width, right, -limb.across + 0.5 * limb.width
+        )
+        outside = top.difference(ground.buffer(ROUNDING_MM)).area
+        if outside > 0.0:
+            found.append(
+                f"legs[{number}].along_mm = {limb.along:g}: {100 * outside / top.area:.2g} % of "
+                "the top of the leg lies beyond the outline or under a hole: move it, or make it "
+                "narrower (width_mm)"
+            )
+    return found

@@ -7,37 +7,20 @@ the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put
 paper's object.
 """
 
-from collections.abc import Iterable
-from typing import Annotated, Any, NamedTuple
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from typing import Annotated, Any
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
 from walkergen.errors import GeometryError
 from walkergen.files.config import Name, Section, validate
 from walkergen.walker import buildable
-from walkergen.walker.limbs import (
-    KINDS,
-    MOST_LEGS,
-    Kind,
-    Leg,
-    Legs,
-    Length,
-    Limb,
-    Tilt,
-    limb_of,
-    pair_of,
-)
+from walkergen.walker.body import Body, Size, beside
+from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, problems, word
 
 MassGram = Annotated[float, Field(gt=0, le=1e12)]
-
-
-class Body(Section):
-    """Massive top of a walker: a rectangle in the x-y plane, extruded by its depth."""
-
-    length_mm: Length = 28.0
-    depth_mm: Length = 8.0
-    thickness_mm: Length = 3.0
 
 
 class Material(Section):
@@ -77,20 +60,20 @@ class Family(Section):
         return list(dict.fromkeys(values))
 
 
-class Size(NamedTuple):
-    """Extent of a body, mm."""
-
-    length: float
-    thickness: float
-    depth: float
-
-
 FOLLOWED = 10.0
 """Tilt, deg, of legs that give none, unless the design gives one."""
 
 
 class Design(Section):
     """Design of a walker. Construction raises GeometryError for parts that cannot be built."""
+
+    @classmethod
+    def beside(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+        """Data of a file, the files that it names found from its folder."""
+        found = dict(data)
+        if "body" in found:
+            found["body"] = beside(found["body"], folder)
+        return found
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -117,6 +100,13 @@ class Design(Section):
             found = buildable.of_pair(self.legs, self.size)
         else:
             found = buildable.of_list(self.limbs, self.size)
+        if not found and self.body.flat:
+            found = buildable.off_outline(self.limbs, self.body.shape)
+        if self.marks.kind != "none" and not self.body.plain:
+            found.append(
+                f"marks.kind = {self.marks.kind!r}: only a rectangular body in side view bears "
+                "marks: leave them out"
+            )
         found += problems(self.marks, self.family.tilt_deg, self.tilt_deg, self.size)
         if found:
             raise GeometryError("\n".join(found))
@@ -125,17 +115,26 @@ class Design(Section):
     @property
     def size(self) -> Size:
         """Extent of the body along the run, upward and across, mm."""
-        body = self.body
-        return Size(body.length_mm, body.thickness_mm, body.depth_mm)
+        return self.body.shape.size
 
     @property
     def limbs(self) -> tuple[Limb, ...]:
-        """Every leg with all its numbers, in the order of the file; of two equal: back, front."""
-        depth, bottom = self.size.depth, -0.5 * self.size.thickness
+        """Every leg with all its numbers, in the order of the file; of two equal: back, front.
+
+        Raises GeometryError for a leg that does not meet the body.
+        """
+        shape = self.body.shape
+        depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
         if isinstance(self.legs, Legs):
-            return pair_of(self.legs, depth, bottom)
-        follow = FOLLOWED if self.leg_tilt_deg is None else self.leg_tilt_deg
-        return tuple(limb_of(leg, follow, depth, bottom) for leg in self.legs)
+            found = pair_of(self.legs, depth, bottom)
+        else:
+            follow = FOLLOWED if self.leg_tilt_deg is None else self.leg_tilt_deg
+            found = tuple(limb_of(leg, follow, depth, bottom) for leg in self.legs)
+        if self.body.plain or self.body.flat:
+            return found
+        from walkergen.walker import landing
+
+        return landing.landed(self.body.key, found)
 
     @property
     def kind(self) -> Kind:
@@ -165,9 +164,21 @@ class Design(Section):
         return self.kind == "braced"
 
     @property
-    def alike(self) -> bool:
-        """True for two equal legs, as the paper's."""
+    def pair(self) -> bool:
+        """True for two equal legs by the short form, [legs]."""
         return isinstance(self.legs, Legs)
+
+    @property
+    def alike(self) -> bool:
+        """True for two equal legs at equal distances from the middle, as the paper's."""
+        if self.pair:
+            return True
+        if len(self.limbs) != 2:
+            return False
+        one, other = self.limbs
+        image = other._replace(along=0.0 - other.along)
+        own = one.friction is not None or one.restitution is not None
+        return one == image and one.across == 0.0 and not own
 
     @property
     def symmetric(self) -> bool:
@@ -187,7 +198,8 @@ class Design(Section):
 
         Legs of a list keep their kinds, and follow the tilt where they have none of their own.
         """
-        data = self.model_dump()
+        data = self.model_dump(exclude_unset=True)
+        data.setdefault("legs", {})
         if isinstance(self.legs, Legs):
             changes = {"tilt_deg": tilt_deg, "kind": kind}
             data["legs"] |= {key: value for key, value in changes.items() if value is not None}
@@ -216,7 +228,7 @@ class Design(Section):
         tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)
         chosen: list[Kind | None] = [None]
-        if kinds is not None or self.alike:
+        if kinds is not None or self.pair:
             chosen = list(self.family.legs if kinds is None else kinds)
         if self.weighed.leg_mass_g is not None and chosen not in ([self.kind], [None]):
             raise GeometryError(

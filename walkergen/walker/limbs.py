@@ -33,6 +33,8 @@ class Legs(Section):
     tilt_deg: Tilt = 10.0
     length_mm: Length = 7.5
     contact_spacing_mm: Length = 13.0
+    width_mm: Length | None = None
+    """Width across the run. None: as deep as the body."""
     flexible_thickness_mm: Length = 0.4
     thickness_sd_mm: Annotated[float, Field(ge=0, le=1e3)] = 0.02
     braced_thickness_mm: Length = 1.0
@@ -92,7 +94,9 @@ class Limb(NamedTuple):
     width: float
     """Width across the run."""
     bottom: float
-    """Height of the underside of the body, y <= 0."""
+    """Height of its anchor, on the underside of the body, y <= 0."""
+    embedding: float
+    """Height by which the leg reaches on into the body."""
     friction: float | None
     restitution: float | None
 
@@ -142,14 +146,23 @@ class Limb(NamedTuple):
         return self.bottom + self.anchor_to_foot[1]
 
 
+def embedding_in(bottom: float) -> float:
+    """Height by which legs reach into a body with a flat underside at `bottom`, mm.
+
+    A quarter of its thickness, so that the parts of the union overlap rather than touch.
+    """
+    return -0.5 * bottom
+
+
 def pair_of(legs: Legs, depth: float, bottom: float) -> tuple[Limb, ...]:
     """Two equal legs, back and front, on a body `depth` mm deep with its underside at `bottom`."""
     half = 0.5 * legs.contact_spacing_mm
     return tuple(
         Limb(
             legs.kind, math.radians(legs.tilt_deg), legs.length_mm, legs.thickness_mm,
-            legs.thickness_sd_mm, legs.brace_thickness_mm, legs.foot, along, 0.0, depth, bottom,
-            None, None,
+            legs.thickness_sd_mm, legs.brace_thickness_mm, legs.foot, along, 0.0,
+            legs.width_mm or depth, bottom,
+            embedding_in(bottom), None, None,
         )
         for along in (-half, half)
     )  # fmt: skip
@@ -162,5 +175,5 @@ def limb_of(leg: Leg, follow_deg: float, depth: float, bottom: float) -> Limb:
     return Limb(
         leg.kind, math.radians(0.0 - tilt if leg.mirrored else tilt), leg.length_mm, thickness,
         leg.thickness_sd_mm, leg.brace_thickness_mm, leg.foot, leg.along_mm, leg.across_mm,
-        leg.width_mm or depth, bottom, leg.friction, leg.restitution,
+        leg.width_mm or depth, bottom, embedding_in(bottom), leg.friction, leg.restitution,
     )  # fmt: skip

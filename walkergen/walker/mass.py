@@ -6,12 +6,13 @@ y up, z along the extrusion; O is the centre of mass of the body.
 """
 
 from collections.abc import Sequence
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.walker.design import Design
+if TYPE_CHECKING:
+    from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 Values = float | Array
@@ -135,7 +136,7 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: Design, body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
+def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
     """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
     The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
@@ -222,7 +223,7 @@ def joined(
     return middle, tensor
 
 
-def from_centre(design: Design, mass: MassProperties, points: Array) -> Array:
+def from_centre(design: "Design", mass: MassProperties, points: Array) -> Array:
     """Points of the design's frame, shape (n, 2), seen from O, mm."""
     O = np.array(design.limbs[0].anchor) - mass.legs[0].anchor  # noqa: E741  (the paper's name)
     return np.asarray(points) - O

@@ -22,7 +22,7 @@ class Planar(NamedTuple):
 
 def in_plane(design: Design, mass: MassProperties) -> Planar:
     """Walker seen from the side; two equal legs are as they were."""
-    if design.alike:
+    if design.pair:
         return Planar(mass, design.limbs)
     groups: dict[tuple[object, ...], list[tuple[Limb, LegMass]]] = {}
     for limb, leg in zip(design.limbs, mass.legs, strict=True):

@@ -13,9 +13,11 @@ from typing import TYPE_CHECKING, NamedTuple
 import manifold3d
 import numpy as np
 
-from walkergen.errors import SolidError
-from walkergen.walker import marks, profiles
+from walkergen.errors import GeometryError
+from walkergen.walker import joining, landing, marks, profiles
 from walkergen.walker.design import Design
+from walkergen.walker.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
+from walkergen.walker.extrusion import Engraving, extruded
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, Mesh, assemble
 
@@ -24,10 +26,6 @@ if TYPE_CHECKING:
 
 FOOT_SEGMENTS = 64
 """Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
-
-NARROWEST_WINDOW = 1e-9
-"""Width of a window between leg and brace, over the leg's length, below which it does not count:
-such slivers (a hundred picometres) are lost, all or in part, to the rounding of coordinates."""
 
 Polygon = profiles.Polygon
 
@@ -44,17 +42,6 @@ class Solids(NamedTuple):
     anchor at the origin of x and y, z from 0 to its width."""
 
 
-class Engraving(NamedTuple):
-    """Pockets cut into the upper flat side, z = the body's depth."""
-
-    profiles: Sequence[Polygon]
-    depth: float
-    """Depth of the pockets, mm."""
-
-
-NO_ENGRAVING = Engraving([], 0.0)
-
-
 class Outline(NamedTuple):
     """Polygons of a walker seen from the side, counter-clockwise, shape (n, 2), mm."""
 
@@ -65,25 +52,56 @@ class Outline(NamedTuple):
 
 
 def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
-    """Build a walker's solids. Raises SolidError when the modeller's result is not sound."""
+    """Build a walker's solids.
+
+    Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
+    meet the body.
+    """
+    if not design.body.plain:
+        return _on_any_body(design, foot_segments)
     body, raised = outline(design, foot_segments)
     depth, limbs = design.size.depth, design.limbs
     digits = Engraving(_digit_profiles(design), design.marks.depth_mm)
-    top = _extrude([body], depth, 0, digits)
+    top = extruded([body], depth, 0, digits)
     legs = _legs(limbs, foot_segments)
-    placed = [
-        [part + np.array(limb.anchor) for part in parts]
-        for limb, parts in zip(limbs, raised, strict=True)
-    ]
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
         windows = sum(has_window(limb) for limb in limbs)
-        profile = [body, *(part for parts in placed for part in parts)]
-        return Solids(_extrude(profile, depth, windows, digits), top, legs)
-    bars = [
-        _shifted(_extrude(parts, limb.width, None, NO_ENGRAVING), _left_side(limb, depth))
-        for limb, parts in zip(limbs, placed, strict=True)
-    ]
-    return Solids(united([top, *bars]), top, legs)
+        placed = [
+            part + np.array(limb.anchor)
+            for limb, parts in zip(limbs, raised, strict=True)
+            for part in parts
+        ]
+        return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
+    bars = _bars(limbs, raised, depth)
+    return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
+
+
+def _on_any_body(design: Design, foot_segments: int) -> Solids:
+    """Solids of a walker whose body is no rectangle in side view."""
+    ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
+    bars = _bars(limbs, _raised(limbs, foot_segments), depth)
+    walker = joining.union_with_legs(ground, bars)
+    if design.body.flat:
+        return Solids(walker, ground.mesh, _legs(limbs, foot_segments))
+    legs = []
+    for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
+        key = f"legs[{number}].along_mm = {limb.along:g}"
+        outside = joining.flush(bar, ground, key)
+        if outside.vertices[:, 1].max() > bar.vertices[:, 1].max() - landing.ROUNDING_MM:
+            raise GeometryError(f"{key}: the leg is not wholly under the body: move it")
+        corner = np.array([*limb.anchor, _left_side(limb, depth)])
+        legs.append(outside._replace(vertices=outside.vertices - corner))
+    return Solids(walker, ground.mesh, tuple(legs))
+
+
+def _bars(limbs: Sequence[Limb], raised: Sequence[Sequence[Polygon]], depth: float) -> list[Mesh]:
+    """Legs that reach into the body, where they stand in the design's frame."""
+    found = []
+    for limb, parts in zip(limbs, raised, strict=True):
+        mesh = extruded([part + np.array(limb.anchor) for part in parts], limb.width)
+        shift = np.array([0.0, 0.0, _left_side(limb, depth)])
+        found.append(mesh._replace(vertices=mesh.vertices + shift))
+    return found
 
 
 def _legs(limbs: Sequence[Limb], foot_segments: int) -> tuple[Mesh, ...]:
@@ -91,8 +109,7 @@ def _legs(limbs: Sequence[Limb], foot_segments: int) -> tuple[Mesh, ...]:
     made: dict[tuple[object, ...], Mesh] = {}
     for limb in limbs:
         if _shape(limb) not in made:
-            profile = profiles.limb(limb, foot_segments)
-            made[_shape(limb)] = _extrude(profile, limb.width, None, NO_ENGRAVING)
+            made[_shape(limb)] = extruded(profiles.limb(limb, foot_segments), limb.width)
     return tuple(made[_shape(limb)] for limb in limbs)
 
 
@@ -106,51 +123,34 @@ def _left_side(limb: Limb, depth: float) -> float:
     return 0.5 * depth + limb.across - 0.5 * limb.width
 
 
-def _shifted(mesh: Mesh, z: float) -> Mesh:
-    return mesh._replace(vertices=mesh.vertices + np.array([0.0, 0.0, z]))
+def as_printed(design: Design, mesh: Mesh) -> Mesh:
+    """Mesh as it lies on the bed, z up from 0.
 
-
-def united(meshes: Sequence[Mesh]) -> Mesh:
-    """One closed body, the union of overlapping ones. Raises SolidError when it is not one."""
-    reach = max(float(np.abs(mesh.vertices).max()) for mesh in meshes)
-    scale = _scale(reach)
-    solid = manifold3d.Manifold.batch_boolean(
-        [_manifold(mesh, scale) for mesh in meshes], manifold3d.OpType.Add
-    )
-    if solid.status() != manifold3d.Error.NoError or len(solid.decompose()) != 1:
-        raise SolidError(
-            f"the union of body and legs is not one body: {solid.status().name}, "
-            f"{len(solid.decompose())} bodies"
-        )
-    return _mesh(solid, scale)
-
-
-def _manifold(mesh: Mesh, scale: float) -> manifold3d.Manifold:
-    return manifold3d.Manifold(
-        manifold3d.Mesh64(scale * mesh.vertices, mesh.triangles.astype(np.uint64))
-    )
-
-
-def _mesh(solid: manifold3d.Manifold, scale: float) -> Mesh:
-    raw = solid.to_mesh64()
-    vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3] / scale
-    return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
-
-
-def _scale(reach: float) -> float:
-    """Power of two that brings lengths up to `reach` to about 2^30 units."""
-    return 2.0 ** (30 - math.frexp(reach)[1])
+    Prisms in side view lie on their side; other bodies upside down with their legs up, which needs
+    no supports while legs tilt by 45 deg at most and the body's upper side is flat.
+    """
+    if design.body.plain or design.body.profile_mm is not None:
+        return mesh
+    x, y, z = mesh.vertices.T
+    turned = np.column_stack([x, z, -y])
+    turned[:, 2] -= turned[:, 2].min()
+    return mesh._replace(vertices=turned)
 
 
 def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
-    """Polygons whose union, with each limb at its anchor, is the walker seen from the side."""
-    # Legs reach into the body, so that the parts of the union overlap rather than touch.
-    embedding = 0.25 * design.size.thickness
-    limbs = tuple(
-        tuple(profiles.raised(part, embedding) for part in profiles.limb(limb, foot_segments))
-        for limb in design.limbs
+    """Polygons whose union, with each limb at its anchor, is the walker seen from the side.
+
+    Of a body that is no prism in side view the polygon is its box.
+    """
+    return Outline(_body_profile(design), _raised(design.limbs, foot_segments))
+
+
+def _raised(limbs: Sequence[Limb], foot_segments: int) -> tuple[tuple[Polygon, ...], ...]:
+    """Profiles of legs that reach into the body, anchors at the origin."""
+    return tuple(
+        tuple(profiles.raised(part, limb.embedding) for part in profiles.limb(limb, foot_segments))
+        for limb in limbs
     )
-    return Outline(_body_profile(design), limbs)
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
@@ -221,6 +221,10 @@ def to_trimesh(mesh: Mesh) -> "trimesh.Trimesh":
 
 def _body_profile(design: Design) -> Polygon:
     """Profile of the body with the notches in its upper edge, counter-clockwise."""
+    if design.body.profile_mm is not None:
+        side = design.body.shape.side
+        assert side is not None
+        return side
     length, thickness = design.size.length, design.size.thickness
     x, y = 0.5 * length, 0.5 * thickness
     edge = [
@@ -242,70 +246,3 @@ def _digit_profiles(design: Design) -> list[Polygon]:
         np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
         for s in strokes
     ]
-
-
-def _extrude(
-    profiles: Sequence[Polygon], depth: float, windows: int | None, engraving: Engraving
-) -> Mesh:
-    """Extrude the union of profiles to z = 0..depth; `windows` is the expected genus, if known.
-
-    manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
-    size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
-    SolidError when the result is not one sound body with so many windows.
-    """
-    reach = max(float(np.abs(profile).max()) for profile in profiles)
-    scale = _scale(max(reach, depth))
-    section = manifold3d.CrossSection(
-        [scale * profile for profile in profiles], manifold3d.FillRule.Positive
-    )
-    if windows == 0:
-        section = _without_slivers(section)
-    solid = manifold3d.Manifold.extrude(section, scale * depth)
-    if solid.status() != manifold3d.Error.NoError or solid.is_empty():
-        raise SolidError(f"the solid modeller gave no body: {solid.status().name}")
-    # k bodies with h holes have k + h contours and genus 1 - k + h: equal holes mean one body.
-    genus, holes = solid.genus(), section.num_contour() - 1
-    if genus != holes or (windows is not None and genus != windows):
-        raise SolidError(
-            f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes"
-        )
-    if engraving.profiles:
-        solid = _engraved(solid, engraving, depth, scale)
-    return _mesh(solid, scale)
-
-
-def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:
-    """Fill the slivers of windows narrower than NARROWEST_WINDOW in a profile without windows.
-
-    Raises SolidError when a hole is larger than that.
-    """
-    least = NARROWEST_WINDOW * section.area()
-    outlines = [polygon for polygon in section.to_polygons() if _signed_area(polygon) > least]
-    filled = manifold3d.CrossSection(outlines)
-    if filled.area() - section.area() > least:
-        raise SolidError("the solid has a window that the design has not")
-    return filled
-
-
-def _signed_area(polygon: Polygon) -> float:
-    """Area enclosed by a polygon; negative for a hole."""
-    following = np.roll(polygon, -1, axis=0)
-    return 0.5 * float((polygon[:, 0] * following[:, 1] - polygon[:, 1] * following[:, 0]).sum())
-
-
-def _engraved(
-    solid: manifold3d.Manifold, engraving: Engraving, depth: float, scale: float
-) -> manifold3d.Manifold:
-    """Cut pockets into a scaled solid's upper side; they overshoot it, so that no sides touch."""
-    section = manifold3d.CrossSection(
-        [scale * profile for profile in engraving.profiles], manifold3d.FillRule.Positive
-    )
-    tool = manifold3d.Manifold.extrude(section, scale * 2.0 * engraving.depth)
-    cut = solid - tool.translate((0.0, 0.0, scale * (depth - engraving.depth)))
-    # A pocket, with or without islands, leaves one body and opens no window.
-    if cut.status() != manifold3d.Error.NoError or cut.genus() != solid.genus():
-        raise SolidError(
-            f"the digits do not stay pockets: {cut.status().name}, genus {cut.genus()} "
-            f"after {solid.genus()}"
-        )
-    return cut

@@ -22,7 +22,8 @@ from walkergen.simulation import points
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.walker import solids
-from walkergen.walker.design import Body, Design
+from walkergen.walker.body import Body
+from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind, Legs
 
 Array = npt.NDArray[np.float64]

@@ -22,7 +22,8 @@ from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
-from walkergen.walker.design import Body, Design
+from walkergen.walker.body import Body
+from walkergen.walker.design import Design
 from walkergen.walker.limbs import Legs
 from walkergen.walker.mass import MassProperties, Mesh
 from walkergen.walker.solids import Solids

@@ -273,7 +273,7 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
 
 def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
     """Design with what was learnt of its legs and material."""
-    data: dict[str, Any] = design.model_dump()
+    data: dict[str, Any] = {"legs": {}, "material": {}} | design.model_dump(exclude_unset=True)
     for row in rows:
         if row.name == "thickness_mm":
             data["legs"] |= {"flexible_thickness_mm": row.mean, "thickness_sd_mm": row.sd}

@@ -1,0 +1,70 @@
+"""Legs on a body whose underside is not flat: where each meets it.
+
+A leg's length counts from the lowest level of the body, so that feet of equal legs are level; where
+the underside lies higher, the leg goes on up to it, and is cut flush with it.
+"""
+
+import math
+from functools import lru_cache
+
+import numpy as np
+
+from walkergen.errors import GeometryError
+from walkergen.walker import joining
+from walkergen.walker.body import Body, Shape
+from walkergen.walker.extrusion import extruded
+from walkergen.walker.limbs import Limb
+from walkergen.walker.mass import Mesh
+
+MARGIN_MM = 0.05
+"""Depth by which a leg reaches into the body beyond where its section is covered, mm."""
+
+
+ROUNDING_MM = 1e-9
+"""Largest error, mm, of the modeller's heights."""
+
+
+@lru_cache(maxsize=1024)
+def landed(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
+    """Legs made to meet a body, given by its JSON. Raises GeometryError for those that miss it."""
+    ground = ready(body)
+    return tuple(_landed(ground, limb, number) for number, limb in enumerate(limbs, start=1))
+
+
+@lru_cache(maxsize=16)
+def ready(body: str) -> joining.Body:
+    """Body of its JSON, made ready for the modeller."""
+    return joining.ready(solid_of(Body.model_validate_json(body).shape))
+
+
+def solid_of(shape: Shape) -> Mesh:
+    """Mesh of a body, in the design's frame."""
+    if shape.mesh is not None:
+        return shape.mesh
+    if shape.side is not None:
+        return extruded([shape.side], shape.size.depth)
+    plan = extruded(shape.plan, shape.size.thickness)
+    # Seen from above: the page's up is -z, towards the viewer is y
+    x, v, w = plan.vertices.T
+    placed = np.column_stack([x, w - 0.5 * shape.size.thickness, 0.5 * shape.size.depth - v])
+    return Mesh(placed, plan.triangles)
+
+
+def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
+    """Leg that goes on to the underside of a body."""
+    depth = float(np.ptp(ground.mesh.vertices[:, 2]))
+    sin, cos = math.sin(limb.tilt), math.cos(limb.tilt)
+    anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])
+    direction = np.array([sin, cos, 0.0])
+    end = anchor - limb.length * direction
+    found = joining.footing(
+        ground, end, direction, limb.thickness, limb.width, f"legs[{number}].along_mm"
+    )
+    length = float(np.linalg.norm(found.anchor - end))
+    over = max(found.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
+    if limb.braced and length > limb.length + MARGIN_MM:
+        raise GeometryError(
+            f"legs[{number}].along_mm = {limb.along:g}: a braced leg needs a flat underside at the "
+            "lowest level of the body; there it lies higher: move the leg, or make it flexible"
+        )
+    return limb._replace(length=length, bottom=float(found.anchor[1]), embedding=over + MARGIN_MM)
