@@ -8,7 +8,7 @@ Frame: the middle of the body's box at the origin of x and y, z from 0 to its de
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, Literal, NamedTuple
 
 import numpy as np
 from pydantic import Field, model_validator
@@ -19,6 +19,9 @@ from walkergen.walker import outlines
 from walkergen.walker.limbs import Length
 from walkergen.walker.mass import Mesh
 from walkergen.walker.outlines import Polygon
+
+if TYPE_CHECKING:
+    from walkergen.walker.whole_mesh import CutWalker
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
 Points = Annotated[
@@ -55,6 +58,8 @@ class Body(Section):
     up: Axis = "z"
     forward: Axis = "x"
     """Axes of the mesh that point up and forward."""
+    legs_below_mm: Length | None = None
+    """Height above its lowest point below which a mesh, of a whole walker, is legs."""
     repair: bool = False
     """True to mend a mesh that is not closed; what was changed is told."""
 
@@ -67,6 +72,8 @@ class Body(Section):
             raise ValueError('points_mm and outline = "polygon" go together')
         if self.scale_mm is not None and not (self.mesh or self._drawing):
             raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
+        if self.legs_below_mm is not None and self.mesh is None:
+            raise ValueError("legs_below_mm is for a mesh of a whole walker")
         sized = {
             "profile_mm": {"length_mm", "thickness_mm"}, "text": {"length_mm"},
             "mesh": {"length_mm", "depth_mm", "thickness_mm"},
@@ -129,6 +136,8 @@ class Shape(NamedTuple):
     """Hash of the file's bytes."""
     changes: tuple[str, ...] = ()
     """Changes that repair made to the mesh."""
+    whole: "CutWalker | None" = None
+    """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
 
 def beside(table: Any, folder: Path) -> Any:
@@ -158,9 +167,13 @@ def _shape(keys: str) -> Shape:
         found = own_mesh.read(
             Path(body.mesh), body.scale_mm or 1.0, body.up, body.forward, body.repair
         )
-        length, thickness, depth = np.ptp(found.mesh.vertices, axis=0)
-        size = Size(float(length), float(thickness), float(depth))
-        return Shape(size, None, (), found.mesh, found.sha256, found.changes)
+        if body.legs_below_mm is not None:
+            from walkergen.walker import whole_mesh
+
+            cut = whole_mesh.centred(whole_mesh.cut_legs(found.mesh, body.legs_below_mm))
+            size = _size_of(cut.body)
+            return Shape(size, None, (), cut.body, found.sha256, found.changes, cut)
+        return Shape(_size_of(found.mesh), None, (), found.mesh, found.sha256, found.changes)
     if body.profile_mm is not None:
         (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
         length, thickness = np.ptp(side, axis=0)
@@ -168,6 +181,11 @@ def _shape(keys: str) -> Shape:
     plan = _plan(body)
     length, depth = np.ptp(plan[0], axis=0)
     return Shape(Size(float(length), body.thickness_mm, float(depth)), None, tuple(plan))
+
+
+def _size_of(mesh: Mesh) -> Size:
+    length, thickness, depth = np.ptp(mesh.vertices, axis=0)
+    return Size(float(length), float(thickness), float(depth))
 
 
 def _plan(body: Body) -> list[Polygon]:

@@ -9,7 +9,7 @@ paper's object.
 
 from collections.abc import Iterable, Mapping
 from pathlib import Path
-from typing import Annotated, Any
+from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, field_validator, model_validator
 
@@ -67,16 +67,32 @@ FOLLOWED = 10.0
 class Design(Section):
     """Design of a walker. Construction raises GeometryError for parts that cannot be built."""
 
+    @model_validator(mode="before")
+    @classmethod
+    def _stood(cls, data: Any) -> Any:
+        if not isinstance(data, Mapping):
+            return data
+        data = _one_body(data)
+        if data.get("stance") != "as built":
+            return data
+        from walkergen.walker import stance
+
+        follow = data.get("leg_tilt_deg")
+        return stance.level(data, FOLLOWED if follow is None else follow)
+
     @classmethod
     def beside(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         """Data of a file, the files that it names found from its folder."""
         found = dict(data)
-        if "body" in found:
-            found["body"] = beside(found["body"], folder)
+        for table in ("body", "walker"):
+            if table in found:
+                found[table] = beside(found[table], folder)
         return found
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
+    stance: Literal["level", "as built"] = "level"
+    """Stance at rest: level, or turned until the feet of unlike legs are level."""
     body: Body = Body()
     legs: Annotated[
         Annotated[Legs, Tag("table")]
@@ -97,7 +113,7 @@ class Design(Section):
                 raise ValueError(
                     "leg_tilt_deg is for a list [[legs]]; two equal legs have legs.tilt_deg"
                 )
-            found = buildable.of_pair(self.legs, self.size)
+            found = [] if self.whole else buildable.of_pair(self.legs, self.size)
         else:
             found = buildable.of_list(self.limbs, self.size)
         if not found and self.body.flat:
@@ -124,6 +140,14 @@ class Design(Section):
         Raises GeometryError for a leg that does not meet the body.
         """
         shape = self.body.shape
+        if shape.whole is not None:
+            from walkergen.walker import whole_mesh
+
+            assert isinstance(self.legs, Legs)
+            return tuple(
+                whole_mesh.limb_of(leg, self.legs.kind, number, shape.size.depth)
+                for number, leg in enumerate(shape.whole.legs, start=1)
+            )
         depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
         if isinstance(self.legs, Legs):
             found = pair_of(self.legs, depth, bottom)
@@ -146,6 +170,8 @@ class Design(Section):
         """Tilt by which members of a family are told apart, deg: of all legs that follow it, or of
         the first leg.
         """
+        if self.whole:
+            return round(math.degrees(self.limbs[0].tilt), 2) + 0.0
         if isinstance(self.legs, Legs):
             return self.legs.tilt_deg
         first = self.legs[0]
@@ -156,7 +182,9 @@ class Design(Section):
     @property
     def follows(self) -> bool:
         """True when a leg has the family's tilt."""
-        return isinstance(self.legs, Legs) or any(leg.tilt_deg is None for leg in self.legs)
+        if isinstance(self.legs, Legs):
+            return not self.whole
+        return any(leg.tilt_deg is None for leg in self.legs)
 
     @property
     def braced(self) -> bool:
@@ -166,7 +194,12 @@ class Design(Section):
     @property
     def pair(self) -> bool:
         """True for two equal legs by the short form, [legs]."""
-        return isinstance(self.legs, Legs)
+        return isinstance(self.legs, Legs) and not self.whole
+
+    @property
+    def whole(self) -> bool:
+        """True for a finished walker's mesh, cut into body and legs."""
+        return self.body.legs_below_mm is not None
 
     @property
     def alike(self) -> bool:
@@ -200,19 +233,18 @@ class Design(Section):
         """
         data = self.model_dump(exclude_unset=True)
         data.setdefault("legs", {})
-        if isinstance(self.legs, Legs):
+        if isinstance(self.legs, Legs) and not self.whole:
             changes = {"tilt_deg": tilt_deg, "kind": kind}
             data["legs"] |= {key: value for key, value in changes.items() if value is not None}
             return validate(data, Design, self.name)
         if kind not in (None, self.kind):
             raise GeometryError(
-                f"{self.name}: the kind of each of its [[legs]] is its own: they cannot be made "
-                f"{kind}"
+                f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}"
             )
         if tilt_deg not in (None, self.tilt_deg) and not self.follows:
             raise GeometryError(
-                f"{self.name}: every one of its [[legs]] has its own tilt_deg, so that there is no "
-                f"variant at {tilt_deg:g} deg: remove the tilt_deg of legs that shall follow"
+                f"{self.name}: every one of its legs has its own tilt, so that there is no variant "
+                f"at {tilt_deg:g} deg: remove the tilt_deg of [[legs]] that shall follow"
             )
         if tilt_deg is not None and self.follows:
             data["leg_tilt_deg"] = tilt_deg
@@ -256,3 +288,23 @@ class Design(Section):
     def unmarked(self) -> "Design":
         """Design without marks, otherwise the same."""
         return self.model_copy(update={"marks": Marks()})
+
+
+def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Data in which a finished walker, [walker], is the body that is cut. Raises GeometryError."""
+    if "walker" not in data:
+        return data
+    found, table = dict(data), data["walker"]
+    del found["walker"]
+    if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
+        raise GeometryError(
+            "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm, "
+            "the height above its lowest point below which it is legs"
+        )
+    if "body" in data or "legs" in data:
+        raise GeometryError("walker = ...: a finished walker has its body and legs: leave out "
+                            "[body] and [legs]")  # fmt: skip
+    found["body"] = {key: value for key, value in table.items() if key != "legs"}
+    if "legs" in table:
+        found["legs"] = {"kind": table["legs"]}
+    return found

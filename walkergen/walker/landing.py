@@ -9,7 +9,6 @@ from functools import lru_cache
 
 import numpy as np
 
-from walkergen.errors import GeometryError
 from walkergen.walker import joining
 from walkergen.walker.body import Body, Shape
 from walkergen.walker.extrusion import extruded
@@ -22,6 +21,9 @@ MARGIN_MM = 0.05
 
 ROUNDING_MM = 1e-9
 """Largest error, mm, of the modeller's heights."""
+
+
+UP = np.array([0.0, 1.0, 0.0])
 
 
 @lru_cache(maxsize=1024)
@@ -57,14 +59,13 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     anchor = np.array([*limb.anchor, 0.5 * depth + limb.across])
     direction = np.array([sin, cos, 0.0])
     end = anchor - limb.length * direction
-    found = joining.footing(
-        ground, end, direction, limb.thickness, limb.width, f"legs[{number}].along_mm"
-    )
+    key = f"legs[{number}].along_mm"
+    found = joining.footing(ground, end, direction, limb.thickness, limb.width, key)
     length = float(np.linalg.norm(found.anchor - end))
     over = max(found.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
-    if limb.braced and length > limb.length + MARGIN_MM:
-        raise GeometryError(
-            f"legs[{number}].along_mm = {limb.along:g}: a braced leg needs a flat underside at the "
-            "lowest level of the body; there it lies higher: move the leg, or make it flexible"
-        )
-    return limb._replace(length=length, bottom=float(found.anchor[1]), embedding=over + MARGIN_MM)
+    met = limb._replace(length=length, bottom=float(found.anchor[1]))
+    if limb.braced:
+        brace = np.array([met.anchor[0] + met.brace_offset, end[1], anchor[2]])
+        rise = joining.footing(ground, brace, UP, limb.brace, limb.width, key).reach
+        over = max(over, float(brace[1]) + rise - met.bottom)
+    return met._replace(embedding=over + MARGIN_MM)

@@ -14,12 +14,13 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.walker import joining, landing, marks, profiles
+from walkergen.walker import joining, landing, marks, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.walker.extrusion import Engraving, extruded
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, Mesh, assemble
+from walkergen.walker.whole_mesh import CutWalker
 
 if TYPE_CHECKING:
     import trimesh
@@ -57,6 +58,8 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
     meet the body.
     """
+    if design.body.shape.whole is not None:
+        return _cut(design.body.shape.whole, design)
     if not design.body.plain:
         return _on_any_body(design, foot_segments)
     body, raised = outline(design, foot_segments)
@@ -74,6 +77,15 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
         return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
     bars = _bars(limbs, raised, depth)
     return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
+
+
+def _cut(whole: CutWalker, design: Design) -> Solids:
+    """Solids of a finished walker, cut into body and legs."""
+    legs = []
+    for limb, leg in zip(design.limbs, whole.legs, strict=True):
+        corner = np.array([*limb.anchor, _left_side(limb, design.size.depth)])
+        legs.append(leg.mesh._replace(vertices=leg.mesh.vertices - corner))
+    return Solids(whole.whole, whole.body, tuple(legs))
 
 
 def _on_any_body(design: Design, foot_segments: int) -> Solids:
@@ -155,7 +167,10 @@ def _raised(limbs: Sequence[Limb], foot_segments: int) -> tuple[tuple[Polygon, .
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
     """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
-    return assemble(design, solids.body, solids.legs)
+    mass = assemble(design, solids.body, solids.legs)
+    if not design.pair:
+        stance.check(design.limbs, mass)
+    return mass
 
 
 def mass_of(design: Design) -> MassProperties:

@@ -13,6 +13,7 @@ import numpy as np
 
 from walkergen.errors import GeometryError
 from walkergen.walker import modeller
+from walkergen.walker.limbs import Kind, Legs, Limb
 from walkergen.walker.mass import Array, Mesh
 
 FOOT_TOLERANCE = 1e-3
@@ -54,6 +55,8 @@ class CutWalker(NamedTuple):
     body: Mesh
     legs: tuple[FoundLeg, ...]
     """Legs from back to front, those at one place from z = 0 on."""
+    whole: Mesh
+    """Walker before the cut."""
 
 
 def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> CutWalker:
@@ -82,7 +85,47 @@ def cut_legs(mesh: Mesh, below_mm: float, key: str = "walker.legs_below_mm") -> 
         )
     legs = [_measured(piece, height, f"{key} = {below_mm:g}") for piece in pieces]
     ordered = sorted(legs, key=lambda leg: (round(float(leg.anchor[0]), 6), leg.z))
-    return CutWalker(modeller.mesh_of(tops[0]), tuple(ordered))
+    return CutWalker(modeller.mesh_of(tops[0]), tuple(ordered), mesh)
+
+
+def centred(cut: CutWalker) -> CutWalker:
+    """Walker in the design's frame, that of its body's box."""
+    low, high = cut.body.vertices.min(axis=0), cut.body.vertices.max(axis=0)
+    shift = -0.5 * (low + high)
+    shift[2] = -low[2]
+    return CutWalker(
+        _shifted(cut.body, shift),
+        tuple(
+            leg._replace(
+                mesh=_shifted(leg.mesh, shift), anchor=leg.anchor + shift, foot=leg.foot + shift,
+                z=leg.z + float(shift[2]),
+            )
+            for leg in cut.legs
+        ),
+        _shifted(cut.whole, shift),
+    )  # fmt: skip
+
+
+def _shifted(mesh: Mesh, shift: Array) -> Mesh:
+    return mesh._replace(vertices=mesh.vertices + shift)
+
+
+def limb_of(leg: FoundLeg, kind: Kind, number: int, depth: float) -> Limb:
+    """Leg of a finished walker as the rest of the program knows legs; its foot counts as flat.
+
+    Raises GeometryError for a leg with a brace that is said to be flexible.
+    """
+    if leg.struts > 1 and kind == "flexible":
+        raise GeometryError(
+            f"walker.legs = 'flexible': leg {number} meets the cut in {leg.struts} places, as a leg "
+            "with a brace does: say legs = 'braced', or cut it lower"
+        )
+    plain = Legs(kind=kind)
+    return Limb(
+        kind, leg.tilt, leg.length, leg.thickness, plain.thickness_sd_mm, plain.brace_thickness_mm,
+        "flat", float(leg.foot[0]), leg.z - 0.5 * depth, leg.width, float(leg.anchor[1]), 0.0,
+        None, None,
+    )  # fmt: skip
 
 
 def _measured(piece: manifold3d.Manifold, height: float, source: str) -> FoundLeg:
