@@ -7,6 +7,7 @@ the tilt (docs/physics.md section 1); those of [[legs]] stand where they are put
 paper's object.
 """
 
+import math
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal

@@ -27,8 +27,8 @@ ROUNDING_MM = 1e-6
 def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     """Data of a design that stands as built, turned until it stands on two feet.
 
-    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands. Raises GeometryError for what does
-    not stand so, and pydantic's errors for wrong keys.
+    Its body becomes a profile and its legs keep their shapes; braces are upright as it stands.
+    Raises GeometryError for what does not stand so, and pydantic's errors for wrong keys.
     """
     body = Body.model_validate(data.get("body", {}))
     legs = [Leg.model_validate(leg) for leg in _listed(data)]

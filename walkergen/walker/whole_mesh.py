@@ -117,8 +117,8 @@ def limb_of(leg: FoundLeg, kind: Kind, number: int, depth: float) -> Limb:
     """
     if leg.struts > 1 and kind == "flexible":
         raise GeometryError(
-            f"walker.legs = 'flexible': leg {number} meets the cut in {leg.struts} places, as a leg "
-            "with a brace does: say legs = 'braced', or cut it lower"
+            f"walker.legs = 'flexible': leg {number} meets the cut in {leg.struts} places, as a "
+            "leg with a brace does: say legs = 'braced', or cut it lower"
         )
     plain = Legs(kind=kind)
     return Limb(
