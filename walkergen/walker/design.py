@@ -119,12 +119,16 @@ class Design(Section):
             found = buildable.of_list(self.limbs, self.size)
         if not found and self.body.flat:
             found = buildable.off_outline(self.limbs, self.body.shape)
-        if self.marks.kind != "none" and not self.body.plain:
+        lettered = self.marks.kind == "text" and self.body.flat
+        if not (self.body.plain or self.marks.kind == "none" or lettered):
             found.append(
                 f"marks.kind = {self.marks.kind!r}: only a rectangular body in side view bears "
-                "marks: leave them out"
+                "marks, and a body in plan view text: leave them out"
             )
-        found += problems(self.marks, self.family.tilt_deg, self.tilt_deg, self.size)
+        length, thickness, depth = self.size
+        # Letters on a body in plan view go into its upper side
+        size = (length, depth, thickness) if lettered else self.size
+        found += problems(self.marks, self.family.tilt_deg, self.tilt_deg, size)
         if found:
             raise GeometryError("\n".join(found))
         return self

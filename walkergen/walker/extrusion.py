@@ -35,12 +35,14 @@ def extruded(
     depth: float,
     windows: int | None = None,
     engraving: Engraving = NO_ENGRAVING,
+    pieces: bool = False,
 ) -> Mesh:
     """Extrude the union of profiles to z = 0..depth; `windows` is the expected genus, if known.
 
     manifold3d's 2D booleans snap to a grid of 1e-8 units. A power of two brings the profile to a
     size of about 2^30 units first and back afterwards, both exact, which leaves 17 digits. Raises
-    SolidError when the result is not one sound body with so many windows.
+    SolidError when the result is not one sound body with so many windows, unless `pieces` may be
+    several, as of letters.
     """
     reach = max(float(np.abs(profile).max()) for profile in profiles)
     scale = _scale(max(reach, depth))
@@ -54,7 +56,7 @@ def extruded(
         raise SolidError(f"the solid modeller gave no body: {solid.status().name}")
     # k bodies with h holes have k + h contours and genus 1 - k + h: equal holes mean one body.
     genus, holes = solid.genus(), section.num_contour() - 1
-    if genus != holes or (windows is not None and genus != windows):
+    if (not pieces and genus != holes) or (windows is not None and genus != windows):
         raise SolidError(
             f"the solid is not one body with {windows} windows: genus {genus}, {holes} holes"
         )

@@ -10,7 +10,7 @@ from functools import lru_cache
 import numpy as np
 
 from walkergen.walker import joining
-from walkergen.walker.body import Body, Shape
+from walkergen.walker.body import Body, Shape, Size
 from walkergen.walker.extrusion import extruded
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import Mesh
@@ -45,10 +45,13 @@ def solid_of(shape: Shape) -> Mesh:
         return shape.mesh
     if shape.side is not None:
         return extruded([shape.side], shape.size.depth)
-    plan = extruded(shape.plan, shape.size.thickness)
-    # Seen from above: the page's up is -z, towards the viewer is y
+    return lying(extruded(shape.plan, shape.size.thickness), shape.size)
+
+
+def lying(plan: Mesh, size: Size) -> Mesh:
+    """Extrusion of what is seen from above, laid down: the page's up is -z, its viewer at +y."""
     x, v, w = plan.vertices.T
-    placed = np.column_stack([x, w - 0.5 * shape.size.thickness, 0.5 * shape.size.depth - v])
+    placed = np.column_stack([x, w - 0.5 * size.thickness, 0.5 * size.depth - v])
     return Mesh(placed, plan.triangles)
 
 

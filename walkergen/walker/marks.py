@@ -15,7 +15,7 @@ from collections.abc import Sequence
 from decimal import Decimal
 from typing import Annotated, Literal, NamedTuple
 
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from walkergen.files.config import Section
 
@@ -35,9 +35,19 @@ SHORTEST_DIGIT = 5.0
 class Marks(Section):
     """Settings of the marks by which a part shows its tilt."""
 
-    kind: Literal["none", "notches", "digits"] = "none"
+    kind: Literal["none", "notches", "digits", "text"] = "none"
+    text: Annotated[str, Field(min_length=1, max_length=40)] | None = None
+    """Letters of kind "text", engraved: the same on every member of a family."""
+    text_height_mm: Annotated[float, Field(gt=0, le=1e4)] | None = None
+    """Height of its capitals. None: half the body's, as seen on the side that bears them."""
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
     depth_mm: Annotated[float, Field(gt=0, le=1e4)] = 0.4
+
+    @model_validator(mode="after")
+    def _lettered(self) -> "Marks":
+        if (self.kind == "text") != (self.text is not None):
+            raise ValueError('text and kind = "text" go together')
+        return self
 
 
 class Rectangle(NamedTuple):
@@ -50,12 +60,14 @@ class Rectangle(NamedTuple):
 
 
 def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
-    """Mark of the part with this tilt: "", its tilt in digits, or its notches drawn with #.
+    """Mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
 
     A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
     """
     if marks.kind == "none":
         return ""
+    if marks.kind == "text":
+        return marks.text or ""
     if marks.kind == "digits":
         return digits_of(tilt_deg)
     return " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
@@ -107,6 +119,8 @@ def problems(
 ) -> list[str]:
     """Reasons why a body of length, thickness, depth (mm) cannot bear its marks, one line each."""
     length, thickness, depth = body
+    if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
+        return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
     if marks.kind == "notches":
         return _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
     if marks.kind == "digits":

@@ -67,6 +67,8 @@ def how_to_read(marks: Marks) -> str:
         return ""
     if marks.kind == "digits":
         return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+    if marks.kind == "text":
+        return "Letters engraved into the body: they name the design, not the tilt."
     unit = 2.0 * marks.line_mm
     return (
         f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "

@@ -14,7 +14,7 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.walker import joining, landing, marks, profiles, stance
+from walkergen.walker import joining, landing, marks, modeller, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.walker.extrusion import Engraving, extruded
@@ -64,7 +64,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
         return _on_any_body(design, foot_segments)
     body, raised = outline(design, foot_segments)
     depth, limbs = design.size.depth, design.limbs
-    digits = Engraving(_digit_profiles(design), design.marks.depth_mm)
+    digits = Engraving(_engraved(design), design.marks.depth_mm)
     top = extruded([body], depth, 0, digits)
     legs = _legs(limbs, foot_segments)
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
@@ -91,6 +91,8 @@ def _cut(whole: CutWalker, design: Design) -> Solids:
 def _on_any_body(design: Design, foot_segments: int) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
+    if design.marks.kind == "text":
+        ground = joining.ready(_lettered(ground.mesh, design))
     bars = _bars(limbs, _raised(limbs, foot_segments), depth)
     walker = joining.union_with_legs(ground, bars)
     if design.body.flat:
@@ -104,6 +106,41 @@ def _on_any_body(design: Design, foot_segments: int) -> Solids:
         corner = np.array([*limb.anchor, _left_side(limb, depth)])
         legs.append(outside._replace(vertices=outside.vertices - corner))
     return Solids(walker, ground.mesh, tuple(legs))
+
+
+def _lettered(ground: Mesh, design: Design) -> Mesh:
+    """Body in plan view with its text cut into the upper side. Raises GeometryError."""
+    text = _lettering(design, design.size.length, design.size.depth)
+    marks, size = design.marks, design.size
+    tool = landing.lying(extruded(text, 2.0 * marks.depth_mm, pieces=True), size)
+    raised = tool.vertices + np.array([0.0, size.thickness - marks.depth_mm, 0.0])
+    inside = modeller.solid(Mesh(raised, tool.triangles)) - modeller.solid(ground)
+    cut = modeller.evaluated(modeller.solid(ground) - modeller.solid(Mesh(raised, tool.triangles)))
+    above = modeller.solid(Mesh(raised, tool.triangles)).volume() / 2.0
+    if inside.volume() > above * (1.0 + 1e-6) or len(modeller.bodies(cut)) != 1:
+        raise GeometryError(
+            f"marks.text = {marks.text!r}: the letters leave the outline: make text_height_mm "
+            "smaller"
+        )
+    return modeller.mesh_of(cut)
+
+
+def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
+    """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
+    from walkergen.walker.lettering import letters
+
+    marks = design.marks
+    assert marks.text is not None
+    polygons = letters(marks.text, marks.text_height_mm or 0.5 * height, False, "marks.text")
+    low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
+    high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
+    wide, tall = high - low
+    if wide > length - 2.0 * marks.line_mm or tall > height - 2.0 * marks.line_mm:
+        raise GeometryError(
+            f"marks.text = {marks.text!r}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
+            f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller"
+        )
+    return polygons
 
 
 def _bars(limbs: Sequence[Limb], raised: Sequence[Sequence[Polygon]], depth: float) -> list[Mesh]:
@@ -255,7 +292,10 @@ def _body_profile(design: Design) -> Polygon:
     return np.array([(-x, -y), (x, -y), (x, y), *edge, (-x, y)])
 
 
-def _digit_profiles(design: Design) -> list[Polygon]:
+def _engraved(design: Design) -> list[Polygon]:
+    """Pockets in the side of a body, about its middle: its digits or its text."""
+    if design.marks.kind == "text":
+        return _lettering(design, design.size.length, design.size.thickness)
     strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [
         np.array([(s.left, s.bottom), (s.right, s.bottom), (s.right, s.top), (s.left, s.top)])
