@@ -33,7 +33,7 @@ from walkergen.theory.impact import Law, impact
 from walkergen.theory.speed import LawName, Mode
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import LegMass, MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 Triples = tuple[MassProperties, Array, Array]
@@ -45,7 +45,8 @@ CASES: tuple[tuple[Mode, LawName], ...] = (
     ("coulomb", "stronge"),
     ("paper", "poisson"),
 )
-VARYING = ("M", "J", "m", "j", "a", "b", "c_A", "c_T")
+VARYING = ("m", "j", "anchor", "c_A", "c_T")
+"""What of a leg differs from walker to walker."""
 SEED = 2016
 AGREEMENT = 1e-9  # of a factor, relative to 1 + |factor|: what the rivals themselves resolve
 
@@ -55,19 +56,29 @@ def shelf() -> MassProperties:
     paper = templates.load("koumakis2016", "walkers", Design)
     designs = [paper.variant(tilt_deg=0.25 * step, kind="flexible") for step in range(181)]
     weighed = [solids.mass_of(design) for design in designs]
-    stacked = {name: np.array([getattr(mass, name) for mass in weighed]) for name in VARYING}
-    return MassProperties(**stacked, rigid=False)
+    legs = [
+        LegMass(*(np.array([getattr(leg, name) for leg in alike]) for name in VARYING))
+        for alike in zip(*(mass.legs for mass in weighed), strict=True)
+    ]
+    M, J = (
+        np.array(values) for values in zip(*((mass.M, mass.J) for mass in weighed), strict=True)
+    )
+    return MassProperties(M, J, tuple(legs), rigid=False)
+
+
+def picked(walkers: MassProperties, pick: int | npt.NDArray[np.int64]) -> MassProperties:
+    """Walkers of the shelf at these places of the leading axis."""
+    M, J = np.asarray(walkers.M)[pick], np.asarray(walkers.J)[pick]
+    legs = [LegMass(*(getattr(leg, name)[pick] for name in VARYING)) for leg in walkers.legs]
+    return MassProperties(M, J, tuple(legs), rigid=False)
 
 
 def draw(rng: np.random.Generator, walkers: MassProperties, count: int) -> Triples:
     """Random walkers of the shelf, printed 2 % too heavy or light, on random plates."""
-    pick = rng.integers(len(walkers.a), size=count)
+    pick = rng.integers(len(walkers.legs[0].anchor), size=count)
     body, leg = rng.normal(1.0, 0.02, (2, count))
-    chosen = {name: getattr(walkers, name)[pick] for name in VARYING}
-    for name, scale in (("M", body), ("J", body), ("m", leg), ("j", leg)):
-        chosen[name] = chosen[name] * scale
     e, mu = rng.uniform(0.0, 1.0, count), rng.uniform(0.01, 0.6, count)
-    return MassProperties(**chosen, rigid=False), e, mu
+    return scaled(picked(walkers, pick), body, leg), e, mu
 
 
 def chunks(walkers: MassProperties, total: int, size: int) -> Iterator[Triples]:
@@ -83,8 +94,7 @@ def with_arrays(triples: Triples, mode: Mode, law: LawName) -> Array:
 def each(triples: Triples) -> Iterator[Triples]:
     mass, e, mu = triples
     for k in range(len(e)):
-        one = {name: getattr(mass, name)[k] for name in VARYING}
-        yield MassProperties(**one, rigid=False), e[k], mu[k]
+        yield picked(mass, k), e[k], mu[k]
 
 
 def with_calls(triples: Triples, mode: Mode, law: LawName) -> Array:
@@ -122,28 +132,24 @@ def with_loop(triples: Triples, mode: Mode, law: LawName) -> Array | None:
     found = []
     for mass, e, mu in each(triples):
         both = 0.0
-        for anchor in (mass.legs[0].anchor, mass.legs[1].anchor):
-            H = paper_tensor(mass, anchor)
+        for leg in mass.legs:
+            H = paper_tensor(mass, leg)
             both += closed_form(H[0, 0], H[0, 1], H[1, 1], e, mu, mode, law)
         found.append(0.5 * both)
     return np.array(found)
 
 
-def paper_tensor(mass: MassProperties, anchor: Array) -> Array:
+def paper_tensor(mass: MassProperties, leg: LegMass) -> Array:
     """H = I/m + P(c_T)/j - R^T K^-1 R, as published (docs/physics.md section 2)."""
 
     def perp(u: Array) -> Array:
         return np.array([-u[1], u[0]])
 
-    a, c_A, c_T, identity = perp(anchor), perp(mass.legs[0].c_A), perp(mass.legs[0].c_T), np.eye(2)
+    a, c_A, c_T, identity = perp(leg.anchor), perp(leg.c_A), perp(leg.c_T), np.eye(2)
     body = identity / mass.M + np.outer(a, a) / mass.J
-    K = body + identity / mass.legs[0].m + np.outer(c_A, c_A) / mass.legs[0].j
-    R = identity / mass.legs[0].m - np.outer(c_A, c_T) / mass.legs[0].j
-    H: Array = (
-        identity / mass.legs[0].m
-        + np.outer(c_T, c_T) / mass.legs[0].j
-        - R.T @ np.linalg.solve(K, R)
-    )
+    K = body + identity / leg.m + np.outer(c_A, c_A) / leg.j
+    R = identity / leg.m - np.outer(c_A, c_T) / leg.j
+    H: Array = identity / leg.m + np.outer(c_T, c_T) / leg.j - R.T @ np.linalg.solve(K, R)
     return H
 
 

@@ -63,11 +63,10 @@ class Walker:
     """Relaxed or deformed flexible walker with flat feet, of a design and its masses."""
 
     def __init__(self, design, mass):
-        self.tilt, self.length = design.limbs[0].tilt, design.limbs[0].length
-        self.thickness, self.depth = design.limbs[0].thickness, design.size.depth
-        self.anchors = [
-            np.array([*anchor, 0.0]) for anchor in (mass.legs[0].anchor, mass.legs[1].anchor)
-        ]
+        limb = design.limbs[0]
+        self.tilt, self.length = limb.tilt, limb.length
+        self.thickness, self.depth = limb.thickness, design.size.depth
+        self.anchors = [np.array([*leg.anchor, 0.0]) for leg in mass.legs]
         self.mass = mass
 
     def leg_point(self, leg, xi, zeta, alpha=0.0, tau=0.0):
@@ -100,7 +99,7 @@ class Walker:
             u = np.array([-math.sin(self.tilt), -math.cos(self.tilt), 0.0])
             rows[:, 6 + 2 * leg] = np.cross(ACROSS, point)
             rows[:, 7 + 2 * leg] = xi / self.length * np.cross(-u, point)
-            M += self.mass.legs[0].m * weight * rows.T @ rows
+            M += self.mass.legs[leg].m * weight * rows.T @ rows
         return M
 
     def _volume(self):

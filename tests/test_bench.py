@@ -283,9 +283,9 @@ def test_a_walker_that_does_not_slide_falls_over_its_lower_feet(heading, frictio
 
 def test_the_first_mode_is_that_of_a_beam_in_finite_elements():
     design, count = PAPER.variant(tilt_deg=10.0), 16
-    mass = float(solids.mass_of(design).m)
-    h = design.limbs[0].length / count
-    bending = 1e9 * design.material.youngs_modulus_gpa * 8.0 * design.limbs[0].thickness ** 3 / 12.0
+    limb, mass = design.limbs[0], float(solids.mass_of(design).legs[0].m)
+    h = limb.length / count
+    bending = 1e9 * design.material.youngs_modulus_gpa * 8.0 * limb.thickness**3 / 12.0
     K, M = np.zeros((2, 2 * count + 2, 2 * count + 2))
     by_length = np.outer(both := np.array([1.0, h, 1.0, h]), both)
     stiff = by_length * [[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]]

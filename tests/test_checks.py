@@ -128,7 +128,7 @@ def test_gaps_narrower_than_a_line_fuse():
     def window(tilt):
         braced = design_of(kind="braced", tilt_deg=tilt)
         warned = "the window between leg and brace may fuse" in [what for _, what in told(braced)]
-        return warned, solids.window_width(braced)
+        return warned, solids.window_width(braced.limbs[0])
 
     assert window(5.0)[0] is False  # leg and brace overlap
     assert window(5.0)[1] < 0.0
@@ -153,8 +153,8 @@ def test_window_and_clearance_are_those_of_the_solid():
     vertices = solids.build(braced).walker.vertices
     at_bottom = np.unique(np.round(vertices[np.abs(vertices[:, 1] + 1.5) < 1e-9, 0], 9))
     gaps = np.diff(at_bottom[np.abs(at_bottom) < 13.9])  # without the body's own corners
-    assert np.isclose(gaps, solids.window_width(braced)).any()
-    assert np.isclose(gaps, solids.clearance(braced)).any()
+    assert np.isclose(gaps, solids.window_width(braced.limbs[0])).any()
+    assert np.isclose(gaps, solids.clearance(braced.limbs)).any()
 
 
 @pytest.mark.parametrize(

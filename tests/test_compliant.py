@@ -36,6 +36,7 @@ from walkergen.simulation.world import (
 from walkergen.theory import tensors
 from walkergen.theory.impact import Law, impact
 from walkergen.walker.design import Design
+from walkergen.walker.mass import scaled
 
 METHODS = {
     "events": (events.advance, events.Options()),
@@ -95,8 +96,7 @@ def test_chain_differs_from_the_papers_tensor_by_the_other_leg(tilt):
     design = Design().variant(tilt_deg=float(tilt))
     differences = []
     for lightness in (1.0, 1e-3):
-        mass = masses(design)
-        mass = mass._replace(m=mass.legs[0].m * lightness, j=mass.legs[0].j * lightness)
+        mass = scaled(masses(design), 1.0, lightness)
         walker = walker_of(design, mass)
         W = mobility_of(chain_of(walker, hinged_state(walker, 1.0), 0.0))
         paper = tensors.feet(mass)[0]

@@ -158,11 +158,10 @@ def test_a_weighed_leg_belongs_to_one_kind():
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
 def test_feet_stay_where_they_are_whatever_the_tilt(tilt, foot):
     design = Design.model_validate({"legs": {"tilt_deg": tilt, "foot": foot}})
-    for anchor, x in zip(design.anchors, (-6.5, 6.5), strict=True):
-        assert anchor[0] + design.limbs[0].anchor_to_foot[0] == pytest.approx(x, abs=1e-12)
-    if foot == "flat":
-        reach = math.hypot(*design.limbs[0].anchor_to_foot)
-        assert reach == pytest.approx(7.5, rel=1e-15)
+    for limb, x in zip(design.limbs, (-6.5, 6.5), strict=True):
+        assert limb.anchor[0] + limb.anchor_to_foot[0] == pytest.approx(x, abs=1e-12)
+        if foot == "flat":
+            assert math.hypot(*limb.anchor_to_foot) == pytest.approx(7.5, rel=1e-15)
 
 
 def test_impossible_geometry_in_a_file_names_the_line(tmp_path):

@@ -108,16 +108,14 @@ def test_descent_helps_and_ascent_hinders():
 
 def test_frozen_joints_weigh_like_the_solid():
     design = Design()
-    built = solids.build(design)
+    back, built = design.limbs[0], solids.build(design)
     loose = solids.weigh(design, built)
     frozen = masses.as_rigid(loose)
     whole = masses.weigh(built.walker, 1.24e-3)
     assert frozen.M == pytest.approx(whole.mass, rel=1e-12)
     assert frozen.J == pytest.approx(whole.inertia, rel=1e-12)
-    foot = whole.centre[:2] + frozen.a + frozen.c_A + frozen.c_T
-    np.testing.assert_allclose(
-        foot, np.array(design.limbs[0].anchor) + design.limbs[0].anchor_to_foot
-    )
+    foot = whole.centre[:2] + frozen.legs[0].foot
+    np.testing.assert_allclose(foot, np.array(back.anchor) + back.anchor_to_foot)
 
 
 def verdicts(plan):

@@ -14,8 +14,8 @@ from walkergen.theory.tensors import feet, rigid
 def tensors(tilt_deg):
     """(flexible, rigid) of the back and of the front foot."""
     mass, pairs = masses(design_of("relaxed", tilt_deg)), []
-    for own, anchor in zip(feet(mass), (mass.legs[0].anchor, mass.legs[1].anchor), strict=True):
-        H = rigid(mass.M, mass.J, anchor + 2 * mass.legs[0].c_A)
+    for own, leg in zip(feet(mass), mass.legs, strict=True):
+        H = rigid(mass.M, mass.J, leg.anchor + 2 * leg.c_A)
         pairs.append((Tensor(*map(float, own)), Tensor(*map(float, H))))
     return pairs
 

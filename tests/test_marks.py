@@ -64,7 +64,7 @@ def test_marks_are_counted_in_mass_and_inertia(kind):
         assert found.M == pytest.approx(density * volume, rel=1e-13)
         assert found.J == pytest.approx(density * inertia, rel=1e-12)
         anchor = member.limbs[0].anchor[0] - first_x / volume
-        assert found.a[0] == pytest.approx(anchor, abs=1e-12)
+        assert found.legs[0].anchor[0] == pytest.approx(anchor, abs=1e-12)
         assert volume < (1.0 - 1e-3) * block[0]
 
 

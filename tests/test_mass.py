@@ -37,10 +37,11 @@ def variants():
 def leg_polygon(design):
     """The leg's outline from the design, in 50 digits and without the modeller."""
     tilt = mp.mpf(design.tilt_deg) * mp.pi / 180
-    s, length = mp.mpf(design.limbs[0].thickness), mp.mpf(design.limbs[0].length)
+    limb = design.limbs[0]
+    s, length = mp.mpf(limb.thickness), mp.mpf(limb.length)
     sin, cos = mp.sin(tilt), mp.cos(tilt)
     top = s / (2 * cos)
-    across = (top, mp.mpf(0)) if design.limbs[0].foot == "flat" else (s / 2 * cos, -s / 2 * sin)
+    across = (top, mp.mpf(0)) if limb.foot == "flat" else (s / 2 * cos, -s / 2 * sin)
     tip = (-length * sin, -length * cos)
     return [(-top, mp.mpf(0)), (tip[0] - across[0], tip[1] - across[1]),
             (tip[0] + across[0], tip[1] + across[1]), (top, mp.mpf(0))]  # fmt: skip
@@ -53,14 +54,13 @@ def test_flexible_walker_against_closed_forms(design):
     assert found.M == pytest.approx(28 * 8 * 3 * DENSITY, rel=1e-12)
     assert found.J == pytest.approx(found.M * (28**2 + 3**2) / 12, rel=1e-12)
     area, centre, second = polygon_moments(leg_polygon(design))
-    assert found.m == pytest.approx(float(area) * depth * DENSITY, rel=1e-12)
-    assert found.m == pytest.approx(7.5 * 0.4 * 8 * DENSITY, rel=1e-12)
-    assert found.j == pytest.approx(float(second) * depth * DENSITY, rel=1e-11)
-    np.testing.assert_allclose(found.c_A, np.array(centre, dtype=float), atol=1e-12)
     # Both feet on the plate, symmetric about the middle, whatever the tilt.
-    for anchor, x in ((found.a, -6.5), (found.b, 6.5)):
-        foot = anchor + found.c_A + found.c_T
-        assert foot[0] == pytest.approx(x, abs=1e-12)
+    for leg, x in zip(found.legs, (-6.5, 6.5), strict=True):
+        assert leg.m == pytest.approx(float(area) * depth * DENSITY, rel=1e-12)
+        assert leg.m == pytest.approx(7.5 * 0.4 * 8 * DENSITY, rel=1e-12)
+        assert leg.j == pytest.approx(float(second) * depth * DENSITY, rel=1e-11)
+        np.testing.assert_allclose(leg.c_A, np.array(centre, dtype=float), atol=1e-12)
+        assert leg.foot[0] == pytest.approx(x, abs=1e-12)
 
 
 @pytest.mark.parametrize("tilt", [0.0, 3.0, 10.0, 35.0])
@@ -71,10 +71,11 @@ def test_braced_walker_is_one_rigid_body(tilt):
     found, whole = solids.weigh(design, built), mass.weigh(built.walker, DENSITY)
     assert found.M == pytest.approx(whole.mass, rel=1e-12)
     assert found.J == pytest.approx(whole.inertia, rel=1e-12)
-    foot = whole.centre[:2] + found.a + found.c_A + found.c_T
     lowest = built.walker.vertices[:, 1].min()
-    np.testing.assert_allclose(foot, [-6.5, lowest], atol=1e-12)
-    assert (found.m, found.j, found.rigid) == (0.0, 0.0, True)
+    for leg, x in zip(found.legs, (-6.5, 6.5), strict=True):
+        np.testing.assert_allclose(whole.centre[:2] + leg.foot, [x, lowest], atol=1e-12)
+        assert (leg.m, leg.j) == (0.0, 0.0)
+    assert found.rigid
 
 
 @pytest.mark.parametrize("scale", [1e-3, 1.0, 1e3])
@@ -82,7 +83,8 @@ def test_braced_walker_is_one_rigid_body(tilt):
 def test_weighing_is_exact_far_away_and_at_any_scale(scale, shift):
     design = Design().variant(tilt_deg=10.0)
     shift = np.array(shift) * scale
-    for mesh in solids.build(design)[1:]:
+    built = solids.build(design)
+    for mesh in (built.body, *built.legs):
         here = mass.weigh(mesh, DENSITY)
         moved = mass.weigh(Mesh(scale * mesh.vertices + shift, mesh.triangles), DENSITY)
         assert moved.mass == pytest.approx(here.mass * scale**3, rel=1e-9)
@@ -94,12 +96,10 @@ def test_weighing_is_exact_far_away_and_at_any_scale(scale, shift):
 @pytest.mark.parametrize("scale", [1e-3, 1e3])
 def test_designs_of_any_scale_weigh_alike(scale):
     one = Design()
+    tables = one.model_dump(include={"body", "legs"}, exclude_none=True)
     lengths = {
-        "body": {key: value * scale for key, value in one.body.model_dump().items()},
-        "legs": {
-            key: value * scale if key.endswith("_mm") else value
-            for key, value in one.legs.model_dump().items()
-        },
+        name: {key: value * scale if key.endswith("_mm") else value for key, value in table.items()}
+        for name, table in tables.items()
     }
     for kind in ("flexible", "braced"):
         small = Design.model_validate(lengths).variant(kind=kind)
@@ -108,7 +108,8 @@ def test_designs_of_any_scale_weigh_alike(scale):
         expected = solids.mass_of(big)
         assert found.M == pytest.approx(expected.M * scale**3, rel=1e-12)
         assert found.J == pytest.approx(expected.J * scale**5, rel=1e-12)
-        np.testing.assert_allclose(found.c_A, expected.c_A * scale, rtol=1e-11)
+        for leg, like in zip(found.legs, expected.legs, strict=True):
+            np.testing.assert_allclose(leg.c_A, like.c_A * scale, rtol=1e-11)
 
 
 def test_round_foot_approaches_the_half_circle():
@@ -118,13 +119,13 @@ def test_round_foot_approaches_the_half_circle():
     # Trapezoid down to the circle's centre, plus the half circle.
     exact = (7.5 - r) * 2 * r + 0.5 * math.pi * r * r
     for segments in (16, 32, 64):
-        area = mass.weigh(solids.build(design, segments).leg, 1.0).volume / 8.0
+        area = mass.weigh(solids.build(design, segments).legs[0], 1.0).volume / 8.0
         errors.append(exact - area)
     assert errors[0] > errors[1] > errors[2] > 0
     assert errors[1] / errors[2] == pytest.approx(4.0, rel=0.1)  # second order in the edge
-    found = solids.mass_of(design)
+    leg = solids.mass_of(design).legs[0]
     np.testing.assert_allclose(
-        found.c_A + found.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r]
+        leg.c_A + leg.c_T, [-(7.5 - r) * math.sin(tilt), -(7.5 - r) * math.cos(tilt) - r]
     )
 
 
@@ -136,15 +137,17 @@ def test_weighed_masses_override_and_rescale():
         built = solids.build(plain)
         a, b = solids.weigh(plain, built), solids.weigh(heavy, built)
         if kind == "flexible":
-            assert (b.M, b.m) == (1.0, 0.05)
+            assert b.M == 1.0
             assert pytest.approx(a.J * 1.0 / a.M, rel=1e-14) == b.J
-            assert pytest.approx(a.j * 0.05 / a.m, rel=1e-14) == b.j
+            for meshed, leg in zip(a.legs, b.legs, strict=True):
+                assert leg.m == 0.05
+                assert pytest.approx(meshed.j * 0.05 / meshed.m, rel=1e-14) == leg.j
         else:
             # Closed form: masses at their centres; the union adds nothing to its three parts.
-            body, leg = (mass.weigh(mesh, 1.0) for mesh in (built.body, built.leg))
+            body, leg = (mass.weigh(mesh, 1.0) for mesh in (built.body, built.legs[0]))
             inertias = [1.0 * body.inertia / body.mass] + [0.05 * leg.inertia / leg.mass] * 2
             masses = np.array([1.0, 0.05, 0.05])
-            legs = [np.add(anchor, leg.centre[:2]) for anchor in plain.anchors]
+            legs = [np.add(limb.anchor, leg.centre[:2]) for limb in plain.limbs]
             places = np.array([body.centre[:2], *legs])
             places -= masses @ places / masses.sum()
             J = sum(inertias) + masses @ (places**2).sum(axis=1)

@@ -66,12 +66,8 @@ def test_standard_deviation_against_linear_propagation():
 
     def speed(scale_M=1.0, scale_m=1.0, **contact):
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
-        varied = mass._replace(
-            M=mass.M * scale_M,
-            J=mass.J * scale_M,
-            m=mass.legs[0].m * scale_m,
-            j=mass.legs[0].j * scale_m,
-        )
+        legs = tuple(leg._replace(m=leg.m * scale_m, j=leg.j * scale_m) for leg in mass.legs)
+        varied = mass._replace(M=mass.M * scale_M, J=mass.J * scale_M, legs=legs)
         return prediction.predict(design, varied, changed).speed_mm_s
 
     step = 1e-4

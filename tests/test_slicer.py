@@ -24,6 +24,7 @@ from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 
 pytestmark = [pytest.mark.slow, pytest.mark.programs]
 
@@ -81,12 +82,17 @@ class Walker(NamedTuple):
     """In the design's frame."""
 
     @property
+    def limb(self) -> Limb:
+        """Back leg, like which the front one is."""
+        return self.design.limbs[0]
+
+    @property
     def layers(self) -> int:
         return round(self.design.size.depth / self.printer.layer_height_mm)
 
     def below(self, low: float, high: float) -> np.ndarray:
         """Plastic by layer and leg (back, front) between two heights y of the design, mm^3."""
-        lines, (tilt, foot) = self.lines, (self.design.limbs[0].tilt, self.foot)
+        lines, tilt, foot = self.lines, self.limb.tilt, self.foot
         start, end = (np.clip(points[:, 1], low, high) for points in (lines.start, lines.end))
         length = np.abs(lines.end[:, 1] - lines.start[:, 1])
         level = (lines.start[:, 1] > low) & (lines.start[:, 1] < high)
@@ -105,7 +111,7 @@ class Walker(NamedTuple):
 
     @property
     def foot(self) -> float:
-        return self.bottom + self.design.limbs[0].anchor_to_foot[1]
+        return self.limb.foot_height
 
     @property
     def legs(self) -> np.ndarray:
@@ -189,8 +195,8 @@ def test_every_leg_has_plastic_in_every_layer(sliced_family):
 
 def test_legs_get_the_plastic_that_the_checks_promise(sliced_family):
     for walker in sliced_family.walkers:
-        mesh = mass.weigh(solids.build(walker.design).leg, 1.0).volume
-        promised = walls.leg_plastic(walker.design, walker.printer)
+        mesh = mass.weigh(solids.build(walker.design).legs[0], 1.0).volume
+        promised = walls.leg_plastic(walker.limb, walker.printer)
         tolerance = walls.TOLERANCE[walker.design.kind]
         assert walker.legs.sum(axis=0) / mesh == pytest.approx([promised] * 2, abs=tolerance)
 
@@ -237,17 +243,12 @@ def test_walls_get_the_plastic_of_the_flow_model(tmp_path, generator, thin, line
     where, model = laid_out(designs, printer, tmp_path)
     printed = print_of(model, model.with_suffix(".ini"))
     for walker in walkers_of(printed, designs, where, printer):
-        thickness = walker.design.limbs[0].thickness
+        thickness = walker.limb.thickness
         edges = [walls.printed_thickness(f * thickness, printer) for f in (0.97, 1.03)]
         if max(edges) - min(edges) > 0.07 * thickness:
             continue  # within 3 % of a step, where rounding decides
         low, high = walker.foot + 2.0, walker.bottom - 2.0
-        drawn = (
-            thickness
-            / np.cos(walker.design.limbs[0].tilt)
-            * (high - low)
-            * walker.design.size.depth
-        )
+        drawn = thickness / np.cos(walker.limb.tilt) * (high - low) * walker.limb.width
         seen = walker.below(low, high).sum() / (2 * drawn)
         assert seen - 1.0 == pytest.approx(walls.deviation(thickness, printer), abs=0.01), thickness
 

@@ -29,8 +29,8 @@ def test_feet_are_the_lowest_points_where_the_design_says(foot):
         design = Design.model_validate({"legs": {"foot": foot, "tilt_deg": tilt}})
         vertices = solids.build(design).walker.vertices
         lowest = vertices[:, 1].min()
-        for anchor, x in zip(design.anchors, (-6.5, 6.5), strict=True):
-            foot_x, foot_y = np.array(anchor) + design.limbs[0].anchor_to_foot
+        for limb, x in zip(design.limbs, (-6.5, 6.5), strict=True):
+            foot_x, foot_y = np.array(limb.anchor) + limb.anchor_to_foot
             assert foot_x == pytest.approx(x, abs=1e-12)
             assert foot_y == pytest.approx(lowest, abs=1e-12)
             if foot != "flat" and tilt != 0.0:  # a point; a flat foot's is the middle of its edge

@@ -12,7 +12,7 @@ from walkergen.theory.impact import Kind, Law, resolve
 from walkergen.theory.speed import LAWS, factor, factors
 from walkergen.theory.tensors import InverseMass, feet
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties
+from walkergen.walker.mass import LegMass, MassProperties
 
 
 def ideal(tilt_deg, m_over_M=None):
@@ -137,10 +137,14 @@ def test_mirror_image_runs_backwards():
 def test_speed_does_not_depend_on_scale_or_density():
     one = ideal(12.0)
     for length, mass in ((1e-3, 1.0), (1e3, 1.0), (1.0, 1e6)):
-        scaled = MassProperties(
-            one.M * mass, one.J * mass * length**2, one.m * mass, one.j * mass * length**2,
-            *(length * vector for vector in (one.a, one.b, one.c_A, one.c_T)), False,
+        legs = tuple(
+            LegMass(
+                leg.m * mass, leg.j * mass * length**2,
+                *(length * vector for vector in (leg.anchor, leg.c_A, leg.c_T)),
+            )
+            for leg in one.legs
         )  # fmt: skip
+        scaled = MassProperties(one.M * mass, one.J * mass * length**2, legs, False)
         for law in LAWS:
             expected = factors(one, 0.8, 0.25, law=law)
             found = factors(scaled, 0.8, 0.25, law=law)

@@ -71,10 +71,11 @@ def test_shape_ladder_agrees_with_the_closed_form_of_a_half_disc():
     """The round foot taken for exact, against the closed-form mass of quad and half disc."""
     design = Design.model_validate({"legs": {"foot": "round"}})
     mass = solids.weigh(design, solids.build(design, shape.EXACT_SEGMENTS))
-    half = 0.5 * design.limbs[0].thickness
+    limb = design.limbs[0]
+    half = 0.5 * limb.thickness
     # The leg's centre line ends half a thickness early; its slanted top adds as much as it cuts.
-    area = 2.0 * half * (design.limbs[0].length - half) + 0.5 * math.pi * half**2
-    exact = 1e-3 * design.material.density_g_cm3 * design.size.depth * area
+    area = 2.0 * half * (limb.length - half) + 0.5 * math.pi * half**2
+    exact = 1e-3 * design.material.density_g_cm3 * limb.width * area
     ladder = shape.ladder(survey_of(), silent)
     finest = next(rung for rung in ladder.rungs if rung.setting == "512 edges")
     assert mass.legs[0].m == pytest.approx(exact, rel=0.05 * finest.details["m"])

@@ -188,15 +188,16 @@ def check_refusal(error, tables):
 
 
 def check_solid(design, shape):
-    parts = [mass.weigh(part, 1.0).volume for part in shape]
+    whole, body, *legs = (
+        mass.weigh(part, 1.0).volume for part in (shape.walker, shape.body, *shape.legs)
+    )
     # Round feet are polygons: the union against its own parts; coordinates carry 16 digits.
-    assert parts[0] == pytest.approx(parts[1] + 2 * parts[2], rel=1e-11)
-    body, legs = design.body, design.legs
-    assert parts[1] == pytest.approx(body.length_mm * body.depth_mm * body.thickness_mm, rel=1e-12)
-    if legs.kind == "flexible" and legs.foot != "round":
-        closed = legs.length_mm * design.limbs[0].thickness * body.depth_mm
-        assert parts[2] == pytest.approx(closed, rel=1e-11)
-    assert parts[2] > 0.0
+    assert whole == pytest.approx(body + sum(legs), rel=1e-11)
+    assert body == pytest.approx(math.prod(design.size), rel=1e-12)
+    for limb, volume in zip(design.limbs, legs, strict=True):
+        if not limb.braced and limb.foot != "round":
+            assert volume == pytest.approx(limb.length * limb.thickness * limb.width, rel=1e-11)
+        assert volume > 0.0
 
 
 def feet_gaps(plan, weighed, rows, drive):
@@ -209,10 +210,9 @@ def feet_gaps(plan, weighed, rows, drive):
     if plan.resolved.on("second harmonic"):
         shift = math.radians(drive.second_harmonic_phase_deg)
         plate = plate + drive.second_harmonic_ratio * np.sin(2 * phase + shift)
-    reach = weighed.c_A + weighed.c_T
     heights = []
-    for anchor, alpha in zip((weighed.a, weighed.b), alphas, strict=True):
-        turn = pitch + alpha
+    for leg, alpha in zip(weighed.legs, alphas, strict=True):
+        anchor, reach, turn = leg.anchor, leg.c_A + leg.c_T, pitch + alpha
         foot = anchor[0] * np.sin(pitch) + anchor[1] * np.cos(pitch)
         foot = foot + reach[0] * np.sin(turn) + reach[1] * np.cos(turn)
         heights.append(y + foot - drive.amplitude * plate)

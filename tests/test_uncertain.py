@@ -64,7 +64,8 @@ def test_values_reach_scene_design_and_masses():
     assert (design.legs.flexible_thickness_mm, design.material.youngs_modulus_gpa) == (0.44, 2.5)
     assert mass.M == pytest.approx(1.1 * plain.M)
     assert mass.spatial.body == pytest.approx(1.1 * plain.spatial.body)
-    assert mass.legs[0].m == pytest.approx(0.9 * 1.1 * plain.m, rel=2e-3)  # 1.1: of the thickness
+    for leg, before in zip(mass.legs, plain.legs, strict=True):
+        assert leg.m == pytest.approx(0.9 * 1.1 * before.m, rel=2e-3)  # 1.1: of the thickness
 
 
 def test_nothing_changed_is_the_design_itself():

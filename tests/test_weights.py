@@ -33,7 +33,7 @@ def predicted(weighed, members=MEMBERS):
 
 def meshed(design):
     built, density = solids.build(design), 1.24e-3
-    return mass.weigh(built.body, density).mass, mass.weigh(built.leg, density).mass
+    return mass.weigh(built.body, density).mass, mass.weigh(built.legs[0], density).mass
 
 
 def test_copies_are_averaged_with_their_standard_error(read):

@@ -26,37 +26,36 @@ def test_a_cut_at_the_bottom_face_gives_back_the_design(kind, foot, tilt):
     Of that width the arc's vertices, 0.01 mm apart, show all but one on either side.
     """
     design = design_of(kind, foot, tilt)
-    walker = solids.build(design).walker
-    found = whole_mesh.cut_legs(walker, -design.anchor_to_foot[1])
+    parts, limb = solids.build(design), design.limbs[0]
+    found = whole_mesh.cut_legs(parts.walker, -limb.anchor_to_foot[1])
     assert len(found.legs) == 2
     slack = 2e-2 if foot == "round" else 1e-9
     body = mass.weigh(found.body, DENSITY)
-    parts = solids.build(design)
     assert body.mass == pytest.approx(mass.weigh(parts.body, DENSITY).mass, rel=1e-12)
-    limb = mass.weigh(parts.leg, DENSITY)
-    half = math.atan2(design.leg_thickness, design.legs.length_mm)  # a square foot stands on a side
-    for leg, anchor in zip(found.legs, design.anchors, strict=True):
-        assert mass.weigh(leg.mesh, DENSITY).mass == pytest.approx(limb.mass, rel=1e-9)
-        np.testing.assert_allclose(leg.foot[:2] - leg.anchor[:2], design.anchor_to_foot, atol=slack)
+    whole = mass.weigh(parts.legs[0], DENSITY)
+    half = math.atan2(limb.thickness, limb.length)  # a square foot stands on a side
+    for leg, like in zip(found.legs, design.limbs, strict=True):
+        assert mass.weigh(leg.mesh, DENSITY).mass == pytest.approx(whole.mass, rel=1e-9)
+        np.testing.assert_allclose(leg.foot[:2] - leg.anchor[:2], like.anchor_to_foot, atol=slack)
         assert (leg.width, leg.z) == pytest.approx((8.0, 4.0), rel=1e-12)
-        assert leg.length == pytest.approx(math.hypot(*design.anchor_to_foot), abs=slack)
-        assert leg.struts == (2 if solids.has_window(design) else 1)
+        assert leg.length == pytest.approx(math.hypot(*like.anchor_to_foot), abs=slack)
+        assert leg.struts == (2 if solids.has_window(like) else 1)
         if leg.struts == 2 or kind == "flexible":
-            np.testing.assert_allclose(leg.anchor[:2], anchor, atol=1e-9)
-            along = math.cos(leg.tilt) / math.cos(design.tilt)
-            assert leg.thickness == pytest.approx(design.leg_thickness * along, rel=1e-9)
+            np.testing.assert_allclose(leg.anchor[:2], like.anchor, atol=1e-9)
+            along = math.cos(leg.tilt) / math.cos(like.tilt)
+            assert leg.thickness == pytest.approx(like.thickness * along, rel=1e-9)
         if foot == "flat":
-            assert leg.tilt == pytest.approx(design.tilt, abs=1e-9)
-            assert leg.length == pytest.approx(design.legs.length_mm, rel=1e-9)
+            assert leg.tilt == pytest.approx(like.tilt, abs=1e-9)
+            assert leg.length == pytest.approx(like.length, rel=1e-9)
         else:
-            assert abs(leg.tilt - design.tilt) < half
+            assert abs(leg.tilt - like.tilt) < half
 
 
 def test_a_lower_cut_leaves_stumps_on_the_body():
     """A hundredth of the leg stays above the cut: the tilt is the same, length and mass follow."""
     design = design_of("flexible", "flat", 10.0)
-    walker = solids.build(design).walker
-    found = whole_mesh.cut_legs(walker, 0.99 * -design.anchor_to_foot[1])
+    limb, walker = design.limbs[0], solids.build(design).walker
+    found = whole_mesh.cut_legs(walker, 0.99 * -limb.anchor_to_foot[1])
     total = mass.weigh(walker, DENSITY).mass
     masses = [
         mass.weigh(mesh, DENSITY).mass for mesh in (found.body, *(f.mesh for f in found.legs))
@@ -64,7 +63,7 @@ def test_a_lower_cut_leaves_stumps_on_the_body():
     assert sum(masses) == pytest.approx(total, rel=1e-13)
     assert masses[1] == pytest.approx(0.99 * 7.5 * 0.4 * 8.0 * DENSITY, rel=1e-10)
     for leg in found.legs:
-        assert leg.tilt == pytest.approx(design.tilt, abs=1e-10)
+        assert leg.tilt == pytest.approx(limb.tilt, abs=1e-10)
         assert leg.length == pytest.approx(0.99 * 7.5, rel=1e-10)
 
 
@@ -77,7 +76,7 @@ def test_through_a_file_of_32_bits(tmp_path):
     assert read.changes == ()
     found = whole_mesh.cut_legs(read.mesh, 7.0)
     for leg in found.legs:
-        assert leg.tilt == pytest.approx(design.tilt, abs=1e-6)
+        assert leg.tilt == pytest.approx(design.limbs[0].tilt, abs=1e-6)
         assert leg.thickness == pytest.approx(0.4, abs=2e-6)
         faults.refuse(leg.mesh, "leg")
     spacing = found.legs[1].foot[0] - found.legs[0].foot[0]

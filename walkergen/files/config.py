@@ -6,11 +6,13 @@ A mistake is one line: file and line, key, value seen, what is allowed, and a sp
 import difflib
 import re
 import tomllib
-from collections.abc import Mapping
+from collections import Counter
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError
+from pydantic.fields import FieldInfo
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import reading
@@ -79,7 +81,7 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 
 def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
-    location = tuple(str(part) for part in mistake["loc"])
+    location = _path_of(mistake["loc"], model)
     line = _line_of(location, text)
     where = f"{source}:{line}" if line else source
     key = ".".join(location) or "file"
@@ -87,7 +89,13 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
         return f"{where}: {key}: unknown key{_spelling_hint(location, model)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
         return f"{where}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
-    seen = "" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
+    if mistake["type"] in ("too_short", "too_long"):
+        words, limit = {
+            "too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")
+        }[mistake["type"]]  # fmt: skip
+        count = len(mistake["input"])
+        return f"{where}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
+    seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
     return f"{where}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
 
 
@@ -98,20 +106,59 @@ def _shown(value: Any) -> str:
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
+def _path_of(places: Sequence[str | int], model: type[Section]) -> tuple[str, ...]:
+    """Keys that lead to a mistake of pydantic's: legs[2] is the second of a list of tables.
+
+    The tag by which pydantic tells a table from a list of them is left out.
+    """
+    found: list[str] = []
+    for before, place in zip(("", *places), places, strict=False):
+        if isinstance(place, int):
+            found[-1] += f"[{place + 1}]"
+        elif not (found and before == found[-1] and place in _tags(tuple(found), model)):
+            found.append(place)
+    return tuple(found)
+
+
+def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
+    """Tags of the forms that a key may have."""
+    field = _field_at(location, model)
+    forms = get_args(field.annotation) if field else ()
+    metadata = [item for form in forms for item in getattr(form, "__metadata__", ())]
+    return {item.tag for item in metadata if isinstance(item, Tag)}
+
+
 def _line_of(location: tuple[str, ...], text: str) -> int | None:
-    """Line of a key in TOML text: tables by header, dotted keys joined; None when not found."""
+    """Line of a key in TOML text: tables by header, dotted keys joined.
+
+    Of a key that is not written, the line of its table; None when that is not found either.
+    """
     table: tuple[str, ...] = ()
+    tables: Counter[tuple[str, ...]] = Counter()
+    plain, own = (tuple(map(_unnumbered, part)) for part in (location, location[:-1]))
+    fallback = None
     for number, line in enumerate(text.splitlines(), start=1):
-        if header := re.match(r"\s*\[+\s*([\w.\s\"'-]+?)\s*\]+", line):
-            table = _split_key(header[1])
-            key = table
+        if header := re.match(r"\s*(\[+)\s*([\w.\s\"'-]+?)\s*\]+", line):
+            table = _split_key(header[2])
+            tables[table] += 1
+            if header[1] == "[[":
+                if location == table:
+                    return number  # what is wrong with the list as a whole
+                table = (*table[:-1], f"{table[-1]}[{tables[table]}]")
+            if table == location:
+                return number
+            if table == location[:-1]:
+                fallback = fallback or number
         elif pair := re.match(r"\s*([\w.\s\"'-]+?)\s*=", line):
             key = table + _split_key(pair[1])
-        else:
-            continue
-        if key == location or (key == location[:-1] and key != table):
-            return number
-    return None
+            if key in (location, plain, location[:-1], own):
+                return number
+    return fallback
+
+
+def _unnumbered(key: str) -> str:
+    """Key without the number of an entry of its list: legs of legs[2]."""
+    return key.partition("[")[0]
 
 
 def _split_key(dotted: str) -> tuple[str, ...]:
@@ -120,11 +167,13 @@ def _split_key(dotted: str) -> tuple[str, ...]:
 
 def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:
     """End of a line on an unknown key: the known key most like it, or all of its table."""
+    table = _model_at(location[:-1], model)
     known = [".".join(path) for path in _keys(model)]
+    if table and any("[" in key for key in location):
+        known = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
     if close:
         return f"; did you mean {close[0]}?"
-    table = _model_at(location[:-1], model)
     names = ", ".join(table.model_fields) if table else ", ".join(known)
     return f"; known here: {names}"
 
@@ -140,29 +189,37 @@ def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str,
     return found
 
 
-def _section_of(annotation: Any) -> type[Section] | None:
-    """Table that a key of this annotation holds; None when it holds none."""
-    kinds = (annotation, *get_args(annotation))
-    return next((one for one in kinds if isinstance(one, type) and issubclass(one, Section)), None)
+def _section_of(annotation: Any, listed: bool = False) -> type[Section] | None:
+    """Table that a key of this annotation holds, or a list of which; None when it holds none."""
+    if isinstance(annotation, type) and issubclass(annotation, Section):
+        return None if listed else annotation
+    if get_origin(annotation) is list:
+        return _section_of(get_args(annotation)[0]) if listed else None
+    found = (_section_of(one, listed) for one in get_args(annotation))
+    return next((one for one in found if one), None)
+
+
+def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | None:
+    """Field at the end of a path of keys; None when the path leads to none."""
+    table = _model_at(location[:-1], model) if location else None
+    return table.model_fields.get(_unnumbered(location[-1])) if table else None
 
 
 def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] | None:
     """Table at the end of a path of keys; None when the path leads to none."""
-    found: type[Section] | None = model
-    for name in location:
-        field = found.model_fields.get(name) if found else None
-        found = _section_of(field.annotation) if field else None
-    return found
+    if not location:
+        return model
+    field = _field_at(location, model)
+    return _section_of(field.annotation, listed="[" in location[-1]) if field else None
 
 
 def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
     """Values that a key may hold, in words, from the model's constraints; '' when it has none."""
-    table = _model_at(location[:-1], model) if location else None
-    field = table.model_fields.get(location[-1]) if table and location else None
+    field = _field_at(location, model)
     if field is None:
         return ""
-    if _section_of(field.annotation):
-        return f"must be a table [{location[-1]}] of keys"
+    if told := _tables_in_words(_unnumbered(location[-1]), field.annotation):
+        return told
     metadata, types = list(field.metadata), [field.annotation]
     while types:
         annotation = types.pop()
@@ -176,6 +233,16 @@ def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
         described = f" ({field.description})" if field.description else ""
         return f"must be a number {bounds}{described}"
     return f"must be {field.description}" if field.description else ""
+
+
+def _tables_in_words(key: str, annotation: Any) -> str:
+    """Tables that a key may hold, in words; '' when it holds none."""
+    forms = [
+        f"{start}{key}{end}"
+        for start, end, listed in (("a table [", "] of keys", False), ("tables [[", "]]", True))
+        if _section_of(annotation, listed)
+    ]
+    return "must be " + ", or ".join(forms) if forms else ""
 
 
 def _bounds(metadata: list[Any]) -> str:

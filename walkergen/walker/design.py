@@ -12,7 +12,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, field_validator, model_validator
+from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
 from walkergen.errors import GeometryError
 from walkergen.files.config import Name, Section, validate
@@ -107,13 +107,16 @@ class Design(Section):
     marks: Marks = Marks()
     family: Family = Family()
 
+    @field_validator("leg_tilt_deg")
+    @classmethod
+    def _of_a_list(cls, value: float | None, info: ValidationInfo) -> float | None:
+        if value is not None and isinstance(info.data.get("legs"), Legs):
+            raise ValueError("it is for a list [[legs]]; two equal legs have legs.tilt_deg")
+        return value
+
     @model_validator(mode="after")
     def _buildable(self) -> "Design":
         if isinstance(self.legs, Legs):
-            if self.leg_tilt_deg is not None:
-                raise ValueError(
-                    "leg_tilt_deg is for a list [[legs]]; two equal legs have legs.tilt_deg"
-                )
             found = [] if self.whole else buildable.of_pair(self.legs, self.size)
         else:
             found = buildable.of_list(self.limbs, self.size)

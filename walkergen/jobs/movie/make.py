@@ -23,6 +23,7 @@ from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impact
 from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, as_rigid, from_centre
 from walkergen.walker.planar import in_plane
 
@@ -286,10 +287,16 @@ def _shape(design: Design, mass: MassProperties) -> Shape:
     outline, planar = solids.outline(design), in_plane(design, mass)
     return Shape(
         from_centre(design, mass, outline.body),
-        tuple(outline.limbs[design.limbs.index(limb)] for limb in planar.limbs),
+        tuple(_polygons(outline, design, limb) for limb in planar.limbs),
         np.array([leg.anchor for leg in planar.mass.legs]),
         np.array([limb.anchor_to_foot for limb in planar.limbs]),
     )
+
+
+def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[solids.Polygon, ...]:
+    """Polygons of a leg of the plane: those of the first leg that it stands for."""
+    alike = [one._replace(width=limb.width) for one in design.limbs]
+    return outline.limbs[alike.index(limb)]
 
 
 def settings(scene: Scene, models: Sequence[str]) -> str:

@@ -201,7 +201,7 @@ def _refusals(model: str, method: str) -> Iterator[Check]:
 
 
 def _scaled(design: Design, scale: float) -> Design:
-    data = design.model_dump(include={"body", "legs"})
+    data = design.model_dump(include={"body", "legs"}, exclude_none=True)
     for table in data.values():
         table.update({key: scale * v for key, v in table.items() if key.endswith("_mm")})
     return Design.model_validate(data)

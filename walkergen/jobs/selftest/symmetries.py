@@ -138,7 +138,7 @@ def _scaled(model: str, method: str, scale: float) -> Plan:
     one = design_of(model, 10.0)
     tables = {
         name: {k: v * scale if k.endswith("_mm") else v for k, v in section.items()}
-        for name, section in one.model_dump(include={"body", "legs"}).items()
+        for name, section in one.model_dump(include={"body", "legs"}, exclude_none=True).items()
     }
     design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     scene = scene_of(
