@@ -68,7 +68,7 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
             f"arena.kind = 'plane': the model {wanted} cannot turn on a plane; use legs.model "
             "'auto' or 'space', or arena.kind = 'lane'"
         )
-    problem = _out_of_plane(design, mass)
+    problem = _out_of_plane(design, mass, wanted)
     if problem and wanted not in ("auto", "space"):
         raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
     if wanted != "auto":
@@ -82,17 +82,17 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
 
 
-def _out_of_plane(design: Design, mass: MassProperties) -> str:
-    """Reason for which planar models do not know a walker; "" where they do."""
+def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
+    """Reason for which a planar model does not know a walker; "" where it does."""
     limbs = in_plane(design, mass).limbs
-    places = ", ".join(f"{limb.along:g}" for limb in limbs)
     if len(limbs) != 2 or limbs[0].along == limbs[1].along:
-        number = len(limbs)
-        return f"knows two feet in the plane, one behind the other, this walker has {number}, " + (
-            f"at {places} mm along"
+        places = ", ".join(f"{limb.along:g}" for limb in limbs)
+        return (
+            "knows two feet in the plane, one behind the other; those of this walker stand at "
+            f"{places} mm along"
         )
-    if limbs[0].braced != limbs[1].braced:
-        return "knows legs of one kind, of this walker's one is braced and one flexible"
+    if model != "rigid" and limbs[0].braced != limbs[1].braced:
+        return "knows two legs of one kind; of this walker's one is braced, one flexible"
     return ""
 
 
