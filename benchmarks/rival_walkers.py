@@ -41,12 +41,22 @@ def start(task: dict[str, Any], clearance: float, pitch: float, phase: float) ->
     """Height and pitch of the body, and its vertical speed against the plate."""
     w = task["walker"]
     feet = [
-        math.sin(pitch) * (w[f"{leg}_x"] + w["reach_x"])
-        + math.cos(pitch) * (w[f"{leg}_y"] + w["reach_y"])
-        for leg in ("back", "front")
+        math.sin(pitch) * (anchor[0] + reach[0]) + math.cos(pitch) * (anchor[1] + reach[1])
+        for anchor, reach in zip(w["anchors"], w["reaches"], strict=True)
     ]
     fall = -task["amplitude"] * task["omega"] * math.cos(phase)
     return [clearance - min(feet), pitch, fall]
+
+
+def legs_of(walker: dict[str, Any]) -> list[tuple[Any, ...]]:
+    """Name, anchor, reach and numbers of each leg."""
+    each = walker["anchors"], walker["reaches"], walker["legs"]
+    return list(zip(("back", "front"), *each, strict=True))
+
+
+def own_inertia(leg: dict[str, Any]) -> float:
+    """Moment of inertia of a leg about its own centre of mass, g mm^2."""
+    return float(leg["inertia"] - leg["mass"] * (leg["centre"][0] ** 2 + leg["centre"][1] ** 2))
 
 
 # --- MuJoCo: generalised coordinates, soft contacts, Newton's solver for the convex problem ---
@@ -73,24 +83,23 @@ def contact_spring(restitution: float, duration: float) -> tuple[float, float]:
 
 def mujoco_model(task: dict[str, Any]) -> str:
     """The walker as MuJoCo's XML; its z is up, so that pitch turns about -y."""
-    w, step = task["walker"], task["step"]
-    legs, e = w["legs"], task["restitution"]
+    w, step, e = task["walker"], task["step"], task["restitution"]
     stiff = f"{2.0 * step:.9g} 1"  # the stiffest allowed: a slip ends in one step
     solref = f"{2.0 * step:.9g} {PLASTIC}"
     if e > 0.0:
         k, b = contact_spring(e, task["contact steps"] * step)
         solref = f"{-k:.9g} {-b:.9g}"
-    own = legs["inertia"] - legs["mass"] * (legs["centre_x"] ** 2 + legs["centre_y"] ** 2)
     limbs, pairs = "", ""
-    for name in ("back", "front"):
+    for name, anchor, reach, leg in legs_of(w):
+        centre, own = leg["centre"], own_inertia(leg)
         limbs += f"""
-      <body pos="{w[name + "_x"]} 0 {w[name + "_y"]}">
-        <inertial pos="{legs["centre_x"]} 0 {legs["centre_y"]}" mass="{legs["mass"]}"
+      <body pos="{anchor[0]} 0 {anchor[1]}">
+        <inertial pos="{centre[0]} 0 {centre[1]}" mass="{leg["mass"]}"
                   diaginertia="{own} {own} {own}"/>
-        <joint type="hinge" axis="0 -1 0" stiffness="{legs["stiffness"]}"
-               damping="{legs["damping"]}"/>
+        <joint type="hinge" axis="0 -1 0" stiffness="{leg["stiffness"]}"
+               damping="{leg["damping"]}"/>
         <geom name="{name}" type="sphere" size="{FOOT}" contype="0" conaffinity="0"
-              pos="{w["reach_x"]} 0 {w["reach_y"] + FOOT}"/>
+              pos="{reach[0]} 0 {reach[1] + FOOT}"/>
       </body>"""
         pairs += f"""
     <pair geom1="plate" geom2="{name}" condim="3" solref="{solref}" solreffriction="{stiff}"
@@ -174,7 +183,7 @@ def run_pymunk(task: dict[str, Any]) -> dict[str, Any]:
 
 def pymunk_space(pymunk: Any, task: dict[str, Any], where: tuple[float, float, float]) -> Any:
     """The walker about to drop: (space, body)."""
-    w, legs = task["walker"], task["walker"]["legs"]
+    w = task["walker"]
     height, pitch, fall = start(task, *where)
     space = pymunk.Space()
     space.iterations = task["iterations"]
@@ -182,18 +191,17 @@ def pymunk_space(pymunk: Any, task: dict[str, Any], where: tuple[float, float, f
     plate = pymunk.Segment(space.static_body, (-1e5, -10.0), (1e5, -10.0), 10.0)
     body = pymunk.Body(w["mass"], w["inertia"])
     body.position, body.angle, body.velocity = (0.0, height), pitch, (0.0, fall)
-    own = legs["inertia"] - legs["mass"] * (legs["centre_x"] ** 2 + legs["centre_y"] ** 2)
     space.add(plate, body)
     feet = []
-    for name in ("back", "front"):
-        anchor = (w[name + "_x"], w[name + "_y"])
-        leg = pymunk.Body(legs["mass"], own)
-        centre = (anchor[0] + legs["centre_x"], anchor[1] + legs["centre_y"])
+    for _, anchor, reach, limb in legs_of(w):
+        c_x, c_y = limb["centre"]
+        leg = pymunk.Body(limb["mass"], own_inertia(limb))
+        centre = (anchor[0] + c_x, anchor[1] + c_y)
         leg.position, leg.angle, leg.velocity = body.local_to_world(centre), pitch, (0.0, fall)
-        hinge = pymunk.PivotJoint(body, leg, anchor, (-legs["centre_x"], -legs["centre_y"]))
+        hinge = pymunk.PivotJoint(body, leg, tuple(anchor), (-c_x, -c_y))
         hinge.error_bias = math.exp(-1.0 / RECOVERY)
-        spring = pymunk.DampedRotarySpring(body, leg, 0.0, legs["stiffness"], legs["damping"])
-        tip = (w["reach_x"] - legs["centre_x"], w["reach_y"] - legs["centre_y"] + FOOT)
+        spring = pymunk.DampedRotarySpring(body, leg, 0.0, limb["stiffness"], limb["damping"])
+        tip = (reach[0] - c_x, reach[1] - c_y + FOOT)
         foot = pymunk.Circle(leg, FOOT, tip)
         foot.filter = pymunk.ShapeFilter(group=1)
         feet.append(foot)

@@ -149,7 +149,7 @@ def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str
     mass = solids.mass_of(design)
     walker = walker_of(design, mass, damping_ratio=scene.legs.damping_ratio)
     assert walker.legs is not None
-    limbs = {name: value for name, value in walker.legs._asdict().items() if name != "swing"}
+    limbs = [leg._asdict() for leg in walker.legs]
     drive = scene.drive
     period = 1.0 / drive.frequency
     count = round(period / (1e-6 * setting.step_us))

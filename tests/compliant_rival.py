@@ -37,21 +37,21 @@ class Rival:
     def __init__(self, world):
         self.plate, self.gravity = world.drive, world.acting.gravity
         self.walker, walker, legs = world.walker, world.walker, world.walker.legs
-        self.anchors = np.array([[walker.back_x, walker.back_y], [walker.front_x, walker.front_y]])
-        self.centre = np.array([legs.centre_x, legs.centre_y])
-        self.tip = np.array([walker.reach_x, walker.reach_y]) - self.centre
-        own = legs.inertia - legs.mass * self.centre @ self.centre
-        self.masses = np.array(
-            [walker.mass, walker.mass, walker.inertia, *([legs.mass, legs.mass, own] * 2)]
-        )
+        self.anchors = np.array(walker.anchors)
+        self.centres = np.array([leg.centre for leg in legs])
+        self.tips = np.array(walker.reaches) - self.centres
+        self.masses = np.array([walker.mass, walker.mass, walker.inertia])
+        for leg, centre in zip(legs, self.centres, strict=True):
+            own = leg.inertia - leg.mass * centre @ centre
+            self.masses = np.append(self.masses, [leg.mass, leg.mass, own])
 
     def coordinates(self, state):
         """(positions, velocities), each of shape (9,), of a state of the simulator."""
         p, v = [*state[[X, Y, PITCH]]], [*state[[V_X, V_Y, SPIN]]]
         pairs = ((ANGLE_BACK, RATE_BACK), (ANGLE_FRONT, RATE_FRONT))
-        for anchor, (angle, rate) in zip(self.anchors, pairs, strict=True):
+        for anchor, centre, (angle, rate) in zip(self.anchors, self.centres, pairs, strict=True):
             psi, spin = state[PITCH] + state[angle], state[SPIN] + state[rate]
-            A, C = turn(state[PITCH]) @ anchor, turn(psi) @ self.centre
+            A, C = turn(state[PITCH]) @ anchor, turn(psi) @ centre
             p += [*(state[[X, Y]] + A + C), psi]
             v += [*(state[[V_X, V_Y]] + perp(A) * state[SPIN] + perp(C) * spin), spin]
         return np.array(p), np.array(v)
@@ -61,7 +61,7 @@ class Rival:
         rows, bias = np.zeros((4, 9)), np.zeros(4)
         for i, anchor in enumerate(self.anchors):
             k = 3 + 3 * i
-            A, C = turn(p[2]) @ anchor, turn(p[k + 2]) @ self.centre
+            A, C = turn(p[2]) @ anchor, turn(p[k + 2]) @ self.centres[i]
             rows[2 * i : 2 * i + 2, :2] = np.eye(2)
             rows[2 * i : 2 * i + 2, 2] = perp(A)
             rows[2 * i : 2 * i + 2, k : k + 2] = -np.eye(2)
@@ -72,17 +72,17 @@ class Rival:
     def foot(self, p, v, i):
         """Position, rows of its velocity and J' v of foot i."""
         k = 3 + 3 * i
-        T = turn(p[k + 2]) @ self.tip
+        T = turn(p[k + 2]) @ self.tips[i]
         rows = np.zeros((2, 9))
         rows[:, k : k + 2] = np.eye(2)
         rows[:, k + 2] = perp(T)
         return p[k : k + 2] + T, rows, -T * v[k + 2] ** 2
 
     def forces(self, p, v):
-        legs, g = self.walker.legs, self.gravity
+        g = self.gravity
         f = self.masses * np.array([g.along or 0.0, -g.into, 0.0] * 3)
-        for k in (5, 8):
-            torque = -legs.stiffness * (p[k] - p[2]) - legs.damping * (v[k] - v[2])
+        for k, leg in zip((5, 8), self.walker.legs, strict=True):
+            torque = -leg.stiffness * (p[k] - p[2]) - leg.damping * (v[k] - v[2])
             f[k] += torque
             f[2] -= torque
         return f

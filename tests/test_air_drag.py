@@ -38,7 +38,7 @@ def fallen(plan, seconds, height=1e6, v_x=0.0):
 
 def whole_mass(plan):
     walker = plan.world.walker
-    return walker.mass + (0.0 if walker.legs is None else 2.0 * walker.legs.mass)
+    return walker.mass + (0.0 if walker.legs is None else sum(leg.mass for leg in walker.legs))
 
 
 def test_it_is_off_by_default_and_its_number_says_why():

@@ -11,6 +11,7 @@ from walkergen.jobs.selftest.scenes import masses
 from walkergen.simulation import record
 from walkergen.simulation.compliant import events, steps
 from walkergen.simulation.compliant.chain import (
+    LOOSE,
     chain_of,
     energy,
     free_acceleration,
@@ -64,7 +65,7 @@ def tilted_state(walker, seed=3):
 def test_inverse_mass_at_the_feet_is_that_of_three_bodies_on_hinges():
     walker = hinged_walker(10)
     state = tilted_state(walker)
-    W = mobility_of(chain_of(walker, state, 0.0))
+    W = mobility_of(chain_of(walker, state, LOOSE))
     chain = np.array(
         [
             [W.bb_xx, W.bb_xy, W.bf_xx, W.bf_xy],
@@ -85,7 +86,7 @@ def test_free_acceleration_is_that_of_three_bodies_on_hinges():
     state, rival = tilted_state(walker), Rival(world)
     rival.start = state[PHASE]
     a, _ = rival.acceleration(*rival.coordinates(state), 0.0)
-    found = free_acceleration(world, state, chain_of(walker, state, 0.0))
+    found = free_acceleration(world, state, chain_of(walker, state, LOOSE))
     expected = a[[0, 1, 2, 5, 8]]
     # 1e-10: rounding of the rival, whose largest entry (a leg's) is 1e7 rad/s^2
     np.testing.assert_allclose(found, expected, rtol=1e-10, atol=1e-10 * abs(expected).max())
@@ -98,7 +99,7 @@ def test_chain_differs_from_the_papers_tensor_by_the_other_leg(tilt):
     for lightness in (1.0, 1e-3):
         mass = scaled(masses(design), 1.0, lightness)
         walker = walker_of(design, mass)
-        W = mobility_of(chain_of(walker, hinged_state(walker, 1.0), 0.0))
+        W = mobility_of(chain_of(walker, hinged_state(walker, 1.0), LOOSE))
         paper = tensors.feet(mass)[0]
         differences.append(abs(W.bb_yy - paper.yy) / (1.0 / mass.M))
     assert 0.0 < differences[0] < 2.0 * 0.0298 / 0.833  # order m/M of the body's own 1/M
@@ -110,7 +111,7 @@ def test_chain_differs_from_the_papers_tensor_by_the_other_leg(tilt):
 def test_free_leg_swings_with_the_frequency_and_decay_of_an_oscillator(method, ratio):
     mass = masses(Design())._replace(M=1e9, J=1e11)
     held = walker_of(Design(), mass, damping_ratio=ratio)  # a body too heavy to follow
-    legs = held.legs
+    legs = held.legs[0]
     state = hinged_state(held, 50.0, drive=shaken(0.0))
     state[ANGLE_BACK], state[RATE_FRONT] = 1e-3, 2.0
     duration = 1.7e-3
@@ -229,7 +230,7 @@ def test_no_foot_enters_the_plate_and_impulses_stay_in_the_cone(method, friction
     assert status == OK
     depth = 0.0
     for row in tally.samples.rows[: tally.samples.cursor[0]]:
-        depth = min(depth, *gaps(SHAKEN, row[1:], chain_of(walker, row[1:], 0.0)))
+        depth = min(depth, *gaps(SHAKEN, row[1:], chain_of(walker, row[1:], LOOSE)))
     # events: rounding; steps: a dip within one step, a h^2 / 8 with a up to 1e6 mm/s^2
     assert depth > (-1e-11 if method == "events" else -2e-5)
     impacts = tally.events.rows[: tally.events.cursor[0]]

@@ -190,7 +190,7 @@ def test_an_absent_effect_is_absent_from_the_state():
 def test_the_frequency_of_a_leg_is_that_of_the_spring_simulated(spring):
     plan = plan_of("compliant", legs={"spring": spring})
     (compliance,) = [e for e in plan.resolved.effects if e.name == "leg compliance"]
-    legs = plan.world.walker.legs
+    legs = plan.world.walker.legs[0]
     frequency = math.sqrt(legs.stiffness / legs.inertia) / (2.0 * math.pi)
     assert compliance.number == pytest.approx(frequency / 90.0, rel=1e-12)
 

@@ -15,7 +15,7 @@ from walkergen.simulation.world import FAILED, OK, PHASE, PITCH, SPIN, V_Y, Cont
 def gaps(w, plate, state):
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     h = drive.height(plate, state[PHASE])
-    return [state[Y] + d[1] * cos + d[0] * sin - h for d in (w.d_back, w.d_front)]
+    return [state[Y] + d[1] * cos + d[0] * sin - h for d in w.feet]
 
 
 def reference_ball(gamma, e, gap, phase, duration):

@@ -173,9 +173,8 @@ def test_longest_step_of_legs_is_where_they_swing_back():
     plan = plan_of()
     longest = resolution.longest_step(plan)
     assert longest == pytest.approx(164e-6, rel=0.01)  # a quarter of the slower mode's 656 us
-    legs = plan.world.walker.legs
-    assert swings_back(legs, 2.0 * 1.001 * longest)
-    assert not swings_back(legs, 2.0 * 0.999 * longest)
+    assert swings_back(plan.world.walker, 2.0 * 1.001 * longest)
+    assert not swings_back(plan.world.walker, 2.0 * 0.999 * longest)
     stiff = Design.model_validate({"material": {"youngs_modulus_gpa": 12.0}})
     soft = Design.model_validate({"material": {"youngs_modulus_gpa": 3.0}})
     ratio = resolution.longest_step(plan_of(design=soft)) / resolution.longest_step(

@@ -36,8 +36,8 @@ def independent_motion(w, plate, friction, slip):
     def derivative(t, q):
         _, _, pitch, v_x, v_y, Omega = q
         sin, cos = math.sin(pitch), math.cos(pitch)
-        r_x = w.d_back[0] * cos - w.d_back[1] * sin
-        r_y = w.d_back[1] * cos + w.d_back[0] * sin
+        r_x = w.feet[0][0] * cos - w.feet[0][1] * sin
+        r_y = w.feet[0][1] * cos + w.feet[0][0] * sin
         a_p = drive.acceleration(plate, q_phase + plate.omega * t)
         # unknowns a_x, a_y, alpha, F_x, N
         system = np.zeros((5, 5))
@@ -67,7 +67,7 @@ def test_rocking_block_follows_an_independent_integration(gamma, friction, slip)
     plate = shaken(gamma)
     state = level_state(w, plate, phase=0.4)
     state[PITCH] = 0.3
-    r = lever(w.d_back, math.sin(0.3), math.cos(0.3))
+    r = lever(w.feet[0], math.sin(0.3), math.cos(0.3))
     state[SPIN] = -3.0
     state[Y] = drive.height(plate, 0.4) - r[1]
     state[V_Y] -= state[SPIN] * r[0]

@@ -148,9 +148,9 @@ def walks(draw, model, method, effects):
 
 def fastest_swing(plan):
     """Frequency (Hz) of the faster mode of both legs on the free body, which a heavy leg turns."""
-    legs = plan.world.walker.legs
-    fastest = max(legs.swing.mobility_1, legs.swing.mobility_2)
-    return math.sqrt(legs.stiffness * fastest) / (2.0 * math.pi)
+    walker = plan.world.walker
+    fastest = max(walker.swing.mobility_1, walker.swing.mobility_2)
+    return math.sqrt(walker.legs[0].stiffness * fastest) / (2.0 * math.pi)
 
 
 def built(tables):
@@ -227,8 +227,7 @@ def impacts_may_gain(plan):
     excess = [
         [1 / walker.mass + y * y / walker.inertia - foot.xx, -x * y / walker.inertia - foot.xy,
          1 / walker.mass + x * x / walker.inertia - foot.yy]
-        for (x, y), foot in ((walker.d_back, walker.flexible.back),
-                             (walker.d_front, walker.flexible.front))
+        for (x, y), foot in zip(walker.feet, walker.flexible, strict=True)
     ]  # fmt: skip
     return any(np.linalg.eigvalsh([[xx, xy], [xy, yy]]).max() > 0.0 for xx, xy, yy in excess)
 

@@ -59,9 +59,9 @@ def test_error_falls_with_the_square_of_the_step(scene):
 def test_flight_of_a_turning_walker_does_not_pump_its_legs(mode):
     """Steps of a whole period of the legs: a turn at 200 rad/s made their swing grow 13 times."""
     walker = hinged_walker(10, damping_ratio=0.0)
-    swing = walker.legs.swing
+    swing = walker.swing
     mobility = {"slower": swing.mobility_1, "faster": swing.mobility_2}[mode]
-    period = 2.0 * math.pi / math.sqrt(walker.legs.stiffness * mobility)
+    period = 2.0 * math.pi / math.sqrt(walker.legs[0].stiffness * mobility)
     world = world_of(walker, options=steps.Options(period / 50.0))
     state = hinged_state(walker, 500.0)
     state[SPIN], state[ANGLE_BACK], state[ANGLE_FRONT] = 200.0, 4e-3, -3e-3
@@ -113,8 +113,9 @@ def test_braced_walker_goes_nowhere(tilt):
 def test_step_may_be_long_where_nothing_happens():
     """A walker at rest on legs of any stiffness: the springs are implicit."""
     walker = hinged_walker(10)
-    legs = walker.legs
-    walker = walker._replace(legs=legs._replace(stiffness=1e6 * legs.stiffness, damping=0.0))
+    legs = walker.legs[0]
+    stiff = legs._replace(stiffness=1e6 * legs.stiffness, damping=0.0)
+    walker = walker._replace(legs=(stiff, stiff))
     drive, options = shaken(0.5), steps.Options(1e-4)
     world = world_of(walker, drive, Contact(0.0, 0.25, 0), options)
     state = hinged_state(walker, 0.0, drive=drive)

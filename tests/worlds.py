@@ -27,7 +27,9 @@ SHAKEN = shaken(1.8)
 
 
 def world_of(walker, drive=SHAKEN, contact=ANY, options=None, slope=None, air=None):
-    return World(walker, drive, contact, Acting(gravity_of(slope), air), options)
+    """World of two feet of one `Contact`, or of a pair of them."""
+    contacts = (contact, contact) if isinstance(contact, Contact) else contact
+    return World(walker, drive, contacts, Acting(gravity_of(slope), air), options)
 
 
 def hinged_walker(tilt, kind="flexible", **options):
@@ -64,3 +66,31 @@ def go(walker, drive, contact, state, duration, slope=None, tally=None):
     tally = record.new(len(state)) if tally is None else tally
     world = relaxed_world(walker, drive, contact, slope)
     return events.advance(world, state, duration, tally), tally
+
+
+def unlike_design(mirrored=False, kind="flexible"):
+    """Two legs that share nothing but the level of their feet; or their mirror image."""
+    legs = [
+        {"tilt_deg": 10.0, "length_mm": 7.5, "thickness_mm": 0.4, "along_mm": -5.0},
+        {"tilt_deg": -5.0, "thickness_mm": 0.55, "width_mm": 5.0, "along_mm": 8.0,
+         "length_mm": 7.5 * math.cos(math.radians(10)) / math.cos(math.radians(5))},
+    ]  # fmt: skip
+    if kind == "braced":
+        legs = [leg | {"kind": kind, "thickness_mm": 1.0} for leg in legs]
+    if mirrored:
+        places = ("tilt_deg", "along_mm")
+        legs = [leg | {key: -leg[key] for key in places} for leg in legs[::-1]]
+    return Design.model_validate({"legs": legs})
+
+
+UNLIKE = Contact(0.5, 0.1, 0), Contact(0.8, 0.6, 0)
+
+
+def unlike_hinged(mirrored=False, kind="flexible"):
+    design = unlike_design(mirrored, kind)
+    return hinged.walker_of(design, masses(design))
+
+
+def unlike_relaxed(mirrored=False, kind="flexible"):
+    design = unlike_design(mirrored, kind)
+    return relaxed.walker_of(design, masses(design))

@@ -14,7 +14,9 @@ from walkergen.simulation.space import model as space
 from walkergen.simulation.world import Contact, World
 from walkergen.theory.impact import Law
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, as_rigid
+from walkergen.walker.planar import in_plane
 
 
 def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
@@ -28,10 +30,22 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
     case = Case(scene, design, mass, resolved.model)
     harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else None
     drive = Drive(scene.drive.amplitude, scene.drive.omega, harmonics)
-    given = scene.contact
-    contact = Contact(given.restitution, given.friction, Law[given.law.upper()])
+    contacts = () if resolved.model == "space" else _contacts(scene, in_plane(design, mass).limbs)
     model, walker, options = _room(resolved).of(case, resolved, drive)
-    return Plan(case, resolved, model, World(walker, drive, contact, resolved.acting, options))
+    return Plan(case, resolved, model, World(walker, drive, contacts, resolved.acting, options))
+
+
+def _contacts(scene: Scene, limbs: tuple[Limb, ...]) -> tuple[Contact, ...]:
+    """Contact of each foot of the plane: its own restitution and friction, or the scene's."""
+    given = scene.contact
+    return tuple(
+        Contact(
+            given.restitution if limb.restitution is None else limb.restitution,
+            given.friction if limb.friction is None else limb.friction,
+            Law[given.law.upper()],
+        )
+        for limb in limbs
+    )
 
 
 def _room(resolved: Resolved) -> Any:

@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from walkergen.simulation import observables
-from walkergen.simulation.compliant.lengths import DAMPED
+from walkergen.simulation.compliant.lengths import DAMPED, slower_mode
 from walkergen.simulation.effects.resolve import MethodName
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.model import Plan
@@ -142,13 +142,12 @@ def longest_step(plan: Plan) -> float:
     Legs that are hit swing back within twice that step, by half a period of their slower mode or
     by their damper: it ends before their rebound (`compliant.lengths.swings_back`).
     """
-    legs = getattr(plan.world.walker, "legs", None)
+    walker = plan.world.walker
+    legs = getattr(walker, "legs", None)
     if plan.resolved.model == "space" or plan.resolved.method == "event" or legs is None:
         return math.inf
-    slower = min(legs.swing.mobility_1, legs.swing.mobility_2)
-    swing = math.pi / math.sqrt(legs.stiffness * slower)
-    damped = DAMPED / (legs.damping * slower) if legs.damping > 0.0 else math.inf
-    return 0.5 * min(swing, damped)
+    rate, decay = slower_mode(legs[0], walker.swing)
+    return 0.5 * min(math.pi / rate, DAMPED / decay if decay > 0.0 else math.inf)
 
 
 def warnings(plan: Plan) -> list[str]:

@@ -38,7 +38,7 @@ LEG_COLUMNS = ("alpha_back_rad", "alpha_front_rad", "rate_back_rad_s", "rate_fro
 
 
 class Contact(NamedTuple):
-    """Law of contact between a foot and the plate."""
+    """Law of contact between one foot and the plate."""
 
     restitution: float
     """Coefficient of restitution, 0..1."""
@@ -54,7 +54,8 @@ class World(NamedTuple):
     walker: Any
     """The model's own `Walker`."""
     drive: Drive
-    contact: Contact
+    contacts: tuple[Contact, ...]
+    """Contact of each foot, the back one first; in space the walker knows its own."""
     acting: Acting
     options: Any
     """The method's own `Options`."""

@@ -63,8 +63,8 @@ def _rebound(plan: Plan, restitution: float) -> float:
     if plan.resolved.model != "relaxed":
         return restitution
     walker = plan.world.walker
-    rigid = 1.0 / walker.mass + walker.d_back[0] ** 2 / walker.inertia
-    return float((1.0 + restitution) * rigid / walker.flexible.back.yy - 1.0)
+    rigid = 1.0 / walker.mass + walker.feet[0][0] ** 2 / walker.inertia
+    return float((1.0 + restitution) * rigid / walker.flexible[0].yy - 1.0)
 
 
 def _zeno(model: str, method: str) -> Iterator[Check]:

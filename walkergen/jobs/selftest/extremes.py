@@ -137,7 +137,7 @@ def _stiff(model: str, method: str) -> Iterator[Check]:
         sunk.append(height - float(state[Y]))
     walker = plan.world.walker
     load = 0.5 * walker.mass * GRAVITY
-    bent = load * walker.reach_x**2 * 1e2 / walker.legs.stiffness
+    bent = load * walker.reaches[0][0] ** 2 * 1e2 / walker.legs[0].stiffness
     yield Check(
         "depth against load x lever^2 / k_t, relative",
         abs(sunk[0] / bent - 1),
@@ -175,7 +175,7 @@ def _damping(model: str, method: str) -> Iterator[Check]:
             _, tally = advance(plan, state, 1e-4)
             total.sums[:] += tally.sums
             lowest = min(lowest, float(state[ANGLE_BACK]))
-        swing = 0.5 * plan.world.walker.legs.stiffness * 0.05**2
+        swing = 0.5 * plan.world.walker.legs[0].stiffness * 0.05**2
         off = abs(plan.energy(state) - before + total.sums[record.DAMPING_LOSS]) / swing
         limit = 1e-6 if method == "event" else 1e-2
         yield Check(

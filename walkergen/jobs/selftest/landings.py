@@ -25,7 +25,7 @@ from walkergen.jobs.selftest.scenes import (
     shaken,
     with_legs,
 )
-from walkergen.simulation.compliant.chain import chain_of
+from walkergen.simulation.compliant.chain import LOOSE, chain_of
 from walkergen.simulation.compliant.flight import clear_time
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import Outcome
@@ -130,7 +130,7 @@ def _swinging(model: str, method: str) -> Iterator[Check]:
         state = plan.start(0.0, 0.0, rng.uniform(3.8, 4.7))
         state[SPIN] = 0.3 * rng.normal()
         if len(state) > 9:  # up to 6 degrees, and the spin that keeps the whole from turning
-            swing = plan.world.walker.legs.swing
+            swing = plan.world.walker.swing
             size = 10 ** rng.uniform(-2.5, -1.0)
             state[ANGLE_BACK:] = size * rng.normal(size=4) * (0.1, 0.1, 1e4, 1e4)
             state[SPIN] -= swing.share_back * state[RATE_BACK]
@@ -148,7 +148,7 @@ def _swinging(model: str, method: str) -> Iterator[Check]:
 
 
 def _clear_time(plan: Plan, state: Array) -> float:
-    chain: Any = chain_of(plan.world.walker, state, 0.0)  # type: ignore[no-untyped-call]
+    chain: Any = chain_of(plan.world.walker, state, LOOSE)  # type: ignore[no-untyped-call]
     gaps = tuple(float(height) for height in plan.feet(state)[:, 1])
     return float(clear_time(plan.world, state, chain, gaps))  # type: ignore[no-untyped-call]
 

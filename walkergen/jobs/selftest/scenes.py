@@ -17,6 +17,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDS, Outcome
 from walkergen.simulation.world import OK, Y
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import LegMass, MassProperties, Spatial
 
 Array = npt.NDArray[np.float64]
@@ -40,27 +41,30 @@ def design_of(model: str, tilt_deg: float) -> Design:
 
 
 def masses(design: Design, leg_mass: float | None = None) -> MassProperties:
-    """Masses of a box on two thin uniform legs; a braced walker's legs weigh nothing.
+    """Masses of a box on thin uniform legs, braced ones without mass.
 
     The inertia across the run is that of the same box and of strips without thickness.
     """
-    limb, (length, thickness, depth) = design.limbs[0], design.size
+    length, thickness, depth = design.size
     density = 1e-3 * design.material.density_g_cm3
     M = density * length * depth * thickness
     J = M * (length**2 + thickness**2) / 12.0
-    m = density * limb.length * limb.thickness * depth
-    m = 0.0 if design.braced else (m if leg_mass is None else leg_mass)
-    c = 0.5 * np.array(limb.anchor_to_foot)
     size = np.array([length, thickness, depth])
     box = M / 12.0 * np.diag([size[1] ** 2 + size[2] ** 2, size[0] ** 2 + size[2] ** 2, 12 * J / M])
-    along = c / np.hypot(*c)
-    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2 + np.diag([0, 0, size[2] ** 2])
-    strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
-    legs = tuple(
-        LegMass(m, m * limb.length**2 / 12.0, np.array(one.anchor), c, c, 0.0, strip)
-        for one in design.limbs
-    )
+    legs = tuple(_leg(limb, density, leg_mass) for limb in design.limbs)
     return MassProperties(M, J, legs, design.braced, Spatial(0.0, box))
+
+
+def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
+    m = density * limb.length * limb.thickness * limb.width
+    m = 0.0 if limb.braced else (m if leg_mass is None else leg_mass)
+    c = 0.5 * np.array(limb.anchor_to_foot)
+    along = c / np.hypot(*c)
+    place = np.outer((*along, 0.0), (*along, 0.0)) * limb.length**2
+    place += np.diag([0, 0, limb.width**2])
+    strip = m / 12.0 * (np.trace(place) * np.eye(3) - place)
+    anchor, inertia = np.array(limb.anchor), m * limb.length**2 / 12.0
+    return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
 
 def scene_of(model: str, method: str, **tables: dict[str, Any]) -> Scene:
@@ -87,9 +91,11 @@ def plan_of(
 def with_legs(plan: Plan, factor: float, ratio: float) -> Plan:
     """The same compliant walker on springs `factor` times as stiff, with a damping ratio."""
     walker = plan.world.walker
-    k = factor * walker.legs.stiffness
-    c = 2.0 * ratio * math.sqrt(k * walker.legs.inertia)
-    legs = walker.legs._replace(stiffness=k, damping=c)
+    springs = [factor * leg.stiffness for leg in walker.legs]
+    legs = tuple(
+        leg._replace(stiffness=k, damping=2.0 * ratio * math.sqrt(k * leg.inertia))
+        for leg, k in zip(walker.legs, springs, strict=True)
+    )
     return plan._replace(world=plan.world._replace(walker=walker._replace(legs=legs)))
 
 

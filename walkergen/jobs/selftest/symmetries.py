@@ -190,7 +190,8 @@ def _frozen_joints(model: str, method: str) -> Iterator[Check]:
     """Legs on springs without end stiffness: the braced walker's inverse mass at the feet."""
     plan = plan_of(model, method, 20.0)
     walker, state = plan.world.walker, plan.start(1.0, 0.0, 0.0)
-    frozen: Any = chain_of(walker, state, 1e12 * walker.legs.inertia)  # type: ignore[no-untyped-call]
+    stiffened = tuple(1e12 * leg.inertia for leg in walker.legs)
+    frozen: Any = chain_of(walker, state, stiffened)  # type: ignore[no-untyped-call]
     stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
     whole = masses.as_rigid(masses_of(design_of(model, 20.0)))
     d = whole.legs[0].foot

@@ -26,6 +26,10 @@ from walkergen.simulation.world import (
 )
 
 
+LOOSE = (0.0, 0.0)
+"""Inertia added to the hinges of either leg where nothing stiffens them, g mm^2."""
+
+
 class Limb(NamedTuple):
     """One leg in the laboratory's axes: vectors (mm) A = O -> anchor, C = anchor -> centre of mass,
     r = anchor -> foot; maps from the body's rates (v_x, v_y, spin), hinge free: k to minus
@@ -72,21 +76,30 @@ def angle(legs, state, index):
 
 
 @kernel
-def _limb(legs, walker, a_x, a_y, cos, sin, pitch, alpha, implicit):
-    A_x, A_y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
-    if legs is None:
-        r_x = cos * walker.reach_x - sin * walker.reach_y
-        r_y = sin * walker.reach_x + cos * walker.reach_y
+def _turned(vector, cos, sin):
+    return cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]
+
+
+@kernel
+def _leg(legs, foot):
+    """Leg of a foot; None when braced."""
+    return None if legs is None else legs[foot]
+
+
+@kernel
+def _limb(leg, anchor, reach, cos, sin, pitch, alpha, implicit):
+    A_x, A_y = _turned(anchor, cos, sin)
+    if leg is None:
+        r_x, r_y = _turned(reach, cos, sin)
         return Limb(
             A_x, A_y, 0.0, 0.0, r_x, r_y, 0.0, 0.0, 0.0, 0.0,
             1.0, 0.0, -(A_y + r_y), 0.0, 1.0, A_x + r_x,
         )  # fmt: skip
     c, s = math.cos(pitch + alpha), math.sin(pitch + alpha)
-    C_x, C_y = c * legs.centre_x - s * legs.centre_y, s * legs.centre_x + c * legs.centre_y
-    r_x, r_y = c * walker.reach_x - s * walker.reach_y, s * walker.reach_x + c * walker.reach_y
-    mobility = 1.0 / (legs.inertia + implicit)
-    k_x, k_y = -legs.mass * C_y * mobility, legs.mass * C_x * mobility
-    k_t = (legs.mass * (A_x * C_x + A_y * C_y) - implicit) * mobility
+    (C_x, C_y), (r_x, r_y) = _turned(leg.centre, c, s), _turned(reach, c, s)
+    mobility = 1.0 / (leg.inertia + implicit)
+    k_x, k_y = -leg.mass * C_y * mobility, leg.mass * C_x * mobility
+    k_t = (leg.mass * (A_x * C_x + A_y * C_y) - implicit) * mobility
     return Limb(
         A_x, A_y, C_x, C_y, r_x, r_y, k_x, k_y, k_t, mobility,
         1.0 + r_y * k_x, r_y * k_y, -A_y + r_y * k_t,
@@ -95,11 +108,11 @@ def _limb(legs, walker, a_x, a_y, cos, sin, pitch, alpha, implicit):
 
 
 @kernel
-def _carried(legs, limb, implicit):
+def _carried(leg, limb, implicit):
     """Apparent mass (xx, xy, xt, yy, yt, tt) that a leg on its hinge adds to the body."""
-    if legs is None:
+    if leg is None:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    m, A_x, A_y = legs.mass, limb.A_x, limb.A_y
+    m, A_x, A_y = leg.mass, limb.A_x, limb.A_y
     p = m * (A_x * limb.C_x + A_y * limb.C_y)
     # The last is m A^2 + implicit - (p - implicit)^2 mobility, without cancellation when stiff
     return (
@@ -108,22 +121,23 @@ def _carried(legs, limb, implicit):
         m * (-A_y + limb.C_y * limb.k_t),
         m * (1.0 - limb.C_x * limb.k_y),
         m * (A_x - limb.C_x * limb.k_t),
-        m * (A_x * A_x + A_y * A_y) + (implicit * (legs.inertia + 2.0 * p) - p * p) * limb.mobility,
+        m * (A_x * A_x + A_y * A_y) + (implicit * (leg.inertia + 2.0 * p) - p * p) * limb.mobility,
     )
 
 
 @kernel
 def chain_of(walker, state, implicit):
-    """Chain at the pose of `state`; `implicit` (g mm^2) stiffens the hinges of an implicit step:
-    h c / 2 + h^2 k / 4 for the trapezoidal rule, 0 for the true inertia.
+    """Chain at the pose of `state`; `implicit` (g mm^2, of either leg) stiffens the hinges of an
+    implicit step: h c / 2 + h^2 k / 4 for the trapezoidal rule, `LOOSE` for the true inertia.
     """
     legs, pitch = walker.legs, state[PITCH]
+    leg_b, leg_f, (b_i, f_i) = _leg(legs, 0), _leg(legs, 1), implicit
     cos, sin = math.cos(pitch), math.sin(pitch)
     alpha, beta = angle(legs, state, ANGLE_BACK), angle(legs, state, ANGLE_FRONT)
-    back = _limb(legs, walker, walker.back_x, walker.back_y, cos, sin, pitch, alpha, implicit)
-    front = _limb(legs, walker, walker.front_x, walker.front_y, cos, sin, pitch, beta, implicit)
-    b_xx, b_xy, b_xt, b_yy, b_yt, b_tt = _carried(legs, back, implicit)
-    f_xx, f_xy, f_xt, f_yy, f_yt, f_tt = _carried(legs, front, implicit)
+    back = _limb(leg_b, walker.anchors[0], walker.reaches[0], cos, sin, pitch, alpha, b_i)
+    front = _limb(leg_f, walker.anchors[1], walker.reaches[1], cos, sin, pitch, beta, f_i)
+    b_xx, b_xy, b_xt, b_yy, b_yt, b_tt = _carried(leg_b, back, b_i)
+    f_xx, f_xy, f_xt, f_yy, f_yt, f_tt = _carried(leg_f, front, f_i)
     xx, xy, xt = walker.mass + b_xx + f_xx, b_xy + f_xy, b_xt + f_xt
     yy, yt, tt = walker.mass + b_yy + f_yy, b_yt + f_yt, walker.inertia + b_tt + f_tt
     c_xx, c_xy, c_xt = yy * tt - yt * yt, xt * yt - xy * tt, xy * yt - yy * xt
@@ -253,6 +267,13 @@ def mobility_of(chain):
 
 
 @kernel
+def longest_leg(walker):
+    """Distance from anchor to foot of the longer leg, mm."""
+    back, front = walker.reaches
+    return max(math.hypot(back[0], back[1]), math.hypot(front[0], front[1]))
+
+
+@kernel
 def gaps(drive, state, chain):
     """Heights of the back and the front foot over the plate, mm."""
     level = state[Y] - height(drive, state[PHASE])
@@ -329,17 +350,17 @@ def energy(world, state):
 def _legs_energy(legs, world, state):
     if legs is None:
         return 0.0
-    chain, spin, total = chain_of(world.walker, state, 0.0), state[SPIN], 0.0
-    for limb, alpha, rate in (
-        (chain.back, state[ANGLE_BACK], state[RATE_BACK]),
-        (chain.front, state[ANGLE_FRONT], state[RATE_FRONT]),
+    chain, spin, total = chain_of(world.walker, state, LOOSE), state[SPIN], 0.0
+    for leg, limb, alpha, rate in (
+        (legs[0], chain.back, state[ANGLE_BACK], state[RATE_BACK]),
+        (legs[1], chain.front, state[ANGLE_FRONT], state[RATE_FRONT]),
     ):
         v_x = state[V_X] - spin * limb.A_y - (spin + rate) * limb.C_y
         v_y = state[V_Y] + spin * limb.A_x + (spin + rate) * limb.C_x
-        own = legs.inertia - legs.mass * (limb.C_x * limb.C_x + limb.C_y * limb.C_y)
-        total += 0.5 * (legs.mass * (v_x * v_x + v_y * v_y) + own * (spin + rate) ** 2)
-        total += 0.5 * legs.stiffness * alpha * alpha
-        total -= legs.mass * (
+        own = leg.inertia - leg.mass * (limb.C_x * limb.C_x + limb.C_y * limb.C_y)
+        total += 0.5 * (leg.mass * (v_x * v_x + v_y * v_y) + own * (spin + rate) ** 2)
+        total += 0.5 * leg.stiffness * alpha * alpha
+        total -= leg.mass * (
             along(world.acting) * (state[X] + limb.A_x + limb.C_x)
             - across(world.acting) * (state[Y] + limb.A_y + limb.C_y)
         )
@@ -358,28 +379,29 @@ def _free(legs, world, state, chain):
     f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
     if legs is None:
         return respond(chain, walker.mass * g_x + f_x, walker.mass * g_y + f_y, 0.0, 0.0, 0.0)
-    b, f, m = chain.back, chain.front, legs.mass
+    b, f, m, m_f, mu = chain.back, chain.front, legs[0].mass, legs[1].mass, walker.ratios.mass
     spin = state[SPIN]
     spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
     spin, spin_b, spin_f = spin * spin, spin_b * spin_b, spin_f * spin_f
-    torque_b = _torque(legs, state[ANGLE_BACK], state[RATE_BACK])
-    torque_f = _torque(legs, state[ANGLE_FRONT], state[RATE_FRONT])
+    torque_b = _torque(legs[0], state[ANGLE_BACK], state[RATE_BACK])
+    torque_f = _torque(legs[1], state[ANGLE_FRONT], state[RATE_FRONT])
     cross_b, cross_f = b.A_x * b.C_y - b.A_y * b.C_x, f.A_x * f.C_y - f.A_y * f.C_x
-    total = walker.mass + 2.0 * m
-    weight = m * ((b.A_x + f.A_x) * g_y - (b.A_y + f.A_y) * g_x)
+    total = walker.mass + (1.0 + mu) * m
+    A_x, A_y = b.A_x + mu * f.A_x, b.A_y + mu * f.A_y
+    weight = m * (A_x * g_y - A_y * g_x)
     return respond(
         chain,
-        f_x + total * g_x + m * (spin * (b.A_x + f.A_x) + spin_b * b.C_x + spin_f * f.C_x),
-        f_y + total * g_y + m * (spin * (b.A_y + f.A_y) + spin_b * b.C_y + spin_f * f.C_y),
-        weight + m * (spin_b * cross_b + spin_f * cross_f) - torque_b - torque_f,
+        f_x + total * g_x + m * (spin * A_x + spin_b * b.C_x + mu * (spin_f * f.C_x)),
+        f_y + total * g_y + m * (spin * A_y + spin_b * b.C_y + mu * (spin_f * f.C_y)),
+        weight + m * (spin_b * cross_b + mu * (spin_f * cross_f)) - torque_b - torque_f,
         m * (b.C_x * g_y - b.C_y * g_x - spin * cross_b) + torque_b,
-        m * (f.C_x * g_y - f.C_y * g_x - spin * cross_f) + torque_f,
+        m_f * (f.C_x * g_y - f.C_y * g_x - spin * cross_f) + torque_f,
     )
 
 
 @kernel
-def _torque(legs, alpha, rate):
-    return -legs.stiffness * alpha - legs.damping * rate
+def _torque(leg, alpha, rate):
+    return -leg.stiffness * alpha - leg.damping * rate
 
 
 @kernel
@@ -388,11 +410,11 @@ def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
     from a body with that pitch (rad) and velocity (mm/s).
     """
     f_x, f_y = body_force(world.acting, pitch, v_x, v_y)
-    return _damped(world.walker.legs, rate_b, rate_f) - (f_x * v_x + f_y * v_y)
+    return _damped(world.walker.legs, world.walker.ratios, rate_b, rate_f) - (f_x * v_x + f_y * v_y)
 
 
 @kernel
-def _damped(legs, rate_b, rate_f):
+def _damped(legs, ratios, rate_b, rate_f):
     if legs is None:
         return 0.0
-    return legs.damping * (rate_b * rate_b + rate_f * rate_f)
+    return legs[0].damping * (rate_b * rate_b + ratios.damping * (rate_f * rate_f))

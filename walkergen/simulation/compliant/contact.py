@@ -5,8 +5,8 @@ either way; impulses follow from the linear equations of the mode pair, and the 
 signs agree with Coulomb and Signorini. This serves velocities (a time step) and accelerations.
 
 Impacts: one foot after the other by the law of `theory.impact`. Feet that approach in the same
-instant get (1 + e) times the impulses of their common plastic impact under every law, which is
-mirror-symmetric and never creates energy.
+instant get (1 + e) times the impulses of their common plastic impact under every law, each with its
+own e, which is mirror-symmetric and never creates energy.
 """
 
 import math
@@ -46,6 +46,9 @@ SHARING = 1e-12
 """Relative softness added to the friction of two feet that stick: how a braced walker's feet share
 it is undetermined, and the softness picks least squares (equal halves)."""
 
+SMOOTH = (0.0, 0.0)
+"""Friction of both feet where only their normal velocities are to be stopped."""
+
 FRICTIONLESS = 1e-12
 """Coefficient of friction below which no foot sticks: rounding hides the force and its side."""
 
@@ -53,6 +56,9 @@ JAMMED = 1e-9
 """Size of the give of sliding feet (`give`) from which on they jam. The pose changes while a foot
 slides, and its give may fall to zero, its normal acceleration with it: the force stays finite but
 answers ever faster, so that steps shrink with the give (docs/physics.md section 5, trap 4)."""
+
+PLASTIC = (0.0, 0.0)
+"""Restitution of both feet where none rebounds."""
 
 ALTERNATIONS = 60
 """Number of impacts at one instant after which the rest of the sequence is taken as plastic."""
@@ -123,21 +129,21 @@ def _eliminate(rows):
 def impulses(W, u, back, front, friction, rows):
     """Impulses (back x, y, front x, y) of a mode pair when the feet would move at u without them.
 
-    `rows` is work space of shape (4, 5).
+    `friction` is that of either foot (back, front), here and below; `rows` is work space of shape (4, 5).
     """
     u_1, u_2, u_3, u_4 = u
     if back == OPEN and front == OPEN:
         return 0.0, 0.0, 0.0, 0.0
     if front == OPEN:
-        b_x, b_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, u_1, u_2, back, friction)
+        b_x, b_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, u_1, u_2, back, friction[0])
         return b_x, b_y, 0.0, 0.0
     if back == OPEN:
-        f_x, f_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, u_3, u_4, front, friction)
+        f_x, f_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, u_3, u_4, front, friction[1])
         return 0.0, 0.0, f_x, f_y
     b_x, b_y = (W.bb_xx, W.bb_xy, W.bf_xx, W.bf_xy), (W.bb_xy, W.bb_yy, W.bf_yx, W.bf_yy)
     f_x, f_y = (W.bf_xx, W.bf_yx, W.ff_xx, W.ff_xy), (W.bf_xy, W.bf_yy, W.ff_xy, W.ff_yy)
-    _row(rows, 0, back, friction, b_x, b_y, u_1, u_2)
-    _row(rows, 1, front, friction, f_x, f_y, u_3, u_4)
+    _row(rows, 0, back, friction[0], b_x, b_y, u_1, u_2)
+    _row(rows, 1, front, friction[1], f_x, f_y, u_3, u_4)
     return _eliminate(rows)
 
 
@@ -147,20 +153,20 @@ def give(W, back, front, friction):
     friction answers in the feet's modes; 1 where none slides. At zero the feet jam.
     """
     b, f = back in (FORWARD, BACKWARD), front in (FORWARD, BACKWARD)
-    b_x = -friction if back == FORWARD else friction
-    f_x = -friction if front == FORWARD else friction
+    b_x = -friction[0] if back == FORWARD else friction[0]
+    f_x = -friction[1] if front == FORWARD else friction[1]
     _, own_b, x_f, y_f = applied(W, (b_x, 1.0, 0.0, 0.0))
     x_b, y_b, _, own_f = applied(W, (0.0, 0.0, f_x, 1.0))
     if b and f:
         return (own_b * own_f - y_f * y_b) / (W.bb_yy * W.ff_yy)
     if b:
         if front == STICK:
-            F_x, F_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x_f, y_f, STICK, friction)
+            F_x, F_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x_f, y_f, STICK, 0.0)
             own_b += W.bf_yx * F_x + W.bf_yy * F_y
         return own_b / W.bb_yy
     if f:
         if back == STICK:
-            F_x, F_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x_b, y_b, STICK, friction)
+            F_x, F_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x_b, y_b, STICK, 0.0)
             own_f += W.bf_xy * F_x + W.bf_yy * F_y
         return own_f / W.ff_yy
     return 1.0
@@ -193,9 +199,9 @@ def solve(W, u, touching, sliding, guess, friction, rows):
     best_F = (0.0, 0.0, 0.0, 0.0)
     for trial in range(-1, 16):
         back, front = (guess[0], guess[1]) if trial < 0 else (trial // 4, trial % 4)
-        if not _allowed(back, touching[0], sliding[0], friction):
+        if not _allowed(back, touching[0], sliding[0], friction[0]):
             continue
-        if not _allowed(front, touching[1], sliding[1], friction):
+        if not _allowed(front, touching[1], sliding[1], friction[1]):
             continue
         F = impulses(W, u, back, front, friction, rows)
         d = applied(W, F)
@@ -203,12 +209,12 @@ def solve(W, u, touching, sliding, guess, friction, rows):
         if touching[0]:
             violation = _violation(
                 back, sliding[0] != 0, u[0] + d[0], u[1] + d[1], F[0], F[1],
-                W.bb_xx, W.bb_yy, friction,
+                W.bb_xx, W.bb_yy, friction[0],
             )  # fmt: skip
         if touching[1]:
             other = _violation(
                 front, sliding[1] != 0, u[2] + d[2], u[3] + d[3], F[2], F[3],
-                W.ff_xx, W.ff_yy, friction,
+                W.ff_xx, W.ff_yy, friction[1],
             )  # fmt: skip
             violation = max(violation, other)
         if violation < best:
@@ -245,7 +251,7 @@ def one_foot(world, restitution, state, now, foot):
         v_x, v_y, xx, xy, yy = u[0], u[1], W.bb_xx, W.bb_xy, W.bb_yy
     else:
         v_x, v_y, xx, xy, yy = u[2], u[3], W.ff_xx, W.ff_xy, W.ff_yy
-    contact = world.contact
+    contact = world.contacts[foot]
     hit = impact(xx, xy, yy, v_x, v_y, restitution, contact.friction, contact.law)
     F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
     accelerate(world.walker.legs, state, push(now.chain, F))
@@ -257,13 +263,48 @@ def one_foot(world, restitution, state, now, foot):
 
 
 @kernel
+def _restored(W, F, e):
+    """Factors of the impulses F (back, front) of a plastic impact, which restitution leaves.
+
+    The restoring impulses R = (e F back, e F front) give back at most what the plastic impact took:
+    R W R <= F W F, which unlike e can break where one foot's impulse throws the other down.
+    """
+    part = 1.0
+    if e[0] != e[1]:
+        R = (e[0] * F[0], e[0] * F[1], e[1] * F[2], e[1] * F[3])
+        taken, given = _product(F, applied(W, F)), _product(R, applied(W, R))
+        if given > taken:
+            part = math.sqrt(taken / given)
+    return 1.0 + part * e[0], 1.0 + part * e[1]
+
+
+@kernel
+def _product(a, b):
+    return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
+
+
+@kernel
+def frictions(world):
+    """Friction of the back and the front foot."""
+    return world.contacts[0].friction, world.contacts[1].friction
+
+
+@kernel
+def restitutions(world):
+    """Restitution of the back and the front foot."""
+    return world.contacts[0].restitution, world.contacts[1].restitution
+
+
+@kernel
 def both_feet(world, restitution, state, now):
-    """Impact of both feet at once: (1 + e) times the impulses of their common plastic impact."""
+    """Impact of both feet at once: (1 + e) times the impulses of their common plastic impact, each
+    foot with its own of both restitutions e, less where unlike ones would create energy.
+    """
     u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     both = (True, True)
-    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), world.contact.friction, now.rows)
-    k = 1.0 + restitution
-    F = (k * F[0], k * F[1], k * F[2], k * F[3])
+    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), frictions(world), now.rows)
+    b, f = _restored(W, F, restitution)
+    F = (b * F[0], b * F[1], f * F[2], f * F[3])
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(now.chain, F))
     tally.sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
@@ -285,23 +326,24 @@ def both_feet(world, restitution, state, now):
 
 @kernel
 def collide(world, restitution, state, now, touching, rest):
-    """Resolve the impacts of one instant in `state`: of touching feet that approach beyond `rest`.
+    """Resolve the impacts of one instant in `state`: of touching feet that approach beyond `rest`,
+    at the `restitution` of either.
 
     A foot that would rebound slower than its `rest` (mm/s) stays: so endless impacts (Zeno) end.
     """
     e, u = restitution, feet_velocities(world, state, now.chain)
     if touching[0] and touching[1] and u[1] < -rest[0] and u[3] < -rest[1]:
-        bounces = -u[1] * e > rest[0] or -u[3] * e > rest[1]
-        both_feet(world, e if bounces else 0.0, state, now)
+        bounces = -u[1] * e[0] > rest[0] or -u[3] * e[1] > rest[1]
+        both_feet(world, e if bounces else PLASTIC, state, now)
     for _ in range(ALTERNATIONS):
         u = feet_velocities(world, state, now.chain)
         back, front = touching[0] and u[1] < -rest[0], touching[1] and u[3] < -rest[1]
         if not (back or front):
             return
         foot = 0 if back and (not front or u[1] <= u[3]) else 1
-        bounces = -u[2 * foot + 1] * e > rest[foot]
-        one_foot(world, e if bounces else 0.0, state, now, foot)
-    both_feet(world, 0.0, state, now)
+        bounces = -u[2 * foot + 1] * e[foot] > rest[foot]
+        one_foot(world, e[foot] if bounces else 0.0, state, now, foot)
+    both_feet(world, PLASTIC, state, now)
 
 
 @kernel
@@ -317,7 +359,7 @@ def settle(world, state, implicit, rows):
         (OPEN if state[MODE_FRONT] == OPEN else FORWARD),
     )
     W = mobility_of(chain)
-    F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], 0.0, rows)
+    F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], SMOOTH, rows)
     shift(world.walker.legs, state, push(chain, F))
 
 

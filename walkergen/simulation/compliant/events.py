@@ -14,6 +14,7 @@ import numpy as np
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
+    LOOSE,
     accelerate,
     chain_of,
     corner_height,
@@ -25,12 +26,15 @@ from walkergen.simulation.compliant.chain import (
 from walkergen.simulation.compliant.contact import (
     FRICTIONLESS,
     JAMMED,
+    SMOOTH,
     Instant,
     applied,
     collide,
     folded,
+    frictions,
     give,
     impulses,
+    restitutions,
     settle,
     solve,
 )
@@ -153,8 +157,8 @@ def _locate(world, work, margin_0, t, margin_t):
 @kernel
 def _lowest(world, work, t):
     """Time within the step at which an open foot turns from falling to rising; 0 when none does."""
-    first = feet_velocities(world, work.now, chain_of(world.walker, work.now, 0.0))
-    last = feet_velocities(world, work.trial, chain_of(world.walker, work.trial, 0.0))
+    first = feet_velocities(world, work.now, chain_of(world.walker, work.now, LOOSE))
+    last = feet_velocities(world, work.trial, chain_of(world.walker, work.trial, LOOSE))
     for mode, i in ((MODE_BACK, 1), (MODE_FRONT, 3)):
         if work.now[mode] == OPEN and first[i] < 0.0 < last[i]:
             return t * first[i] / (first[i] - last[i])
@@ -173,10 +177,10 @@ def _hold(world, state, chain, closed, sums, rows):
     Rebounds too slow to count end here; what they lose is an impact's loss.
     """
     u, W = feet_velocities(world, state, chain), mobility_of(chain)
-    holds = world.contact.friction >= FRICTIONLESS
-    back = (STICK if holds and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
-    front = (STICK if holds and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
-    F = impulses(W, u, back, front, 0.0, rows)
+    mu_b, mu_f = frictions(world)
+    back = (STICK if mu_b >= FRICTIONLESS and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
+    front = (STICK if mu_f >= FRICTIONLESS and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
+    F = impulses(W, u, back, front, SMOOTH, rows)
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(chain, F))
     sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
@@ -192,9 +196,9 @@ def _stop_jam(world, state, now, closed, sliding):
     that this would have to pull down leaves instead.
     """
     W, tally, rows = now.mobility, now.tally, now.rows
-    u, mu = feet_velocities(world, state, now.chain), world.contact.friction
-    back = closed[0] and (1.0 - JAMMED) * W.bb_yy <= sliding[0] * mu * W.bb_xy
-    front = closed[1] and (1.0 - JAMMED) * W.ff_yy <= sliding[1] * mu * W.ff_xy
+    u, mu = feet_velocities(world, state, now.chain), frictions(world)
+    back = closed[0] and (1.0 - JAMMED) * W.bb_yy <= sliding[0] * mu[0] * W.bb_xy
+    front = closed[1] and (1.0 - JAMMED) * W.ff_yy <= sliding[1] * mu[1] * W.ff_xy
     if not (back or front):
         back, front = closed
     F = impulses(W, u, STICK if back else OPEN, STICK if front else OPEN, mu, rows)
@@ -232,16 +236,16 @@ def _resting(world, state, chain):
 @kernel
 def _jammed(world, state):
     """True when feet that slide in the state's modes jam."""
-    W = mobility_of(chain_of(world.walker, state, 0.0))
+    W = mobility_of(chain_of(world.walker, state, LOOSE))
     back, front = int(state[MODE_BACK]), int(state[MODE_FRONT])
-    return abs(give(W, back, front, world.contact.friction)) <= JAMMED
+    return abs(give(W, back, front, frictions(world))) <= JAMMED
 
 
 @kernel
 def decide(world, state, tally, rows):
     """Resolve the impacts of this instant, then choose the modes of feet that stay; in place."""
-    friction = world.contact.friction
-    chain = chain_of(world.walker, state, 0.0)
+    friction = frictions(world)
+    chain = chain_of(world.walker, state, LOOSE)
     gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
     touch, rest = TOUCH * level_of(world.drive, state), _resting(world, state, chain)
     was = (int(state[MODE_BACK]), int(state[MODE_FRONT]))
@@ -252,7 +256,7 @@ def decide(world, state, tally, rows):
     # Stopping a jam pushes the other foot into the plate or off it, and that one may slide on.
     for jams in range(1 + JAMS):
         now = Instant(chain, mobility_of(chain), rows, tally)
-        collide(world, world.contact.restitution, state, now, touching, (rest, rest))
+        collide(world, restitutions(world), state, now, touching, (rest, rest))
         u = feet_velocities(world, state, chain)
         closed = (touching[0] and u[1] <= rest, touching[1] and u[3] <= rest)
         guess = (was[0] if closed[0] else OPEN, was[1] if closed[1] else OPEN)
@@ -262,8 +266,8 @@ def decide(world, state, tally, rows):
         # A foot that leaves from inside the plate, if only by rounding, would land again at once.
         state[MODE_BACK] = FORWARD if closed[0] else OPEN
         state[MODE_FRONT] = FORWARD if closed[1] else OPEN
-        settle(world, state, 0.0, rows)
-        chain = chain_of(world.walker, state, 0.0)
+        settle(world, state, LOOSE, rows)
+        chain = chain_of(world.walker, state, LOOSE)
         _hold(world, state, chain, closed, tally.sums, rows)
         W = mobility_of(chain)
         _, a = accelerations(world, state, chain)
@@ -289,8 +293,8 @@ def _accept(world, state, work, passed, sums):
     sums[record.LARGEST_PITCH] = max(sums[record.LARGEST_PITCH], abs(state[PITCH]))
     if closed[0] or closed[1]:
         sums[record.CONTACT_TIME] += passed
-        settle(world, state, 0.0, work.rows)
-        chain = chain_of(world.walker, state, 0.0)
+        settle(world, state, LOOSE, work.rows)
+        chain = chain_of(world.walker, state, LOOSE)
         _hold(world, state, chain, closed, sums, work.rows)
 
 

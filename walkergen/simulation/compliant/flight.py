@@ -2,14 +2,15 @@
 
 The centre of mass of body and legs falls freely, exactly. In the body's frame the legs are two
 uncoupled damped oscillators (`Swing`), whatever the pitch, also exact; the rest (finite angles,
-centrifugal forces) is a kick in the middle of the flight: the flow is of second order in its
-length, with an error that vanishes for small leg angles. A braced walker's flight is exact.
+centrifugal forces, what unlike dampers couple) is a kick in the middle of the flight: the flow is
+of second order in its length, with an error that vanishes for small angles of legs damped alike. A
+braced walker's flight is exact.
 """
 
 import math
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.compliant.chain import chain_of, free_acceleration
+from walkergen.simulation.compliant.chain import LOOSE, chain_of, free_acceleration, longest_leg
 from walkergen.simulation.drive import derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import DAMPING_LOSS
@@ -47,11 +48,11 @@ def _fly(legs, world, state, t, sums):
         state[V_Y] += t * a_y
         state[PITCH] += t * state[SPIN]
     else:
-        a_x, a_y, f_x, f_y = _falling(world, state, world.walker.mass + 2.0 * legs.mass, t)
+        a_x, a_y, f_x, f_y = _falling(world, state, _total(legs, world.walker), t)
         x, y, v_x, v_y = _centre(legs, world.walker, state)
-        _swing(legs, state, 0.5 * t, sums)
-        _kick(legs, world, state, t)
-        _swing(legs, state, 0.5 * t, sums)
+        _swing(legs, world.walker, state, 0.5 * t, sums)
+        _kick(legs, world, state, t, sums)
+        _swing(legs, world.walker, state, 0.5 * t, sums)
         x_1, y_1, v_x1, v_y1 = _centre(legs, world.walker, state)
         state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * a_x)
         state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * a_y)
@@ -74,18 +75,27 @@ def _falling(world, state, mass, t):
 
 
 @kernel
+def _total(legs, walker):
+    return walker.mass + (1.0 + walker.ratios.mass) * legs[0].mass
+
+
+@kernel
 def _centre(legs, walker, state):
     """Centre of mass of body and legs against O, and its velocity against that of O."""
-    share = legs.mass / (walker.mass + 2.0 * legs.mass)
+    share, mu = legs[0].mass / _total(legs, walker), walker.ratios.mass
     cos, sin = math.cos(state[PITCH]), math.sin(state[PITCH])
-    a_x, a_y = walker.back_x + walker.front_x, walker.back_y + walker.front_y
+    (b_x, b_y), (f_x, f_y) = walker.anchors
+    a_x, a_y = b_x + mu * f_x, b_y + mu * f_y
     x, y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
     v_x, v_y = -y * state[SPIN], x * state[SPIN]
-    for index, rate in ((ANGLE_BACK, RATE_BACK), (ANGLE_FRONT, RATE_FRONT)):
+    for leg, part, index, rate in (
+        (legs[0], 1.0, ANGLE_BACK, RATE_BACK),
+        (legs[1], mu, ANGLE_FRONT, RATE_FRONT),
+    ):
         psi, spin = state[PITCH] + state[index], state[SPIN] + state[rate]
         c, s = math.cos(psi), math.sin(psi)
-        c_x = c * legs.centre_x - s * legs.centre_y
-        c_y = s * legs.centre_x + c * legs.centre_y
+        c_x = part * (c * leg.centre[0] - s * leg.centre[1])
+        c_y = part * (s * leg.centre[0] + c * leg.centre[1])
         x, y, v_x, v_y = x + c_x, y + c_y, v_x - c_y * spin, v_y + c_x * spin
     return share * x, share * y, share * v_x, share * v_y
 
@@ -111,25 +121,29 @@ def _oscillate(value, rate, square, decay, t):
 
 
 @kernel
-def _swing(legs, state, t, sums):
-    s, k, c = legs.swing, legs.stiffness, legs.damping
-    b, f, p, q = state[ANGLE_BACK], state[ANGLE_FRONT], state[RATE_BACK], state[RATE_FRONT]
+def _swing(legs, walker, state, t, sums):
+    s, root, k, c = walker.swing, walker.ratios.root, legs[0].stiffness, legs[0].damping
+    b, p = state[ANGLE_BACK], state[RATE_BACK]
+    f, q = root * state[ANGLE_FRONT], root * state[RATE_FRONT]
     u, v = s.cos * b + s.sin * f, s.cos * f - s.sin * b
     du, dv = s.cos * p + s.sin * q, s.cos * q - s.sin * p
     m_1, m_2 = s.mobility_1, s.mobility_2
-    u_1, du_1 = _oscillate(u, du, k * m_1, 0.5 * c * m_1, t)
-    v_1, dv_1 = _oscillate(v, dv, k * m_2, 0.5 * c * m_2, t)
+    c_1, c_2 = c * (1.0 + s.excess * (s.sin * s.sin)), c * (1.0 + s.excess * (s.cos * s.cos))
+    u_1, du_1 = _oscillate(u, du, k * m_1, 0.5 * c_1 * m_1, t)
+    v_1, dv_1 = _oscillate(v, dv, k * m_2, 0.5 * c_2 * m_2, t)
     sums[DAMPING_LOSS] += 0.5 * (
         k * (u * u + v * v - u_1 * u_1 - v_1 * v_1)
         + (du * du - du_1 * du_1) / m_1
         + (dv * dv - dv_1 * dv_1) / m_2
     )
-    state[ANGLE_BACK], state[ANGLE_FRONT] = s.cos * u_1 - s.sin * v_1, s.sin * u_1 + s.cos * v_1
-    state[RATE_BACK], state[RATE_FRONT] = s.cos * du_1 - s.sin * dv_1, s.sin * du_1 + s.cos * dv_1
-    turned = s.share_back * p + s.share_front * q
-    steady = state[SPIN] + turned
-    state[SPIN] = steady - s.share_back * state[RATE_BACK] - s.share_front * state[RATE_FRONT]
-    swung = s.share_back * (state[ANGLE_BACK] - b) + s.share_front * (state[ANGLE_FRONT] - f)
+    share_b, share_f = s.share_back, s.share_front / root
+    b_1, f_1 = s.cos * u_1 - s.sin * v_1, s.sin * u_1 + s.cos * v_1
+    p_1, q_1 = s.cos * du_1 - s.sin * dv_1, s.sin * du_1 + s.cos * dv_1
+    state[ANGLE_BACK], state[ANGLE_FRONT] = b_1, f_1 / root
+    state[RATE_BACK], state[RATE_FRONT] = p_1, q_1 / root
+    steady = state[SPIN] + (share_b * p + share_f * q)
+    state[SPIN] = steady - share_b * p_1 - share_f * q_1
+    swung = share_b * (b_1 - b) + share_f * (f_1 - f)
     state[PITCH] += steady * t - swung
 
 
@@ -137,23 +151,39 @@ def _swing(legs, state, t, sums):
 def _rest(legs, world, state, chain):
     """Rest of the true accelerations (spin, leg rates), rad/s^2, beyond the linear ones."""
     _, _, spin, back, front = free_acceleration(world, state, chain)
-    s, k, c = legs.swing, legs.stiffness, legs.damping
+    s, root, k, c = world.walker.swing, world.walker.ratios.root, legs[0].stiffness, legs[0].damping
     t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
-    t_f = -k * state[ANGLE_FRONT] - c * state[RATE_FRONT]
-    u, v = s.mobility_1 * (s.cos * t_b + s.sin * t_f), s.mobility_2 * (s.cos * t_f - s.sin * t_b)
-    b, f = s.cos * u - s.sin * v, s.sin * u + s.cos * v
+    t_f = -k * (root * state[ANGLE_FRONT]) - c * (root * state[RATE_FRONT])
+    du, dv = _modal_rates(s, root, state)
+    more = c * s.excess
+    u = s.mobility_1 * (s.cos * t_b + s.sin * t_f - more * (s.sin * s.sin) * du)
+    v = s.mobility_2 * (s.cos * t_f - s.sin * t_b - more * (s.cos * s.cos) * dv)
+    b, f = s.cos * u - s.sin * v, (s.sin * u + s.cos * v) / root
     return spin + s.share_back * b + s.share_front * f, back - spin - b, front - spin - f
 
 
 @kernel
-def _kick(legs, world, state, t):
-    """Change of the rates by `_rest` over t seconds at a fixed pose, by the midpoint rule."""
-    chain = chain_of(world.walker, state, 0.0)
+def _modal_rates(swing, root, state):
+    p, q = state[RATE_BACK], root * state[RATE_FRONT]
+    return swing.cos * p + swing.sin * q, swing.cos * q - swing.sin * p
+
+
+@kernel
+def _kick(legs, world, state, t, sums):
+    """Change of the rates by `_rest` over t seconds at a fixed pose, by the midpoint rule.
+
+    What the dampers take beyond the modes' own damping is that of the rates halfway.
+    """
+    s, root = world.walker.swing, world.walker.ratios.root
+    chain = chain_of(world.walker, state, LOOSE)
     spin, back, front = state[SPIN], state[RATE_BACK], state[RATE_FRONT]
     for ahead in (0.5 * t, t):
         d_spin, d_back, d_front = _rest(legs, world, state, chain)
         state[SPIN], state[RATE_BACK] = spin + ahead * d_spin, back + ahead * d_back
         state[RATE_FRONT] = front + ahead * d_front
+        if ahead < t:
+            du, dv = _modal_rates(s, root, state)
+            sums[DAMPING_LOSS] += 2.0 * t * legs[0].damping * s.excess * s.sin * s.cos * du * dv
 
 
 @kernel
@@ -189,19 +219,20 @@ def _clear_time(legs, world, state, chain, gaps, pull):
             _fall_time(gaps[0], rise + spin * back_x, pull),
             _fall_time(gaps[1], rise + spin * front_x, pull),
         )
-    s = legs.swing
+    s, root = world.walker.swing, world.walker.ratios.root
     amplitude = math.sqrt(
         state[ANGLE_BACK] ** 2
-        + state[ANGLE_FRONT] ** 2
-        + (state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2) / (legs.stiffness * s.mobility_1)
+        + (root * state[ANGLE_FRONT]) ** 2
+        + (state[RATE_BACK] ** 2 + (root * state[RATE_FRONT]) ** 2)
+        / (legs[0].stiffness * s.mobility_1)
     )
     steady = spin + s.share_back * state[RATE_BACK] + s.share_front * state[RATE_FRONT]
     centre_x, _, _, turning = _centre(legs, world.walker, state)
     rise += turning - steady * centre_x  # of O, without its share of the legs' swing
-    length = math.hypot(world.walker.reach_x, world.walker.reach_y)
+    length = longest_leg(world.walker)
     pull += steady * steady * (length + abs(back_x) + abs(front_x))
     swing_b = amplitude * (abs(b.r_x) + 0.15 * length) + state[ANGLE_BACK] * b.r_x
-    swing_f = amplitude * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x
+    swing_f = amplitude / root * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x
     return min(
         _fall_time(gaps[0] - swing_b, rise + steady * back_x, pull),
         _fall_time(gaps[1] - swing_f, rise + steady * front_x, pull),

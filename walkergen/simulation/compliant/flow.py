@@ -12,6 +12,7 @@ import numpy as np
 from walkergen.numerics.dormand_prince import ERROR_WEIGHTS, WEIGHTS
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.compliant.chain import (
+    LOOSE,
     angle,
     chain_of,
     feet_changes,
@@ -19,11 +20,12 @@ from walkergen.simulation.compliant.chain import (
     feet_velocities,
     free_acceleration,
     gaps,
+    longest_leg,
     mobility_of,
     power_lost,
     push,
 )
-from walkergen.simulation.compliant.contact import FRICTIONLESS, JAMMED, give, impulses
+from walkergen.simulation.compliant.contact import FRICTIONLESS, JAMMED, frictions, give, impulses
 from walkergen.simulation.drive import acceleration, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.world import (
@@ -104,8 +106,8 @@ def accelerations(world, z, chain):
 @kernel
 def slopes_of(world, z, dz, rows):
     """Time derivative of state and integrals in the present modes; returns the feet's margins."""
-    back, front, friction = int(z[MODE_BACK]), int(z[MODE_FRONT]), world.contact.friction
-    chain = chain_of(world.walker, z, 0.0)
+    back, front, friction = int(z[MODE_BACK]), int(z[MODE_FRONT]), frictions(world)
+    chain = chain_of(world.walker, z, LOOSE)
     free, a = accelerations(world, z, chain)
     W = mobility_of(chain)
     F = impulses(W, a, back, front, friction, rows)
@@ -135,8 +137,8 @@ def slopes_of(world, z, dz, rows):
     if beyond <= 0.0:
         return beyond, beyond
     return (
-        _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, friction),
-        _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, friction),
+        _margin(back, gap[0], level, u[0], F[0], F[1], W.bb_yy, friction[0]),
+        _margin(front, gap[1], level, u[2], F[2], F[3], W.ff_yy, friction[1]),
     )
 
 
@@ -162,7 +164,7 @@ def shoot(world, work, t):
 @kernel
 def scales_of(world, state):
     """Unit of each entry's error: speeds of a fall by a leg's length, 1e-3 of it, 1e-3 rad."""
-    length = math.hypot(world.walker.reach_x, world.walker.reach_y)
+    length = longest_leg(world.walker)
     gravity = math.hypot(along(world.acting), across(world.acting))
     scales = np.full(state.size, 1e-3)
     scales[X], scales[Y] = 1e-3 * length, 1e-3 * length

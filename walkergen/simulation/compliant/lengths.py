@@ -3,7 +3,7 @@
 import math
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.compliant.chain import angle
+from walkergen.simulation.compliant.chain import LOOSE, angle
 from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT, SPIN
 
 TURN = 0.25
@@ -24,41 +24,69 @@ of second order that a stopped foot keeps would be stopped again and again."""
 
 @kernel
 def stiffening(legs, t):
-    """Inertia (g mm^2) that the trapezoidal rule adds to the hinges for a step of t seconds."""
+    """Inertia (g mm^2) that the trapezoidal rule adds to either hinge for a step of t seconds."""
     if legs is None:
-        return 0.0
-    return t * (0.5 * legs.damping + 0.25 * t * legs.stiffness)
+        return LOOSE
+    back, front = legs
+    return (
+        t * (0.5 * back.damping + 0.25 * t * back.stiffness),
+        t * (0.5 * front.damping + 0.25 * t * front.stiffness),
+    )
 
 
 @kernel
-def swings_back(legs, t):
-    """True when a leg that is hit swings back within t s: by the half period of its slower mode, or
-    because its damper stops it on a body that comes on towards the plate.
+def swings_back(walker, t):
+    """True when legs that are hit swing back within t s: by the half period of their slower mode,
+    or because their dampers stop them on a body that comes on towards the plate.
     """
+    return _swings_back(walker.legs, walker.swing, t)
+
+
+@kernel
+def _swings_back(legs, swing, t):
     if legs is None:
         return False
-    slower = min(legs.swing.mobility_1, legs.swing.mobility_2)
-    return t * math.sqrt(legs.stiffness * slower) > math.pi or t * legs.damping * slower > DAMPED
+    rate, decay = slower_mode(legs[0], swing)
+    return t * rate > math.pi or t * decay > DAMPED
 
 
 @kernel
-def longest_flight(legs, state, options, clear):
+def slower_mode(leg, swing):
+    """Frequency (rad/s) and damping (twice its decay, 1/s) of the legs' slower mode; `leg`: back."""
+    slower = min(swing.mobility_1, swing.mobility_2)
+    part = swing.sin if swing.mobility_1 <= swing.mobility_2 else swing.cos
+    return (
+        math.sqrt(leg.stiffness * slower),
+        leg.damping * (1.0 + swing.excess * (part * part)) * slower,
+    )
+
+
+@kernel
+def longest_flight(walker, state, options, clear):
     """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it.
 
     A kick in every half period of the legs is in resonance with them: the centrifugal stiffness of
     a turn at `spin` then pumps their swing at the rate spin^2 / omega. Where that matters within
     the time `clear`, for which no foot can land, steps are no longer than in contact, nor than a
-    sixth of the legs' period.
+    sixth of the legs' period. What couples the legs' modes, unlike dampers, is in the kick too.
     """
+    return _longest_flight(walker.legs, walker.swing, state, options, clear)
+
+
+@kernel
+def _longest_flight(legs, swing, state, options, clear):
     least, longest = SLIVER * options.step, options.flight * options.step
     if legs is None:
         return longest
-    square = legs.stiffness * max(legs.swing.mobility_1, legs.swing.mobility_2)
+    faster = max(swing.mobility_1, swing.mobility_2)
+    square = legs[0].stiffness * faster
     angles = state[ANGLE_BACK] ** 2 + state[ANGLE_FRONT] ** 2
     rates = state[RATE_BACK] ** 2 + state[RATE_FRONT] ** 2
     fastest = math.sqrt(state[SPIN] ** 2 + rates + square * angles)
     if fastest * fastest * clear > PUMPED * math.sqrt(square):
         longest = min(options.step, max(least, 1.0 / math.sqrt(square)))
+    coupling = legs[0].damping * faster * abs(swing.excess * swing.cos * swing.sin)
+    longest = min(longest, max(least, TURN / (coupling + 1e-300)))
     return min(longest, max(least, TURN / (fastest + 1e-300)))
 
 

@@ -11,7 +11,6 @@ from walkergen.simulation.model import Array, Model, same
 from walkergen.simulation.world import (
     LEG_COLUMNS,
     RATE_BACK,
-    RATE_FRONT,
     RIGID_COLUMNS,
     SPIN,
     V_X,
@@ -28,7 +27,7 @@ STEP_US = 30.0
 
 def feet(world: World, state: State) -> Array:
     """Places and velocities of the feet, shape (2, 4), as in `Model.feet`."""
-    now = chain.chain_of(world.walker, state, 0.0)
+    now = chain.chain_of(world.walker, state, chain.LOOSE)
     x = [state[X] + limb.A_x + limb.r_x for limb in (now.back, now.front)]
     b_x, b_y, f_x, f_y = chain.feet_velocities(world, state, now)
     return np.array([x, chain.gaps(world.drive, state, now), (b_x, f_x), (b_y, f_y)]).T
@@ -39,10 +38,10 @@ def momentum(world: World, state: State) -> float:
     walker, legs = world.walker, world.walker.legs
     total = walker.mass * state[V_X]
     if legs is not None:
-        now = chain.chain_of(walker, state, 0.0)
-        for limb, rate in ((now.back, state[RATE_BACK]), (now.front, state[RATE_FRONT])):
+        now = chain.chain_of(walker, state, chain.LOOSE)
+        for leg, limb, rate in zip(legs, (now.back, now.front), state[RATE_BACK:], strict=True):
             turning = state[SPIN] * limb.A_y + (state[SPIN] + rate) * limb.C_y
-            total += legs.mass * (state[V_X] - turning)
+            total += leg.mass * (state[V_X] - turning)
     return float(total)
 
 

@@ -8,13 +8,42 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
 from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, RIGID_SIZE, State, World, Y
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, from_centre
+from walkergen.walker.mass import LegMass, MassProperties, from_centre
 from walkergen.walker.planar import in_plane
+
+Array = npt.NDArray[np.float64]
+Point = tuple[float, float]
+
+
+class Leg(NamedTuple):
+    """One leg on a torsional spring."""
+
+    mass: float
+    """Mass, g."""
+    inertia: float
+    """Moment of inertia about its anchor, g mm^2."""
+    centre: Point
+    """Vector anchor -> centre of mass of the relaxed leg (c_A), mm."""
+    stiffness: float
+    """Torsional stiffness of its hinge, g mm^2/s^2 per rad."""
+    damping: float
+    """Torsional damping of its hinge, g mm^2/s per rad."""
+
+
+class Ratios(NamedTuple):
+    """Numbers of the front leg over the back leg's: exactly 1.0 where the legs are equal, so that
+    sums over legs, with the back leg's number before the bracket, are those of equal legs."""
+
+    mass: float
+    root: float
+    """Root of the ratio of the stiffnesses: angles times roots have equal springs."""
+    damping: float
 
 
 class Swing(NamedTuple):
@@ -22,51 +51,38 @@ class Swing(NamedTuple):
 
     cos: float
     sin: float
-    """Modes in (alpha back, alpha front): the first is (cos, sin), the second (-sin, cos)."""
+    """Modes in (alpha back, root alpha front), root that of `Ratios`: the first is (cos, sin), the
+    second (-sin, cos)."""
     mobility_1: float
     mobility_2: float
     """Inverse inertia of either mode, 1/(g mm^2): angular acceleration per torque at the hinges."""
+    excess: float
+    """Damping over stiffness of the front leg by that of the back leg, less 1: couples the modes.
+    0 where the legs are equal."""
     share_back: float
     share_front: float
     """Backward turn of the body over a leg's: pitch + sum(share alpha) is uniform in flight."""
 
 
-class Legs(NamedTuple):
-    """Two equal legs on torsional springs; the mass (g) is that of a single leg."""
-
-    mass: float
-    inertia: float
-    """Moment of inertia of one leg about its anchor, g mm^2."""
-    centre_x: float
-    centre_y: float
-    """Vector anchor -> centre of mass of the relaxed leg (c_A), mm."""
-    stiffness: float
-    """Torsional stiffness of a hinge, g mm^2/s^2 per rad."""
-    damping: float
-    """Torsional damping of a hinge, g mm^2/s per rad."""
-    swing: Swing
-
-
 class Walker(NamedTuple):
-    """Everything the integrators know of a walker; vectors from O, in mm, in the body's frame."""
+    """Everything the integrators know of a walker; vectors in mm, in the body's frame; of two the
+    back leg's comes first."""
 
     mass: float
     """Mass of the body (flexible legs) or of the whole (braced), g."""
     inertia: float
     """Moment of inertia about O of what `mass` counts, g mm^2."""
-    back_x: float
-    back_y: float
-    front_x: float
-    front_y: float
+    anchors: tuple[Point, Point]
     """Vectors O -> anchors."""
-    reach_x: float
-    reach_y: float
-    """Vector anchor -> foot of a relaxed leg."""
+    reaches: tuple[Point, Point]
+    """Vectors anchor -> foot of relaxed legs."""
     corner_back_x: float
     corner_front_x: float
     corner_y: float
     """Vectors O -> lower corners of the body."""
-    legs: Legs | None
+    legs: tuple[Leg, Leg] | None
+    ratios: Ratios | None
+    swing: Swing | None
 
 
 def walker_of(
@@ -78,56 +94,67 @@ def walker_of(
 ) -> Walker:
     """Walker of a design, legs None if braced; `damping_ratio`: of a free leg on a held body."""
     flat, size = in_plane(design, mass), design.size
-    back, front = flat.mass.legs
     low = np.array([(-0.5 * size.length, -0.5 * size.thickness),
                     (0.5 * size.length, -0.5 * size.thickness)])  # fmt: skip
     (left, bottom), (right, _) = from_centre(design, mass, low)
-    legs = None
+    back, front = flat.mass.legs
+    legs = ratios = swing = None
     if not mass.rigid:
-        hinge = stiffness(flat.limbs[0], design.material.youngs_modulus, spring)
-        legs = _legs(flat.mass, hinge, damping_ratio)
-    reach = back.c_A + back.c_T
+        modulus = design.material.youngs_modulus
+        stiff_b, stiff_f = (stiffness(limb, modulus, spring) for limb in flat.limbs)
+        legs = _leg(back, stiff_b, damping_ratio), _leg(front, stiff_f, damping_ratio)
+        ratios = _ratios(*legs)
+        swing = _swing(flat.mass, ratios)
     return Walker(
         mass=float(mass.M),
         inertia=float(mass.J),
-        back_x=float(back.anchor[0]),
-        back_y=float(back.anchor[1]),
-        front_x=float(front.anchor[0]),
-        front_y=float(front.anchor[1]),
-        reach_x=float(reach[0]),
-        reach_y=float(reach[1]),
+        anchors=(_point(back.anchor), _point(front.anchor)),
+        reaches=(_point(back.c_A + back.c_T), _point(front.c_A + front.c_T)),
         corner_back_x=float(left),
         corner_front_x=float(right),
         corner_y=float(bottom),
         legs=legs,
+        ratios=ratios,
+        swing=swing,
     )
 
 
-def _legs(mass: MassProperties, stiffness: float, damping_ratio: float) -> Legs:
-    leg = mass.legs[0]
+def _point(vector: Array) -> Point:
+    return float(vector[0]), float(vector[1])
+
+
+def _leg(leg: LegMass, stiffness: float, damping_ratio: float) -> Leg:
     inertia = float(leg.inertia)
     damping = 2.0 * damping_ratio * math.sqrt(stiffness * inertia)
-    c_x, c_y = (float(value) for value in leg.c_A)
-    return Legs(float(leg.m), inertia, c_x, c_y, stiffness, damping, _swing(mass, inertia))
+    return Leg(float(leg.m), inertia, _point(leg.c_A), stiffness, damping)
 
 
-def _swing(mass: MassProperties, inertia: float) -> Swing:
+def _ratios(back: Leg, front: Leg) -> Ratios:
+    """Ratios of two legs, of their dampings even where these are zero."""
+    stiff = front.stiffness / back.stiffness
+    damped = front.stiffness * front.inertia / (back.stiffness * back.inertia)
+    return Ratios(front.mass / back.mass, math.sqrt(stiff), math.sqrt(damped))
+
+
+def _swing(mass: MassProperties, ratios: Ratios) -> Swing:
     """Modes of the relaxed chain in flight, from the inertia of its rotations about its centre."""
     back, front = mass.legs
-    m, ratio = back.m, back.m / (mass.M + 2.0 * back.m)
-    a, b, c_A = back.anchor, front.anchor, back.c_A
-    anchors = a + b
-    inertias = np.full((3, 3), -m * ratio * float(c_A @ c_A))
-    inertias[1, 1] += inertia
-    inertias[2, 2] += inertia
-    inertias[0, 0] = mass.J + m * (a @ a + b @ b - ratio * anchors @ anchors)
-    for leg, anchor in ((1, a), (2, b)):
-        inertias[0, leg] = inertias[leg, 0] = m * (anchor - ratio * anchors) @ c_A
-    hinges = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])
+    m, mu = back.m, ratios.mass
+    ratio = m / (mass.M + (1.0 + mu) * m)
+    a, b, c_b, c_f = back.anchor, front.anchor, back.c_A, front.c_A
+    anchors = a + mu * b
+    inertias = np.full((3, 3), -m * ratio * mu * float(c_b @ c_f))
+    inertias[1, 1] = -m * ratio * float(c_b @ c_b) + back.inertia
+    inertias[2, 2] = -m * ratio * mu * mu * float(c_f @ c_f) + front.inertia
+    inertias[0, 0] = mass.J + m * (a @ a + mu * (b @ b) - ratio * anchors @ anchors)
+    inertias[0, 1] = inertias[1, 0] = m * (a - ratio * anchors) @ c_b
+    inertias[0, 2] = inertias[2, 0] = mu * m * (b - ratio * anchors) @ c_f
+    hinges = np.array([[-1.0, 1.0, 0.0], [-ratios.root, 0.0, ratios.root]])
     mobility, modes = np.linalg.eigh(hinges @ np.linalg.solve(inertias, hinges.T))
     cos, sin = modes[:, 0]
+    excess = ratios.damping / (ratios.root * ratios.root) - 1.0
     shares = inertias.sum(axis=0)[1:] / inertias.sum()
-    return Swing(*(float(value) for value in (cos, sin, *mobility, *shares)))
+    return Swing(*(float(value) for value in (cos, sin, *mobility, excess, *shares)))
 
 
 def start(
@@ -139,8 +166,8 @@ def start(
     state[PITCH], state[PHASE] = pitch, phase
     cos, sin = math.cos(pitch), math.sin(pitch)
     lower = min(
-        sin * (anchor_x + walker.reach_x) + cos * (anchor_y + walker.reach_y)
-        for anchor_x, anchor_y in ((walker.back_x, walker.back_y), (walker.front_x, walker.front_y))
+        sin * (anchor[0] + reach[0]) + cos * (anchor[1] + reach[1])
+        for anchor, reach in zip(walker.anchors, walker.reaches, strict=True)
     )
     state[Y] = height(world.drive, phase) + clearance - lower
     return state

@@ -17,6 +17,7 @@ import numpy as np
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
+    LOOSE,
     accelerate,
     angle,
     chain_of,
@@ -31,11 +32,14 @@ from walkergen.simulation.compliant.chain import (
     push,
 )
 from walkergen.simulation.compliant.contact import (
+    PLASTIC,
     Instant,
     applied,
     collide,
     folded,
+    frictions,
     impulses,
+    restitutions,
     settle,
     solve,
 )
@@ -190,8 +194,8 @@ def _contact_step(world, state, t, sums, rows):
     )
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     guess, W = (int(state[MODE_BACK]), int(state[MODE_FRONT])), mobility_of(chain)
-    back, front, F, _ = solve(W, u, closed, (0, 0), guess, world.contact.friction, rows)
-    part = _stop(W, u, before, back, front, world.contact.friction, rows)
+    back, front, F, _ = solve(W, u, closed, (0, 0), guess, frictions(world), rows)
+    part = _stop(W, u, before, back, front, frictions(world), rows)
     accelerate(legs, state, free)
     accelerate(legs, state, push(chain, F))
     state[MODE_BACK], state[MODE_FRONT] = back, front
@@ -262,7 +266,7 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
         turn = _step(world, state, part * t, trial, work.rows)
         if located:
             break
-        chain = chain_of(world.walker, state, 0.0)
+        chain = chain_of(world.walker, state, LOOSE)
         gap_1, u_1 = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
         back = start[MODE_BACK] == OPEN and _lands(gap_0[0], gap_1[0], u_1[1])
         front = start[MODE_FRONT] == OPEN and _lands(gap_0[1], gap_1[1], u_1[3])
@@ -316,7 +320,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
         max(step * (lift - d[1] - turning[1]), least),
         max(step * (lift - d[3] - turning[3]), least),
     )
-    e = 0.0 if swings_back(world.walker.legs, 2.0 * step) else world.contact.restitution
+    e = PLASTIC if swings_back(world.walker, 2.0 * step) else restitutions(world)
     collide(world, e, state, Instant(chain, mobility_of(chain), rows, tally), touching, rest)
     u = feet_velocities(world, state, chain)
     if touching[0]:
@@ -340,13 +344,13 @@ def advance(world, state, duration, tally):
             return TOPPLED
         if folded(legs, state):
             return FOLDED
-        chain = chain_of(world.walker, state, 0.0)
+        chain = chain_of(world.walker, state, LOOSE)
         gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
             if _surface(world, state, gap, u, (back, front), work.rows):
-                chain = chain_of(world.walker, state, 0.0)
+                chain = chain_of(world.walker, state, LOOSE)
                 gap = gaps(world.drive, state, chain)
             _land(world, state, chain, gap, (back, front), tally, work.rows)
             u = feet_velocities(world, state, chain)
@@ -355,7 +359,7 @@ def advance(world, state, duration, tally):
             length = longest_contact(legs, state, h)
         else:
             clear = clear_time(world, state, chain, gap)
-            length = min(max(clear, h), longest_flight(legs, state, world.options, clear))
+            length = min(max(clear, h), longest_flight(world.walker, state, world.options, clear))
         length = min(length, duration - t, max(next_sample(tally.samples) - begin - t, INSTANT))
         stops = length > SLIVER * h and not stopped
         passed, back, front = _step_to_landing(world, state, length, stops, gap, u, sums, work)

@@ -9,6 +9,7 @@ from walkergen.simulation.effects.acting import VERDICTS, Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
+from walkergen.walker.planar import in_plane
 
 MethodName = Literal["event", "step"]
 
@@ -32,7 +33,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     Raises InputError where the scene's choices contradict each other or the design.
     """
     _check_room(scene, design)
-    case = Case(scene, design, mass, _model(scene, design))
+    case = Case(scene, design, mass, _model(scene, design, mass))
     _check_law(scene, case.model)
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
@@ -54,7 +55,7 @@ def _check_room(scene: Scene, design: Design) -> None:
             )
 
 
-def _model(scene: Scene, design: Design) -> ModelName:
+def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
     wanted = scene.legs.model
     if design.braced and wanted in ("relaxed", "compliant"):
         raise InputError(
@@ -67,15 +68,32 @@ def _model(scene: Scene, design: Design) -> ModelName:
             f"arena.kind = 'plane': the model {wanted} cannot turn on a plane; use legs.model "
             "'auto' or 'space', or arena.kind = 'lane'"
         )
+    problem = _out_of_plane(design, mass, wanted)
+    if problem and wanted not in ("auto", "space"):
+        raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
     if wanted != "auto":
         return wanted
-    if plane:
+    if plane or problem:
         return "space"
     if design.braced:
         return "rigid"
     if accepted < compliance.PLANAR_ERROR:
         return "space"
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
+
+
+def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
+    """Reason for which a planar model does not know a walker; "" where it does."""
+    limbs = in_plane(design, mass).limbs
+    if len(limbs) != 2 or limbs[0].along == limbs[1].along:
+        places = ", ".join(f"{limb.along:g}" for limb in limbs)
+        return (
+            "knows two feet in the plane, one behind the other; those of this walker stand at "
+            f"{places} mm along"
+        )
+    if model != "rigid" and limbs[0].braced != limbs[1].braced:
+        return "knows two legs of one kind; of this walker's one is braced, one flexible"
+    return ""
 
 
 def _check_law(scene: Scene, model: ModelName) -> None:

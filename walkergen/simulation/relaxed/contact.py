@@ -18,13 +18,12 @@ from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, add_impulse, note_event
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
 from walkergen.simulation.relaxed.state import (
-    back_tensor,
-    front_tensor,
     impulse_tensor,
     lever,
+    levers,
     rigid_tensor,
 )
-from walkergen.simulation.relaxed.sustained import BACK_JAMS, NO_JAM, choose_modes
+from walkergen.simulation.relaxed.sustained import NO_JAM, choose_modes
 from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y
 from walkergen.theory.impact import NONE
 
@@ -49,12 +48,7 @@ def land(world, state, t, tally):
             if jammed == NO_JAM:
                 settled = True
                 break
-            _stop(
-                world.walker,
-                state,
-                v_p,
-                world.walker.d_back if jammed == BACK_JAMS else world.walker.d_front,
-            )
+            _stop(world.walker, state, v_p, world.walker.feet[jammed])
     tally.sums[PLATE_WORK] += world.walker.mass * v_p * (state[V_Y] - v_y)
     tally.sums[IMPACT_LOSS] -= _energy(world, state, v_p) - before
     return settled
@@ -62,23 +56,18 @@ def land(world, state, t, tally):
 
 @kernel
 def _near(world, state):
-    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
+    back, front = levers(world.walker, state[PITCH])
     limit = height(world.drive, state[PHASE]) + CLOSED * world.options.gap_tolerance
-    return (
-        state[Y] + lever(world.walker.d_back, sin, cos)[1] <= limit,
-        state[Y] + lever(world.walker.d_front, sin, cos)[1] <= limit,
-    )
+    return state[Y] + back[1] <= limit, state[Y] + front[1] <= limit
 
 
 @kernel
 def _round(world, state, v_p, near, t, tally):
     """One round of impacts: (whether a foot was struck, whether every cascade came to an end)."""
     walker = world.walker
-    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    back, front = lever(walker.d_back, sin, cos), lever(walker.d_front, sin, cos)
-    counts = tally.counts
-    at_back = _meet(world, back_tensor(walker.flexible), back, near[0], state, v_p, counts)
-    at_front = _meet(world, front_tensor(walker.flexible), front, near[1], state, v_p, counts)
+    back, front = levers(walker, state[PITCH])
+    at_back = _meet(world, 0, back, near[0], state, v_p, tally.counts)
+    at_front = _meet(world, 1, front, near[1], state, v_p, tally.counts)
     scale = _share(walker, back, front, at_back, at_front)
     v_x, v_y, Omega = state[V_X], state[V_Y] - v_p, state[SPIN]
     if at_back.kind != NONE:
@@ -94,14 +83,15 @@ def _round(world, state, v_p, near, t, tally):
 
 
 @kernel
-def _meet(world, own, r, near, state, v_p, counts):
-    """`Landing` of one foot at r, if it is `near` and approaches; `own`: its flexible tensor."""
+def _meet(world, foot, r, near, state, v_p, counts):
+    """`Landing` of a foot (0 back, 1 front) at r, if it is `near` and approaches."""
     v_y = state[V_Y] - v_p + state[SPIN] * r[0]
     if not near or v_y >= -world.options.snap_speed:
         return Landing(0.0, 0.0, 0.0, 0.0, NONE, True)
     v_x, rigid = state[V_X] - state[SPIN] * r[1], rigid_tensor(world.walker, r)
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    return cascade(impulse_tensor(own, rigid, sin, cos), rigid, v_x, v_y, world.contact, counts)
+    own = impulse_tensor(world.walker.flexible[foot], rigid, sin, cos)
+    return cascade(own, rigid, v_x, v_y, world.contacts[foot], counts)
 
 
 @kernel

@@ -18,7 +18,7 @@ from walkergen.simulation.record import Tally, next_sample, take_sample
 from walkergen.simulation.relaxed.contact import land
 from walkergen.simulation.relaxed.flight import CORNER, NOTHING, STUCK, drift, first_contact
 from walkergen.simulation.relaxed.rocking import COLUMNS, FIRST, closed_foot, end_of_step, rock
-from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_SIZE, TRIAL_WORK, lever
+from walkergen.simulation.relaxed.state import TRIAL_FRICTION, TRIAL_SIZE, TRIAL_WORK, lever, levers
 from walkergen.simulation.relaxed.sustained import (
     BREAK,
     LIFT,
@@ -52,7 +52,7 @@ from walkergen.simulation.world import (
 )
 
 MOST_SPEED = 1e3
-"""Speed of a runaway over the usual speed: the plate's peak plus sqrt(g |O -> back foot|)."""
+"""Speed of a runaway over the usual speed: the plate's peak plus sqrt(g |O -> foot|)."""
 
 # Most events in a row without a step of time; largest depth of a start, in gap tolerances.
 MOST_AT_ONCE, DEEPEST_START = 1000, 1e7
@@ -114,7 +114,8 @@ def _stretch(world, state, left, step, trial, stages):
 @kernel
 def _runs_away(world, state):
     """True when neither plate nor fall explains the speed any more (H_rigid > H_flexible)."""
-    reach = math.hypot(world.walker.d_back[0], world.walker.d_back[1])
+    back, front = world.walker.feet
+    reach = max(math.hypot(back[0], back[1]), math.hypot(front[0], front[1]))
     usual = derivative_bound(world.drive, 1) + math.sqrt(world.acting.gravity.size * reach)
     speed = max(abs(state[V_X]), abs(state[V_Y]), reach * abs(state[SPIN]))
     return speed > MOST_SPEED * usual
@@ -146,12 +147,11 @@ def _break_away(world, state):
     """Make stuck feet slip against the force that held them."""
     pull = -along(world.acting)
     if _closed_feet(state) == 1:
-        d, _, _ = closed_foot(world.walker, state)
+        d, _, foot, _ = closed_foot(world.walker, state)
         r = lever(d, math.sin(state[PITCH]), math.cos(state[PITCH]))
         into = across(world.acting) + acceleration(world.drive, state[PHASE])
-        pull = on_one_foot(
-            world.walker, r, state[SPIN], into, along(world.acting), world.contact.friction, STICK
-        ).F_x
+        g_x, friction = along(world.acting), world.contacts[foot].friction
+        pull = on_one_foot(world.walker, r, state[SPIN], into, g_x, friction, STICK).F_x
     slip = BACKWARD if pull > 0.0 else FORWARD
     if state[MODE_BACK] != OPEN:
         state[MODE_BACK] = slip
@@ -190,9 +190,8 @@ def _tally(state, trial, dt, sums):
 @kernel
 def _lift_out(world, state):
     """Raise a walker that starts inside the plate by rounding; False when it starts deeper."""
-    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    lowest = min(lever(world.walker.d_back, sin, cos)[1], lever(world.walker.d_front, sin, cos)[1])
-    depth = height(world.drive, state[PHASE]) - (state[Y] + lowest)
+    back, front = levers(world.walker, state[PITCH])
+    depth = height(world.drive, state[PHASE]) - (state[Y] + min(back[1], front[1]))
     if depth > 2.0 * world.options.gap_tolerance:
         if depth > DEEPEST_START * world.options.gap_tolerance:
             return False

@@ -94,7 +94,7 @@ def cubic_wait(gap: Gap, margin: float, bound: float) -> float:
 def first_contact(world: World, state: State, limit: float) -> tuple[float, int]:
     """Time (s) to the first contact within `limit`, and what touches: TOUCH, CORNER, NOTHING."""
     walker = world.walker
-    dt, event = _first_of_two(world, walker.d_back, walker.d_front, state, limit)
+    dt, event = _first_of_two(world, walker.feet[0], walker.feet[1], state, limit)
     # The pitch is monotone in flight: a corner can have been first only beyond the safe pitch.
     end_pitch = state[PITCH] + state[SPIN] * dt
     if max(abs(state[PITCH]), abs(end_pitch)) > walker.safe_pitch:

@@ -40,16 +40,19 @@ COLUMNS = 6
 
 @kernel
 def closed_foot(walker, state):
-    """Vectors O -> closed foot and O -> other foot (body's frame), and the closed foot's mode."""
+    """Vectors O -> closed foot and O -> other foot (body's frame); the closed foot (0 back, 1
+    front) and its mode.
+    """
     if state[MODE_BACK] != OPEN:
-        return walker.d_back, walker.d_front, int(state[MODE_BACK])
-    return walker.d_front, walker.d_back, int(state[MODE_FRONT])
+        return walker.feet[0], walker.feet[1], 0, int(state[MODE_BACK])
+    return walker.feet[1], walker.feet[0], 1, int(state[MODE_FRONT])
 
 
 @kernel
 def rock(world, state, dt, out, stages):
     """Step of `dt` seconds from `state` to `out`; returns its estimated error (1: as tolerated)."""
-    d, _, mode = closed_foot(world.walker, state)
+    d, _, foot, mode = closed_foot(world.walker, state)
+    friction = world.contacts[foot].friction
     g_x, g_y = along(world.acting), across(world.acting)
     for i in range(7):
         pitch, v_x, Omega = state[PITCH], state[V_X], state[SPIN]
@@ -60,7 +63,7 @@ def rock(world, state, dt, out, stages):
         phase = state[PHASE] + world.drive.omega * dt * NODES[i]
         r = lever(d, math.sin(pitch), math.cos(pitch))
         pull = g_y + acceleration(world.drive, phase)
-        pivot = on_one_foot(world.walker, r, Omega, pull, g_x, world.contact.friction, mode)
+        pivot = on_one_foot(world.walker, r, Omega, pull, g_x, friction, mode)
         stages[i, 0] = v_x
         stages[i, 1] = Omega
         stages[i, 2] = pivot.a_x
@@ -118,7 +121,7 @@ def _error(dt, stages, size, omega):
 
 @kernel
 def _gap_rate(world, state):
-    _, other, _ = closed_foot(world.walker, state)
+    _, other, _, _ = closed_foot(world.walker, state)
     r = lever(other, math.sin(state[PITCH]), math.cos(state[PITCH]))
     return state[V_Y] + state[SPIN] * r[0] - velocity(world.drive, state[PHASE])
 
@@ -126,7 +129,7 @@ def _gap_rate(world, state):
 @kernel
 def margin(world, state, event):
     """Quantity that is positive until `event`: a gap (mm), force (g mm/s^2) or speed (mm/s)."""
-    d, other, mode = closed_foot(world.walker, state)
+    d, other, foot, mode = closed_foot(world.walker, state)
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
     if event == TOUCH:
         gap = state[Y] + lever(other, sin, cos)[1] - height(world.drive, state[PHASE])
@@ -141,12 +144,11 @@ def margin(world, state, event):
     if event == STOP:
         return math.inf if mode == STICK else direction(mode) * (state[V_X] - Omega * r[1])
     pull = across(world.acting) + acceleration(world.drive, state[PHASE])
-    pivot = on_one_foot(
-        world.walker, r, Omega, pull, along(world.acting), world.contact.friction, mode
-    )
+    g_x, friction = along(world.acting), world.contacts[foot].friction
+    pivot = on_one_foot(world.walker, r, Omega, pull, g_x, friction, mode)
     if event == LIFT:
         return pivot.N
-    return world.contact.friction * pivot.N - abs(pivot.F_x) if mode == STICK else math.inf
+    return friction * pivot.N - abs(pivot.F_x) if mode == STICK else math.inf
 
 
 @kernel

@@ -38,13 +38,6 @@ class Tensor(NamedTuple):
     yy: float
 
 
-class FlexibleTensors(NamedTuple):
-    """Flexible tensors of the feet (paper, eqs 8-12), in the body's frame (at pitch 0)."""
-
-    back: Tensor
-    front: Tensor
-
-
 class Walker(NamedTuple):
     """Body on two feet; vectors in mm, in the body's frame, O its centre of mass."""
 
@@ -52,16 +45,14 @@ class Walker(NamedTuple):
     """Mass of the body (flexible legs) or of the whole (braced), g."""
     inertia: float
     """Moment of inertia about O of what `mass` counts, g mm^2."""
-    d_back: Point
-    """Vector O -> back foot."""
-    d_front: Point
-    """Vector O -> front foot."""
+    feet: tuple[Point, Point]
+    """Vectors O -> foot, the back foot first."""
     corners: tuple[Point, Point, Point, Point]
     """Vectors O -> corners of the body: the run ends when a corner touches the plate."""
     safe_pitch: float
     """Below this |pitch| (rad) every corner is higher than the lower foot (`safe_pitch`)."""
-    flexible: FlexibleTensors | None
-    """Tensors that set impulses; None: the rigid tensor does."""
+    flexible: tuple[Tensor, Tensor] | tuple[None, None]
+    """Tensors of the feet (paper, eqs 8-12), at pitch 0, that set impulses; None: the rigid one."""
 
 
 class Options(NamedTuple):
@@ -76,7 +67,7 @@ class Options(NamedTuple):
 
 def options_for(walker: Walker, drive: Drive, gravity: float) -> Options:
     """Tolerances that scale with the sizes of walker and drive and with `gravity` (mm/s^2)."""
-    size = max(math.hypot(*point) for point in (walker.d_back, walker.d_front, *walker.corners))
+    size = max(math.hypot(*point) for point in (*walker.feet, *walker.corners))
     gap = 64 * np.finfo(float).eps * (size + abs(drive.amplitude))
     largest_acceleration = gravity + derivative_bound(drive, 2)
     return Options(gap, 4.0 * math.sqrt(2.0 * largest_acceleration * gap))
@@ -93,14 +84,14 @@ def resting(world: World) -> float:
     return float(world.options.snap_speed)
 
 
-def safe_pitch(d_back: Point, d_front: Point, corners: tuple[Point, ...]) -> float:
+def safe_pitch(feet: tuple[Point, Point], corners: tuple[Point, ...]) -> float:
     """Smallest |pitch| (rad) at which a corner is as low as the lower foot; 0..pi."""
     smallest = math.pi
     for corner in corners:
         for sign in (1.0, -1.0):
             crossings = [
                 math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0]))
-                for foot in (d_back, d_front)
+                for foot in feet
             ]
             smallest = min(smallest, max(crossings))
     return max(smallest, 0.0)
@@ -109,25 +100,16 @@ def safe_pitch(d_back: Point, d_front: Point, corners: tuple[Point, ...]) -> flo
 def new(
     mass: float,
     inertia: float,
-    d_back: Point,
-    d_front: Point,
+    feet: tuple[Point, Point],
     corners: tuple[Point, Point, Point, Point],
     flexible: tuple[InverseMass, ...] | None = None,
 ) -> Walker:
     """Walker from its numbers (g, mm); `flexible`: the back and the front foot's tensor (1/g)."""
-    tensors = None
+    tensors: tuple[Tensor, Tensor] | tuple[None, None] = (None, None)
     if flexible is not None:
         back, front = (Tensor(float(H.xx), float(H.xy), float(H.yy)) for H in flexible)
-        tensors = FlexibleTensors(back, front)
-    return Walker(
-        float(mass),
-        float(inertia),
-        d_back,
-        d_front,
-        corners,
-        safe_pitch(d_back, d_front, corners),
-        tensors,
-    )
+        tensors = (back, front)
+    return Walker(float(mass), float(inertia), feet, corners, safe_pitch(feet, corners), tensors)
 
 
 def walker_of(design: Design, mass: MassProperties) -> Walker:
@@ -146,8 +128,7 @@ def walker_of(design: Design, mass: MassProperties) -> Walker:
     return new(
         float(mass.M),
         float(mass.J),
-        (float(back[0]), float(back[1])),
-        (float(front[0]), float(front[1])),
+        ((float(back[0]), float(back[1])), (float(front[0]), float(front[1]))),
         (low_left, low_right, high_left, high_right),
         None if mass.rigid else tensors_of(flat.mass),
     )
@@ -155,7 +136,7 @@ def walker_of(design: Design, mass: MassProperties) -> Walker:
 
 def level_pitch(walker: Walker) -> float:
     """Pitch at which both feet stand on the plate, rad."""
-    (back_x, back_y), (front_x, front_y) = walker.d_back, walker.d_front
+    (back_x, back_y), (front_x, front_y) = walker.feet
     return math.atan((back_y - front_y) / (front_x - back_x))
 
 
@@ -166,7 +147,7 @@ def start(
     walker, state = world.walker, np.zeros(RIGID_SIZE)
     state[PITCH], state[PHASE] = pitch, phase
     sin, cos = math.sin(pitch), math.cos(pitch)
-    lower = min(lever(walker.d_back, sin, cos)[1], lever(walker.d_front, sin, cos)[1])
+    lower = min(lever(foot, sin, cos)[1] for foot in walker.feet)
     state[Y] = height(world.drive, phase) + clearance - lower
     return state
 
@@ -184,7 +165,7 @@ def feet(world: World, state: State) -> Array:
     sin, cos, spin = math.sin(state[PITCH]), math.cos(state[PITCH]), state[SPIN]
     ground, rising = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
     rows = []
-    for foot in (world.walker.d_back, world.walker.d_front):
+    for foot in world.walker.feet:
         r_x, r_y = lever(foot, sin, cos)
         place = (state[X] + r_x, state[Y] + r_y - ground)
         rows.append((*place, state[V_X] - spin * r_y, state[V_Y] + spin * r_x - rising))
@@ -213,15 +194,10 @@ def rigid_tensor(walker: Walker, r: Point) -> Tensor:
 
 
 @kernel
-def back_tensor(flexible):
-    """Flexible tensor of the back foot in the body's frame; None when rigid."""
-    return None if flexible is None else flexible.back
-
-
-@kernel
-def front_tensor(flexible):
-    """Flexible tensor of the front foot in the body's frame; None when rigid."""
-    return None if flexible is None else flexible.front
+def levers(walker: Walker, pitch: float) -> tuple[Point, Point]:
+    """Vectors from O to the back and the front foot, in the plate's frame."""
+    sin, cos = math.sin(pitch), math.cos(pitch)
+    return lever(walker.feet[0], sin, cos), lever(walker.feet[1], sin, cos)
 
 
 @kernel

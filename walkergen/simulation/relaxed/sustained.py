@@ -6,8 +6,10 @@ acceleration over the plate fixed to zero (normal; tangential too when it sticks
 section 5).
 
 On both feet the body translates with the plate, so that the sum of the friction forces sets both
-normal forces, and every motion is in closed form. The split of the friction is hyperstatic: each
-foot takes a share proportional to its normal force, so that both reach the friction limit at once.
+normal forces, and every motion is in closed form: while it slides, each foot carries a fixed share
+of the pull, so that two unlike feet slide as one foot does of a friction between theirs
+(`joint_friction`). The split of the friction that holds is hyperstatic: each foot takes a share
+proportional to its own limit, so that both reach it at once.
 """
 
 import math
@@ -29,7 +31,7 @@ from walkergen.simulation.relaxed.state import (
     TRIAL_FRICTION,
     TRIAL_WORK,
     level_pitch,
-    lever,
+    levers,
     rigid_tensor,
 )
 from walkergen.simulation.world import (
@@ -52,7 +54,8 @@ _level_pitch = kernel(level_pitch)
 
 JAM = 4
 """Mode of a sliding foot that jams: no contact force lets it slide on."""
-NO_JAM, BACK_JAMS, FRONT_JAMS = 0, 1, 2
+NO_JAM = -1
+"""Answer of `choose_modes` when no foot jams."""
 # What ends a stretch of contact (continues flight's NOTHING, TOUCH, CORNER, STUCK).
 LIFT, LIFT_BACK, LIFT_FRONT, STOP, BREAK = 4, 5, 6, 7, 8
 # Tangential speed, over the snap speed, below which it is rounding.
@@ -129,10 +132,9 @@ def _starts(walker, r, Omega, pull, g_x, friction, mode):
 def choose_modes(world, state, near_back, near_front):
     """Set the modes of both feet from velocities and accelerations; snap the closed ones.
 
-    Returns NO_JAM, or which foot jams (BACK_JAMS, FRONT_JAMS): its mode is set after its stop.
+    Returns NO_JAM, or the foot (0 back, 1 front) that jams: its mode is set after its stop.
     """
-    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
+    back, front = levers(world.walker, state[PITCH])
     v_y, Omega = state[V_Y] - velocity(world.drive, state[PHASE]), state[SPIN]
     pull = across(world.acting) + acceleration(world.drive, state[PHASE])
     hold_back = near_back and abs(v_y + Omega * back[0]) <= world.options.snap_speed
@@ -140,13 +142,10 @@ def choose_modes(world, state, near_back, near_front):
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if hold_back and hold_front:
         state[PITCH], state[SPIN] = _level_pitch(world.walker), 0.0
-        sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-        back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
+        back, front = levers(world.walker, state[PITCH])
         if pull > 0.0:
-            mode = _mode_of_both(world, state[V_X], pull)
-            N_back, N_front = _normals(
-                back, front, pull, along(world.acting), world.contact.friction, mode
-            )
+            mode = _mode_of_both(world, back, front, state[V_X], pull)
+            N_back, N_front = _normals(world, back, front, pull, mode)
             if N_back >= 0.0 and N_front >= 0.0:
                 _press(world.drive, state, back)
                 state[MODE_BACK], state[MODE_FRONT] = mode, mode
@@ -156,6 +155,7 @@ def choose_modes(world, state, near_back, near_front):
             hold_back, hold_front = N_back >= 0.0, N_back < 0.0
     if not (hold_back or hold_front):
         return NO_JAM
+    foot = 0 if hold_back else 1
     r = back if hold_back else front
     _press(world.drive, state, r)
     v_t = state[V_X] - state[SPIN] * r[1]
@@ -166,12 +166,12 @@ def choose_modes(world, state, near_back, near_front):
         state[SPIN],
         pull,
         along(world.acting),
-        world.contact.friction,
+        world.contacts[foot].friction,
         world.options.snap_speed,
     )
     if mode == JAM:
-        return BACK_JAMS if hold_back else FRONT_JAMS
-    state[MODE_BACK if hold_back else MODE_FRONT] = mode
+        return foot
+    state[MODE_BACK + foot] = mode
     if mode == STICK:
         state[V_X] = state[SPIN] * r[1]
     return NO_JAM
@@ -185,20 +185,39 @@ def _press(drive, state, r):
 
 
 @kernel
-def _mode_of_both(world, v_x, pull):
-    g_x, friction, snap = along(world.acting), world.contact.friction, world.options.snap_speed
+def joint_friction(contacts, back, front, way):
+    """Friction over the pull of a body that slides on both feet, `way` 1 toward +x or -1.
+
+    Feet at x_i, both at y from O, carry N_i of the pull P and drag it by way mu_i N_i; torques
+    about O balance where sum N_i (x_i + way mu_i y) = 0. Infinite where no share of the pull
+    does, since drag on the foot ahead would press it down by more than it drags: the feet jam.
+    """
+    mu_b, mu_f = contacts[0].friction, contacts[1].friction
+    turn_b, turn_f = back[0] + way * mu_b * back[1], front[0] + way * mu_f * back[1]
+    if turn_f <= turn_b:
+        return math.inf
+    return mu_b + (mu_f - mu_b) * (-turn_b / (turn_f - turn_b))
+
+
+@kernel
+def _mode_of_both(world, back, front, v_x, pull):
+    g_x, snap = along(world.acting), world.options.snap_speed
     rests = abs(v_x) <= REST * snap
-    slow = rests or (abs(v_x) <= snap and friction > 0.0)
-    if slow and abs(g_x) <= friction * pull:
-        return STICK
     way = g_x if rests else v_x
+    pulled = joint_friction(world.contacts, back, front, math.copysign(1.0, g_x))
+    sliding = joint_friction(world.contacts, back, front, math.copysign(1.0, way))
+    slow = rests or (abs(v_x) <= snap and sliding > 0.0)
+    if (slow and abs(g_x) <= pulled * pull) or sliding == math.inf:
+        return STICK
     return FORWARD if way > 0.0 else BACKWARD
 
 
 @kernel
-def _normals(back, front, pull, g_x, friction, mode):
+def _normals(world, back, front, pull, mode):
     """Normal forces on both feet over the mass, mm/s^2, from the balance of torques about O."""
-    f_x = -g_x if mode == STICK else -direction(mode) * friction * pull
+    f_x, way = -along(world.acting), direction(mode)
+    if mode != STICK:
+        f_x = -way * joint_friction(world.contacts, back, front, way) * pull
     torque = back[1] * f_x
     return (
         (torque - front[0] * pull) / (back[0] - front[0]),
@@ -210,14 +229,15 @@ def _normals(back, front, pull, g_x, friction, mode):
 def stand(world, state, dt, out):
     """Exact motion to `out`, both feet closed for `dt` s: carried by the plate, it may slide."""
     g_x, g_y, slip = along(world.acting), across(world.acting), direction(int(state[MODE_BACK]))
+    back, front = levers(world.walker, state[PITCH])
     h, v_p = height(world.drive, state[PHASE]), velocity(world.drive, state[PHASE])
     phase = moved_on(world.drive, state[PHASE], dt)
     rise, v_end = height(world.drive, phase) - h, velocity(world.drive, phase)
     out[:9] = state[:9]
     out[PHASE] = phase
     out[Y], out[V_Y] = state[Y] + rise, v_end
-    s_mu = slip * world.contact.friction
     if slip != 0.0:
+        s_mu = slip * joint_friction(world.contacts, back, front, slip)
         # a_x = g_x - s mu (g_y + plate's acceleration), integrated once and twice.
         out[V_X] = state[V_X] + (g_x - s_mu * g_y) * dt - s_mu * (v_end - v_p)
         out[X] = (
@@ -232,8 +252,7 @@ def stand(world, state, dt, out):
 @kernel
 def end_of_stand(world, state, limit):
     """Time (s) within `limit` for which both feet stay closed in their mode, and what ends it."""
-    sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
-    back, front = lever(world.walker.d_back, sin, cos), lever(world.walker.d_front, sin, cos)
+    back, front = levers(world.walker, state[PITCH])
     g_x, mode = along(world.acting), int(state[MODE_BACK])
     least, event = 0.0, LIFT
     if mode == STICK:
@@ -242,8 +261,9 @@ def end_of_stand(world, state, limit):
             least, event = -back[1] * g_x / front[0], LIFT_BACK
         if back[1] * g_x / back[0] < -least:
             least, event = -back[1] * g_x / back[0], LIFT_FRONT
-        if g_x != 0.0 and abs(g_x) > world.contact.friction * least:
-            least, event = abs(g_x) / world.contact.friction, BREAK
+        friction = joint_friction(world.contacts, back, front, math.copysign(1.0, g_x))
+        if g_x != 0.0 and abs(g_x) / friction > least:
+            least, event = abs(g_x) / friction, BREAK
     dt = falling_wait(world.drive, state[PHASE], least - across(world.acting))
     if mode != STICK:
         stop = _stopping_time(world, state, min(dt, limit))
@@ -285,7 +305,9 @@ def _falling_wait(harmonic, plate, phase, threshold):
 @kernel
 def _stopping_time(world, state, limit):
     """Time (s) at which sliding on both feet stops; infinity if not before `limit`."""
-    slip, mu = direction(int(state[MODE_BACK])), world.contact.friction
+    slip = direction(int(state[MODE_BACK]))
+    back, front = levers(world.walker, state[PITCH])
+    mu = joint_friction(world.contacts, back, front, slip)
     g_x, g_y = slip * along(world.acting), across(world.acting)
     v_p, bound = velocity(world.drive, state[PHASE]), mu * derivative_bound(world.drive, 3)
     t, instant = 0.0, 1e-12 / world.drive.omega  # a break-away may be located so much too early
