@@ -25,7 +25,6 @@ from walkergen.simulation.world import (
     Y,
 )
 
-
 LOOSE = (0.0, 0.0)
 """Inertia added to the hinges of either leg where nothing stiffens them, g mm^2."""
 

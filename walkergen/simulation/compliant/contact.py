@@ -129,7 +129,8 @@ def _eliminate(rows):
 def impulses(W, u, back, front, friction, rows):
     """Impulses (back x, y, front x, y) of a mode pair when the feet would move at u without them.
 
-    `friction` is that of either foot (back, front), here and below; `rows` is work space of shape (4, 5).
+    `friction` is that of either foot (back, front), here and below; `rows` is work space of shape
+    (4, 5).
     """
     u_1, u_2, u_3, u_4 = u
     if back == OPEN and front == OPEN:

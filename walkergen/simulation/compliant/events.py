@@ -178,8 +178,9 @@ def _hold(world, state, chain, closed, sums, rows):
     """
     u, W = feet_velocities(world, state, chain), mobility_of(chain)
     mu_b, mu_f = frictions(world)
-    back = (STICK if mu_b >= FRICTIONLESS and abs(u[0]) <= REST else FORWARD) if closed[0] else OPEN
-    front = (STICK if mu_f >= FRICTIONLESS and abs(u[2]) <= REST else FORWARD) if closed[1] else OPEN
+    rests = mu_b >= FRICTIONLESS and abs(u[0]) <= REST, mu_f >= FRICTIONLESS and abs(u[2]) <= REST
+    back = (STICK if rests[0] else FORWARD) if closed[0] else OPEN
+    front = (STICK if rests[1] else FORWARD) if closed[1] else OPEN
     F = impulses(W, u, back, front, SMOOTH, rows)
     d = applied(W, F)
     accelerate(world.walker.legs, state, push(chain, F))

@@ -52,7 +52,7 @@ def _swings_back(legs, swing, t):
 
 @kernel
 def slower_mode(leg, swing):
-    """Frequency (rad/s) and damping (twice its decay, 1/s) of the legs' slower mode; `leg`: back."""
+    """Frequency (rad/s) and damping (twice its decay, 1/s) of the slower mode; `leg`: the back."""
     slower = min(swing.mobility_1, swing.mobility_2)
     part = swing.sin if swing.mobility_1 <= swing.mobility_2 else swing.cos
     return (

@@ -38,7 +38,8 @@ class Leg(NamedTuple):
 
 class Ratios(NamedTuple):
     """Numbers of the front leg over the back leg's: exactly 1.0 where the legs are equal, so that
-    sums over legs, with the back leg's number before the bracket, are those of equal legs."""
+    sums over legs, with the back leg's number before the bracket, are those of equal legs.
+    """
 
     mass: float
     root: float
@@ -66,7 +67,8 @@ class Swing(NamedTuple):
 
 class Walker(NamedTuple):
     """Everything the integrators know of a walker; vectors in mm, in the body's frame; of two the
-    back leg's comes first."""
+    back leg's comes first.
+    """
 
     mass: float
     """Mass of the body (flexible legs) or of the whole (braced), g."""

@@ -17,12 +17,7 @@ from walkergen.simulation.drive import height, velocity
 from walkergen.simulation.effects.acting import across, along
 from walkergen.simulation.record import IMPACT_LOSS, PLATE_WORK, add_impulse, note_event
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
-from walkergen.simulation.relaxed.state import (
-    impulse_tensor,
-    lever,
-    levers,
-    rigid_tensor,
-)
+from walkergen.simulation.relaxed.state import impulse_tensor, lever, levers, rigid_tensor
 from walkergen.simulation.relaxed.sustained import NO_JAM, choose_modes
 from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, X, Y
 from walkergen.theory.impact import NONE

@@ -90,8 +90,7 @@ def safe_pitch(feet: tuple[Point, Point], corners: tuple[Point, ...]) -> float:
     for corner in corners:
         for sign in (1.0, -1.0):
             crossings = [
-                math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0]))
-                for foot in feet
+                math.atan2(corner[1] - foot[1], sign * (foot[0] - corner[0])) for foot in feet
             ]
             smallest = min(smallest, max(crossings))
     return max(smallest, 0.0)
