@@ -53,8 +53,14 @@ class Point(NamedTuple):
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
-    """Inputs of a simulation, for keys: without names and without what only the theory reads."""
+    """Inputs of a simulation, for keys: without names and without what only the theory reads.
+
+    Of bodies from files, and of letters, also what the files hold.
+    """
+    shape = design.body.shape
+    drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
     return [
+        *([] if design.body.plain else drawn),
         scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
         design.model_dump(mode="json", exclude={"name", "description", "family"}),
         __version__,
