@@ -27,7 +27,7 @@ def fake_plan(advance, scene=None):
             [0.0, 0.0, 0.0, clearance + phase]
         ),
         advance=lambda world, state, duration, tally: advance(state, duration, tally),
-        energy=lambda world, state: 0.0, feet=None, momentum=None, mirrored=None,
+        energy=lambda world, state: 0.0, feet=None, momentum=None,
         pose=lambda state: (float(state[0]), 0.0, 0.0), coarser=None, resting=None,
         columns=("x_mm", "y_mm", "pitch_rad", "seed"), drawn=same,
     )  # fmt: skip

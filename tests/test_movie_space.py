@@ -124,11 +124,11 @@ def test_corners_press_at_their_landings():
 def test_bodies_are_drawn_along_their_heading(heading):
     _, one = real()
     turned = one._replace(poses=one.poses._replace(heading=one.poses.heading * 0 + heading))
-    back, front = (shot.outline(turned, 3)[i] for i in (0, 1))
+    back, front = (shot.outline(turned, 3)[0][i] for i in (0, 1))
     assert np.hypot(*(front - back)) == pytest.approx(28.0, abs=1e-12)
     assert (front - back) / 28.0 == pytest.approx((np.cos(heading), np.sin(heading)), abs=1e-12)
     # The left side is a quarter turn counter-clockwise from ahead.
-    left = shot.outline(turned, 3)[2] - front
+    left = shot.outline(turned, 3)[0][2] - front
     assert left == pytest.approx(8.0 * np.array((-np.sin(heading), np.cos(heading))), abs=1e-12)
 
 

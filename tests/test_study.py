@@ -211,9 +211,11 @@ def test_errors_are_those_of_the_observable_asked_for():
 def test_errors_of_what_no_setting_gives_are_refused(error, of, told):
     scene = survey_of().scene
     with pytest.raises(InputError, match=told):
-        choose.check(error, of, scene, Design())
+        choose.check(error, of, scene, Design(), solids.mass_of(Design()))
     in_space = survey_of(model="auto").scene
-    choose.check(Wanted(0.05, True), "impacts_per_s", in_space, Design())
+    choose.check(
+        Wanted(0.05, True), "impacts_per_s", in_space, Design(), solids.mass_of(Design())
+    )
 
 
 def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():

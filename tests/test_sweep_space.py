@@ -39,6 +39,26 @@ FINER = 4.0
 
 
 @st.composite
+def unlike(draw, leg, thickness, tilt, length, depth):
+    """Legs that differ in place, thickness, lean, kind and friction, and some in height."""
+    legs = []
+    for along in draw(st.lists(st.floats(-0.45, 0.45), min_size=2, max_size=5)):
+        legs.append({
+            "along_mm": along * length,
+            "across_mm": depth * draw(st.sampled_from([0.0, 0.0, -0.25, 0.25])),
+            "width_mm": depth * draw(st.floats(0.1, 0.5)),
+            "tilt_deg": tilt * draw(st.sampled_from([1.0, 1.0, -1.0, 0.5])),
+            "length_mm": leg,
+            "thickness_mm": thickness * draw(st.floats(0.5, 1.5)),
+            "brace_thickness_mm": 0.4 * thickness,
+            "kind": draw(st.sampled_from(["flexible", "flexible", "braced"])),
+        })  # fmt: skip
+        if draw(st.booleans()):
+            legs[-1]["friction"] = draw(st.floats(0.0, 1.0))
+    return legs
+
+
+@st.composite
 def walkers(draw, plates):
     """Design and scene tables, keyed by table; `plates`: strategy of "is the plate uneven?"."""
     scale = draw(st.sampled_from([1.0, 1.0, 1.0, 0.1, 10.0]))
@@ -92,6 +112,16 @@ def walkers(draw, plates):
         },
         "run": {"discard_seconds": 0.0, "seconds": draw(st.integers(5, 40)) * period},
     }  # fmt: skip
+    if draw(st.booleans()):
+        tables["legs"] = draw(unlike(leg, thickness, tilt, length, depth))
+        tables["stance"] = draw(st.sampled_from(["level", "as built"]))
+    if draw(st.integers(0, 3)) == 0:
+        outline = draw(st.sampled_from(["disc", "ellipse"]))
+        tables["body"] |= {"outline": outline}
+        tables["legs"] = draw(unlike(leg, thickness, tilt, 0.6 * length, 0.6 * depth))
+        if outline == "disc":
+            depth = length
+            del tables["body"]["depth_mm"]
     if lane:
         tables["arena"] |= {
             "gap_mm": depth * draw(st.floats(0.99, 1.5)),
@@ -113,8 +143,10 @@ def walkers(draw, plates):
 def built(tables):
     """Plan of an example, with as many steps as it may take, or raises InputError."""
     design = config.validate(
-        {key: tables[key] for key in ("body", "legs", "material", "weighed")}, Design, "sweep"
-    )
+        {key: tables[key] for key in ("body", "legs", "material", "weighed", "stance")
+         if key in tables},
+        Design, "sweep",
+    )  # fmt: skip
     keys = ("drive", "contact", "plate", "arena", "feet", "effects", "run")
     scene = config.validate(
         {key: tables[key] for key in keys} | {"legs": tables["scene_legs"]}, Scene, "sweep"

@@ -101,7 +101,8 @@ def spread(
     leg = drawn.get("leg mass", ones) * weight
     body = drawn.get("body mass", ones)
     drawn_mass = scaled(mass, body, leg)
-    each = stationary(design, drawn_mass, restitution, friction, mode, contact.law)
+    nominal = contact.restitution, contact.friction
+    each = stationary(design, drawn_mass, restitution, friction, mode, contact.law, nominal)
     nominal = scene.prediction.impact_speed_factor
     w = drawn.get("prediction.impact_speed_factor", nominal * ones) * scene.drive.peak_speed
     theory = np.asarray(each.factor) * w

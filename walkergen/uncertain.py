@@ -120,6 +120,8 @@ def applied(
 ) -> tuple[Scene, Design, MassProperties]:
     """Scene, design and masses with the inputs set to `values`; others keep their means.
 
+    Feet of another material change in the proportion in which the scene's contact does.
+
     Raises GeometryError for legs that cannot be built so thick.
     """
     changes: dict[str, dict[str, Any]] = {}
@@ -132,19 +134,41 @@ def applied(
     material = changes.pop("material", {})
     if legs:
         changes["legs"] = legs
-    scene = scene.model_copy(
+    drawn = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )
-    design = _as_printed(design, thick, material)
+    design = _as_drawn(_as_printed(design, thick, material), scene, drawn)
     body, leg = values.get("body mass", 1.0), values.get("leg mass", 1.0)
-    return scene, design, scaled(solids.mass_of(design), float(body), float(leg))
+    return drawn, design, scaled(solids.mass_of(design), float(body), float(leg))
+
+
+def in_proportion(own: float, drawn: Any, nominal: float, most: float = math.inf) -> Any:
+    """Friction or restitution of a foot of another material, as a draw of the scene's changes it.
+
+    It changes in the same proportion, up to `most`; where the scene's `nominal` value is 0 it
+    stays. A float or an array, as `drawn` is.
+    """
+    return own + 0.0 * drawn if nominal == 0.0 else np.minimum(own * (drawn / nominal), most)
+
+
+def _as_drawn(design: Design, scene: Scene, drawn: Scene) -> Design:
+    """Design whose feet of another material change as the scene's contact does; validated."""
+    if all(limb.friction is None and limb.restitution is None for limb in design.limbs):
+        return design
+    data = design.model_dump(exclude_unset=True)
+    for leg in data["legs"]:
+        for key, most in (("friction", math.inf), ("restitution", 1.0)):
+            if leg.get(key) is not None:
+                now, nominal = (getattr(one.contact, key) for one in (drawn, scene))
+                leg[key] = float(in_proportion(leg[key], now, nominal, most))
+    return Design.model_validate(data)
 
 
 def _as_printed(design: Design, thickness: float | None, material: dict[str, Any]) -> Design:
     """Design with another thickness of its first leg, and of others in proportion; validated."""
     if thickness is not None:
         data = design.model_dump(exclude_unset=True)
-        if design.alike:
+        if design.pair:
             data.setdefault("legs", {})[f"{design.kind}_thickness_mm"] = thickness
         else:
             ratio = thickness / design.limbs[0].thickness

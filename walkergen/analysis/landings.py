@@ -11,8 +11,8 @@ Whole = npt.NDArray[np.int64]
 TOGETHER_S = 50e-6
 """Time within which corners land together, s: about as long as one contact lasts."""
 
-CORNERS = 4
-"""Number of corners: 0 and 1 belong to the back foot, 2 and 3 to the front one."""
+CORNERS = 2
+"""Number of corners of a foot: 0 and 1 belong to the first foot, 2 and 3 to the second."""
 
 
 class Landings(NamedTuple):
@@ -21,43 +21,43 @@ class Landings(NamedTuple):
     duration: float
     """Time in which they were counted, s."""
     corners: Whole
-    """Landings of each corner, shape (4,)."""
+    """Landings of each corner, shape (2 feet,)."""
     alone: int
     """Groups of landings within `TOGETHER_S` in which only one corner landed."""
     edges: Whole
-    """Groups in which both corners of the back foot landed, and of the front foot, shape (2,)."""
+    """Groups in which both corners of a foot landed, shape (feet,)."""
     pairs: int
-    """Groups in which both feet landed."""
+    """Groups in which two feet landed, or more."""
     groups: int
 
 
-def count(time: Array, corner: Whole, duration: float) -> Landings:
-    """Count the landings of one walker in `duration` seconds; arrays have one entry a landing.
+def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landings:
+    """Count the landings of a walker on `feet` feet in `duration` seconds, one entry a landing.
 
     `time` of the first touch (s), in any order; number of the `corner`. A group begins with a
     landing and takes in all that follow within `TOGETHER_S` of it.
     """
     order = np.argsort(time, kind="stable")
-    landed = _groups(time[order], corner[order])
-    edges = np.stack([landed[:, foot].all(axis=1) for foot in ([0, 1], [2, 3])])
-    feet = landed[:, :2].any(axis=1) & landed[:, 2:].any(axis=1)
+    landed = _groups(time[order], corner[order], feet * CORNERS)
+    by_foot = landed.reshape(-1, feet, CORNERS)
+    several = by_foot.any(axis=2).sum(axis=1) > 1
     return Landings(
         duration=duration,
-        corners=np.bincount(corner, minlength=CORNERS),
+        corners=np.bincount(corner, minlength=feet * CORNERS),
         alone=int(np.count_nonzero(landed.sum(axis=1) == 1)),
-        edges=edges.sum(axis=1),
-        pairs=int(np.count_nonzero(feet)),
+        edges=by_foot.all(axis=2).sum(axis=0),
+        pairs=int(np.count_nonzero(several)),
         groups=len(landed),
     )
 
 
-def _groups(time: Array, corner: Whole) -> npt.NDArray[np.bool_]:
-    """Corners that land in each group, shape (groups, 4); times are sorted."""
+def _groups(time: Array, corner: Whole, corners: int) -> npt.NDArray[np.bool_]:
+    """Corners that land in each group, shape (groups, corners); times are sorted."""
     firsts, at = [], 0
     while at < len(time):
         firsts.append(at)
         at = int(np.searchsorted(time, time[at] + TOGETHER_S, side="right"))
-    landed = np.zeros((len(firsts), CORNERS), dtype=bool)
+    landed = np.zeros((len(firsts), corners), dtype=bool)
     if firsts:
         group = np.searchsorted(firsts, np.arange(len(time)), side="right") - 1
         landed[group, corner] = True

@@ -16,7 +16,7 @@ Array = npt.NDArray[np.float64]
 
 
 class Model(NamedTuple):
-    """One way to move a walker; every function but `mirrored` and `pose` reads a `World`."""
+    """One way to move a walker; every function but `pose` reads a `World`."""
 
     start: Callable[..., State]
     """start(world, clearance in mm, pitch, phase, roll in rad) -> a state at rest in the
@@ -26,12 +26,10 @@ class Model(NamedTuple):
     energy: Callable[[World, State], float]
     """Mechanical energy of a state, g mm^2/s^2."""
     feet: Callable[[World, State], Array]
-    """Shape (2, 4), rows back and front foot: x (mm), height over the plate (mm), v_x and v_y
-    over the plate (mm/s)."""
+    """Shape (feet, 4), a row for each foot, in a plane back and front: x (mm), height over the
+    plate (mm), v_x and v_y over the plate (mm/s)."""
     momentum: Callable[[World, State], float]
     """Momentum of body and legs along the plate, g mm/s."""
-    mirrored: Callable[[State], State]
-    """State of the mirror image, but for the contact modes."""
     pose: Callable[[State], tuple[float, float, float]]
     """Place along x and across it (mm) and heading (rad)."""
     coarser: Callable[[World, float], World]
@@ -85,5 +83,5 @@ class Plan(NamedTuple):
         return float(self.model.energy(self.world, state))
 
     def feet(self, state: State) -> Array:
-        """Places and velocities of the feet, shape (2, 4), as in `Model.feet`."""
+        """Places and velocities of the feet, shape (feet, 4), as in `Model.feet`."""
         return self.model.feet(self.world, state)

@@ -53,8 +53,14 @@ class Point(NamedTuple):
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
-    """Inputs of a simulation, for keys: without names and without what only the theory reads."""
+    """Inputs of a simulation, for keys: without names and without what only the theory reads.
+
+    Of bodies from files, and of letters, also what the files hold.
+    """
+    shape = design.body.shape
+    drawn = [shape.sha256, [contour.tolist() for contour in shape.plan]]
     return [
+        *([] if design.body.plain else drawn),
         scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
         design.model_dump(mode="json", exclude={"name", "description", "family"}),
         __version__,
@@ -74,6 +80,8 @@ def _plain(value: Any) -> Any:
     """Named tuples and arrays as what JSON has."""
     if hasattr(value, "_asdict"):
         return {name: _plain(one) for name, one in value._asdict().items()}
+    if isinstance(value, tuple):
+        return [_plain(one) for one in value]
     return value if value is None else np.asarray(value).tolist()
 
 

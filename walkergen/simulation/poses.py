@@ -1,8 +1,7 @@
 """Poses of one run in space at a fixed rate: what movies and pages show of it.
 
 Axes as in the simulation: x along the lane, y up, z across, to the right of a walker that heads
-along x. A corner is numbered as its point of contact: back foot left, right, front foot left,
-right.
+along x. A corner is numbered as its point of contact: of every leg in turn left, right.
 """
 
 from typing import NamedTuple
@@ -30,11 +29,9 @@ from walkergen.simulation.space.state import (
     first_row,
     work_for,
 )
+from walkergen.walker import names
 
 Array = npt.NDArray[np.float64]
-
-CORNERS = ("back left", "back right", "front left", "front right")
-"""Names of the corners of the feet, in the order of their numbers."""
 
 
 class Poses(NamedTuple):
@@ -50,11 +47,11 @@ class Poses(NamedTuple):
     heading: Array
     """Heading, counter-clockwise from above, whole turns counted, shape (n,), rad."""
     corners: Array
-    """Places of the corners of the feet, shape (n, 4, 3), mm."""
+    """Places of the c = 2 x legs corners of the feet, shape (n, c, 3), mm."""
     gaps: Array
-    """Distances of the corners from the plate, shape (n, 4), mm; negative while they press."""
+    """Distances of the corners from the plate, shape (n, c), mm; negative while they press."""
     closed: npt.NDArray[np.bool_]
-    """Whether the corners press on the plate, shape (n, 4)."""
+    """Whether the corners press on the plate, shape (n, c)."""
     plate: Array
     """Height of the plate over its mean, shape (n,), mm."""
     phase: Array
@@ -62,6 +59,13 @@ class Poses(NamedTuple):
     landings: Array
     """Landings of the corners, rows as in `record.Events`, in the order of their times."""
     outcome: run.Outcome
+    legs: tuple[str, ...]
+    """Names of the legs."""
+
+    @property
+    def names(self) -> tuple[str, ...]:
+        """Names of the corners of the feet, in the order of their numbers."""
+        return tuple(f"{leg} {side}" for leg in self.legs for side in ("left", "right"))
 
     @property
     def rotations(self) -> Array:
@@ -106,6 +110,7 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
         phase=states[:, PHASE],
         landings=landings[np.argsort(landings[:, 0], kind="stable")],
         outcome=result.outcome,
+        legs=names.legs(plan.case.design),
     )
 
 

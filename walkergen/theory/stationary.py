@@ -4,6 +4,7 @@ Two equal feet are taken to have as many impacts, as in the paper; unlike feet h
 balance the angular momentum (`walkergen.theory.balance`).
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +12,7 @@ import numpy.typing as npt
 
 from walkergen.theory.speed import Array, LawName, Mode, factor, factors
 from walkergen.theory.tensors import feet
+from walkergen.uncertain import in_proportion
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 from walkergen.walker.planar import Planar, in_plane
@@ -38,11 +40,12 @@ def stationary(
     friction: float | Array,
     mode: Mode = "coulomb",
     law: LawName = "poisson",
+    nominal: tuple[float, float] | None = None,
 ) -> Stationary:
     """Stationary speed of a walker from its mass properties, which may carry batch axes.
 
-    Restitution and friction are the scene's; feet of another material keep theirs, changed in the
-    same proportion as a draw of the scene's. Raises TheoryError for numbers out of range, for a
+    Restitution and friction are the scene's, or draws of them about the `nominal` ones: feet of
+    another material keep theirs, changed in the proportion of draw to nominal. Raises TheoryError for numbers out of range, for a
     walker whose centre of mass is not between its feet, and for mode `paper` of unlike feet.
     """
     flat = in_plane(design, mass)
@@ -54,14 +57,23 @@ def stationary(
     centre = _centre(flat)
     found = []
     for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):
-        e = restitution if limb.restitution is None else limb.restitution
-        mu = friction if limb.friction is None else limb.friction
+        e = _own(limb.restitution, restitution, nominal[0] if nominal else None, 1.0)
+        mu = _own(limb.friction, friction, nominal[1] if nominal else None)
         lever = leg.foot - centre
         found.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
     balance = balanced(found, mode, law)
     own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in found)
     reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in found)
     return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
+
+
+def _own(
+    given: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
+) -> float | Array:
+    """Friction or restitution of a foot: its own in the scene's proportion, or the scene's."""
+    if given is None:
+        return scenes
+    return given if nominal is None else in_proportion(given, scenes, nominal, most)
 
 
 def _centre(flat: Planar) -> Array:

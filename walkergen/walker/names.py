@@ -18,6 +18,17 @@ def part(design: Design, stem: str = STEM) -> str:
     return f"{stem}_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
 
 
+def legs(design: Design) -> tuple[str, ...]:
+    """Names of a walker's legs in their order: back and front of two, of others their numbers.
+
+    Two legs side by side have numbers as well.
+    """
+    along = [limb.along for limb in design.limbs]
+    if len(along) == 2 and along[0] != along[1]:
+        return ("back", "front") if along[0] < along[1] else ("front", "back")
+    return tuple(f"leg {number}" for number in range(1, len(along) + 1))
+
+
 def parts(members: Sequence[Design]) -> list[str]:
     """Names of walkers that are printed together: those of several designs begin with its name."""
     several = len(by_design(members)) > 1

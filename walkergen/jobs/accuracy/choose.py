@@ -107,13 +107,15 @@ def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     raise InputError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
 
 
-def check(wanted: Wanted, of: str, scene: Scene, design: Design) -> None:
+def check(
+    wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassProperties
+) -> None:
     """Refuse errors of observables that no setting gives. Raises InputError."""
     observed.check(of)
     if of != SPEED and not wanted.relative:
         raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
     counted = of == observables.IMPACTS or of.startswith(f"{observables.BY_NUMBER}.")
-    if counted and complete(scene, design) != "space":
+    if counted and complete(scene, design, mass) != "space":
         raise InputError(f"--of {of}: {resolution.ENDLESS}")
 
 
@@ -209,7 +211,7 @@ def meet(
 
     Ladders not on record are measured first, and kept. Raises InputError when no setting can do.
     """
-    check(wanted, of, scene, design)
+    check(wanted, of, scene, design, mass)
     survey = Survey(scene, design, mass, PILOT_S, of)
     on_record = kept.recall(survey) > 0
     choice = choose(survey, wanted, progress)

@@ -5,11 +5,13 @@ from typing import Any
 
 import numpy as np
 
+from walkergen.errors import TheoryError
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.theory.speed import Mode, factors
+from walkergen.theory.speed import Mode
+from walkergen.theory.stationary import stationary
 
 Details = dict[str, float | str | None]
 
@@ -42,6 +44,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         (
             "A formula takes microseconds because it is given the impact speed w, here "
             f"{survey.scene.impact_speed:.3g} mm/s, which a simulation finds out.",
+            *(f"Left out: {reason}" for reason in _left_out(survey)),
         ),
     )
 
@@ -70,20 +73,42 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     """Rungs of the analytical predictions: distance from the reference, and time of a call."""
     unit = survey.unit(reference)
     contact, w = survey.scene.contact, survey.scene.impact_speed
-    modes: tuple[Mode, ...] = ("paper", "coulomb") if contact.law == "poisson" else ("coulomb",)
+    if _unknown_to_theory(survey):
+        return
+    own: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
+    modes: tuple[Mode, ...] = tuple(dict.fromkeys((own, "coulomb")))
     assert reference.value is not None
     assert reference.se is not None
     for mode in modes:
 
         def call(mode: Mode = mode) -> np.ndarray[Any, Any]:
             e, mu = contact.restitution, contact.friction
-            return factors(survey.mass, e, mu, mode, contact.law).mean
+            return stationary(survey.design, survey.mass, e, mu, mode, contact.law).factor
 
         speed = float(call()) * w
         error = abs(speed - reference.value) / unit.size
         details = {"speed_mm_s": speed, "speed_se_mm_s": None, "simulated_s": None, "outcomes": ""}
         name = "paper's eq. 15" if mode == "paper" else "Coulomb formula"
         yield Rung(name, name, error, reference.se / unit.size, cpu_time(call), details)
+
+
+def _left_out(survey: Survey) -> Iterator[str]:
+    """Reasons for which planar models and the formula do not know this walker."""
+    for reason in (*survey.refusals.values(), _unknown_to_theory(survey)):
+        if reason:
+            yield reason
+
+
+def _unknown_to_theory(survey: Survey) -> str:
+    """Reason for which the formula has no speed of this walker; "" where it has."""
+    contact = survey.scene.contact
+    try:
+        stationary(
+            survey.design, survey.mass, contact.restitution, contact.friction, law=contact.law
+        )
+    except TheoryError as refused:
+        return f"formula: {refused}"
+    return ""
 
 
 def rung_of(

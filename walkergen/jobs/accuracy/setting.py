@@ -36,6 +36,9 @@ PLANAR = (
 )
 """Settings of the models in a plane, with a law of impact; braced walkers have the first."""
 
+PLANAR_METHODS = {one.model: one.method for one in PLANAR}
+"""Methods of those models."""
+
 
 class Measured(NamedTuple):
     """Value of an observable (the mean speed, mm/s) obtained with a setting, and its cost."""

@@ -13,7 +13,7 @@ from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import Scene
-from walkergen.theory.speed import factors
+from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, Mesh, assemble
@@ -30,7 +30,7 @@ QUANTITIES = ("M", "J", "m", "j", "speed")
 
 
 class Errors(NamedTuple):
-    """Relative errors; m and j are None for braced legs, which belong to M and J."""
+    """Relative errors; m and j the largest of all legs, None of braced ones: part of M and J."""
 
     M: float
     J: float
@@ -58,14 +58,13 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         rungs,
         (
             f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2",
-            "Bodies are boxes and flat feet are polygons: their meshes are exact.",
+            "Rectangles and flat feet are polygons: their meshes are exact; a body from a file is its mesh.",
         ),
     )
 
 
 def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
-    legs = design.model_dump()["legs"] | {"foot": "round"}
-    rounded = Design.model_validate(design.model_dump() | {"legs": legs})
+    rounded = _rounded(design)
 
     def weighed(segments: int) -> MassProperties:
         return solids.weigh(rounded, solids.build(rounded, segments))
@@ -73,7 +72,17 @@ def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
     true = weighed(EXACT_SEGMENTS)
     for segments in SEGMENTS:
         seconds = cpu_time(partial(weighed, segments))
-        yield _rung("round foot", f"{segments} edges", weighed(segments), true, scene, seconds)
+        setting = f"{segments} edges"
+        yield _rung("round foot", setting, weighed(segments), true, rounded, scene, seconds)
+
+
+def _rounded(design: Design) -> Design:
+    """Design on round feet; unlike legs then end at unlike heights, so that it stands as built."""
+    data = design.model_dump(exclude_unset=True)
+    if design.pair:
+        return Design.model_validate(data | {"legs": data.get("legs", {}) | {"foot": "round"}})
+    legs = [leg | {"foot": "round"} for leg in data["legs"]]
+    return Design.model_validate(data | {"legs": legs, "stance": "as built"})
 
 
 def _far(design: Design, scene: Scene) -> Iterator[Rung]:
@@ -84,7 +93,8 @@ def _far(design: Design, scene: Scene) -> Iterator[Rung]:
         for distance in DISTANCES:
             weighed = partial(_weighed_far, design, built, distance, form)
             seconds = cpu_time(weighed)
-            yield _rung(series, f"{distance:g} mm away", weighed(), true, scene, seconds)
+            setting = f"{distance:g} mm away"
+            yield _rung(series, setting, weighed(), true, design, scene, seconds)
 
 
 def _weighed_far(
@@ -122,22 +132,25 @@ def _rung(
     setting: str,
     found: MassProperties,
     true: MassProperties,
+    design: Design,
     scene: Scene,
     seconds: float,
 ) -> Rung:
-    errors = errors_of(found, true, scene)
+    errors = errors_of(found, true, design, scene)
     largest = max(error for error in errors if error is not None)
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(found: MassProperties, true: MassProperties, scene: Scene) -> Errors:
+def errors_of(
+    found: MassProperties, true: MassProperties, design: Design, scene: Scene
+) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
     """
     contact = scene.contact
     one, other = (
-        factors(mass, contact.restitution, contact.friction, "coulomb", contact.law)
+        stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
         for mass in (found, true)
     )
     size = max(*(abs(float(foot)) for foot in other.feet), 1e-300)
@@ -145,10 +158,14 @@ def errors_of(found: MassProperties, true: MassProperties, scene: Scene) -> Erro
     def relative(name: str) -> float:
         return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)
 
+    def of_legs(name: str) -> float:
+        pairs = ((getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True))
+        return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
+
     return Errors(
         relative("M"),
         relative("J"),
-        None if true.rigid else relative("m"),
-        None if true.rigid else relative("j"),
-        abs(float(one.mean - other.mean)) / size,
+        None if true.rigid else of_legs("m"),
+        None if true.rigid else of_legs("j"),
+        abs(float(one.factor - other.factor)) / size,
     )

@@ -8,10 +8,18 @@ from functools import cached_property
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
 from walkergen.jobs.accuracy import observed
-from walkergen.jobs.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
+from walkergen.jobs.accuracy.setting import (
+    PLANAR,
+    PLANAR_METHODS,
+    Bias,
+    Measured,
+    Setting,
+    Unit,
+)
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import points, resolution
 from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
@@ -51,7 +59,7 @@ class Survey:
         self.cores = os.cpu_count() or 1
         self.budget_s = budget_s * self.cores
         self.known: dict[Setting, Measured] = {}
-        self.complete = complete(scene, design)
+        self.complete = complete(scene, design, mass)
 
     @property
     def events(self) -> list[Setting]:
@@ -98,9 +106,19 @@ class Survey:
 
     @property
     def simpler(self) -> list[Setting]:
-        """Settings of the models that leave something out."""
+        """Settings of the models that leave something out, and know this walker."""
+        return [one for one in self._planar if not self.refusals.get(one.model)]
+
+    @property
+    def _planar(self) -> list[Setting]:
         planar = PLANAR[:1] if self.design.braced else PLANAR
         return [one for one in planar if one.model != self.complete]
+
+    @cached_property
+    def refusals(self) -> dict[str, str]:
+        """Reasons for which planar models do not know this walker, by model; "" where one does."""
+        each = [one.model for one in self._planar]
+        return {model: refusal(self.scene, self.design, self.mass, model) for model in each}
 
     def plan(self, setting: Setting) -> Plan:
         """The plan of a setting."""
@@ -241,12 +259,23 @@ class Survey:
         )
 
 
-def complete(scene: Scene, design: Design) -> ModelName:
+def complete(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
     """Model that counts as the truth: that of the scene, or what `auto` takes at no error."""
     if scene.legs.model == "compliant":
         return "compliant"
     spatial = scene.legs.model == "space" or scene.arena.kind == "plane"
-    return "space" if spatial or not design.braced else "rigid"
+    if spatial or not design.braced or refusal(scene, design, mass, "rigid"):
+        return "space"
+    return "rigid"
+
+
+def refusal(scene: Scene, design: Design, mass: MassProperties, model: ModelName) -> str:
+    """Reason for which a planar model does not know a walker; "" where it does."""
+    try:
+        resolve(_as(scene, Setting(model, PLANAR_METHODS[model], None)), design, mass)
+    except InputError as refused:
+        return str(refused)
+    return ""
 
 
 def _as(scene: Scene, setting: Setting, **run: float) -> Scene:

@@ -168,8 +168,10 @@ def drop(
 ) -> Dropped:
     """Drop a walker at every label, then at the scene's own with other tilts, frictions, heights.
 
-    Lengths in mm. Drops from the hand differ by pitch and roll, the same in every row.
+    Lengths in mm. Drops from the hand differ by pitch and roll, the same in every row. Raises
+    InputError for feet of more than one material.
     """
+    still.one_material(design, "restitution")
     own = still.plan_of(scene, design)
     hand = from_hand(height, turn_deg, drops, scene.run.seed)
     few = hand[:FEW]
@@ -206,7 +208,7 @@ def _tilted(design: Design) -> list[tuple[float, Design]]:
         try:
             found.append((tilt, design.variant(tilt_deg=tilt)))
         except GeometryError:
-            continue  # a steeper leg than this body has room for: the table ends there
+            continue  # no room for so steep a leg, or no leg that follows: the table ends there
     return found
 
 

@@ -23,7 +23,7 @@ from walkergen.simulation.effects import compliance
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.state import LEGS
-from walkergen.walker import solids
+from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
 
@@ -65,7 +65,7 @@ class Ringing(NamedTuple):
 
 
 class Plucked(NamedTuple):
-    """Frequencies of a leg, Hz."""
+    """Frequencies of a leg, the first that is free, Hz."""
 
     leg_mass: float
     """Mass of the leg, g."""
@@ -76,16 +76,33 @@ class Plucked(NamedTuple):
     held: Ringing
     """The model's leg, simulated with the scene's spring and damping, its body held."""
     free: tuple[float, ...]
-    """Modes of both legs on a body that nobody holds, undamped, rising."""
+    """Modes of all legs on a body that nobody holds, undamped, rising."""
+
+
+def plucked_leg(design: Design) -> int:
+    """Number of the leg that is plucked: the first that is not braced.
+
+    Raises InputError where all are.
+    """
+    free = [number for number, limb in enumerate(design.limbs) if not limb.braced]
+    if not free:
+        raise InputError(
+            f"{design.name}: braced legs do not swing; pluck a flexible leg: --legs flexible"
+        )
+    return free[0]
+
+
+def which(design: Design) -> str:
+    """Words that name the plucked leg where others differ from it; "" of two equal legs."""
+    return "" if design.alike else f" ({names.legs(design)[plucked_leg(design)]})"
 
 
 def cantilever(design: Design, leg_mass: float) -> float:
-    """First natural frequency (Hz) of a flexible leg of `leg_mass` (g), its body held."""
-    second_moment = design.size.depth * design.limbs[0].thickness ** 3 / 12.0
+    """First natural frequency (Hz) of the plucked leg of `leg_mass` (g), its body held."""
+    limb = design.limbs[plucked_leg(design)]
+    second_moment = limb.width * limb.thickness**3 / 12.0
     bending = 1e9 * design.material.youngs_modulus_gpa * second_moment
-    return (
-        FIRST_MODE * math.sqrt(bending / (leg_mass * design.limbs[0].length ** 3)) / (2.0 * math.pi)
-    )
+    return FIRST_MODE * math.sqrt(bending / (leg_mass * limb.length**3)) / (2.0 * math.pi)
 
 
 def modulus(design: Design, leg_mass: float, frequency: float) -> float:
@@ -112,7 +129,8 @@ def errors(design: Design, relative: float) -> Known:
     """
     weighed = design.weighed.leg_mass_g is not None
     mass = 0.01 * design.weighed.mass_sd_percent
-    thick = design.limbs[0].thickness_sd / design.limbs[0].thickness
+    limb = design.limbs[plucked_leg(design)]
+    thick = limb.thickness_sd / limb.thickness
     stiff = design.material.youngs_modulus_sd_gpa / design.material.youngs_modulus_gpa
     power = 3.0 if weighed else 2.0
     return Known(
@@ -125,7 +143,8 @@ def errors(design: Design, relative: float) -> Known:
 def thickness(design: Design, leg_mass: float, frequency: float) -> float:
     """Thickness (mm) at which a leg swings at `frequency` (Hz), Young's modulus as it is."""
     power = 2.0 / 3.0 if design.weighed.leg_mass_g is not None else 1.0
-    return float(design.limbs[0].thickness * (frequency / cantilever(design, leg_mass)) ** power)
+    own = design.limbs[plucked_leg(design)].thickness
+    return float(own * (frequency / cantilever(design, leg_mass)) ** power)
 
 
 def damping_ratio(decrement: float) -> float:
@@ -155,18 +174,15 @@ def pluck(scene: Scene, design: Design) -> Plucked:
 
     Raises InputError for braced legs, and for a damping that lets no leg swing.
     """
-    if design.braced:
-        raise InputError(
-            f"{design.name}: braced legs do not swing; pluck a flexible leg: --legs flexible"
-        )
+    number = plucked_leg(design)
     ratio = scene.legs.damping_ratio
     if ratio >= 1.0:
         raise InputError(
             f"legs.damping_ratio = {ratio:g}: a leg without swings; must be below 1 to be plucked"
         )
     mass = solids.mass_of(design)
-    limb, modulus = design.limbs[0], design.material.youngs_modulus
-    inertia = float(mass.legs[0].inertia)
+    limb, modulus = design.limbs[number], design.material.youngs_modulus
+    inertia = float(mass.legs[number].inertia)
     hinges: dict[str, float] = {
         name: compliance.natural_frequency(compliance.stiffness(limb, modulus, name), inertia)
         for name in compliance.SPRING_FACTORS
@@ -174,12 +190,12 @@ def pluck(scene: Scene, design: Design) -> Plucked:
     loose = still.plan_of(scene, design)
     held = prepare(still.still(scene), design, scaled(mass, HELD, 1.0))
     own = hinges[scene.legs.spring]
-    leg = float(mass.legs[0].m)
+    leg = float(mass.legs[number].m)
     return Plucked(leg, cantilever(design, leg), hinges, ring(held, own), _modes(loose))
 
 
 def ring(plan: Plan, about: float) -> Ringing:
-    """Ringing of the back leg of a plan's walker, which swings at `about` Hz, in the air."""
+    """Ringing of the first free leg of a plan's walker, which swings at `about` Hz, in the air."""
     state = plan.start(HIGH_MM, 0.0, 0.0)
     state[LEGS] = BENT
     seconds = RING_PERIODS / about
@@ -211,7 +227,7 @@ def _decrement(times: Array, angles: Array, frequency: float) -> float:
 
 
 def _modes(plan: Plan) -> tuple[float, ...]:
-    """Natural frequencies (Hz) of both hinges on a free body, rising; not those of the twists."""
+    """Natural frequencies (Hz) of the hinges on a free body, rising; not those of the twists."""
     walker = plan.world.walker
     squares, shapes = np.linalg.eig(walker.hinge_mobility * walker.stiffness)
     energy = walker.stiffness[:, None] * np.abs(shapes) ** 2

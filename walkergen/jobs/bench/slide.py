@@ -144,6 +144,7 @@ def first_slip(plan: Plan, tilt: float, friction: float) -> float:
     x = walker.root[:, 0] + walker.reach[:, 0]
     height = -float((walker.root[:, 1] + walker.reach[:, 1]).mean())
     back, front = -float(x[:2].mean()), float(x[2:].mean())
+    back, front = (back, front) if back + front > 0.0 else (-front, -back)
     length, lean = back + front, math.tan(tilt)
     carried = friction * back - 0.5 * lean * (back - front)
     lever = 0.5 * length + (friction - lean) * height
@@ -156,7 +157,8 @@ class Incline(NamedTuple):
     frictions: Sequence[float]
     by_heading: dict[str, list[Slid]]
     slips: Sequence[float | None]
-    """Slope (deg) at which its upper foot slips first when it faces uphill; None: no foot does."""
+    """Slope (deg) at which its upper foot slips first when it faces uphill; None: no foot does, or
+    its legs are unlike, for which no closed form is known here."""
     edges: dict[str, float]
     """Slope (deg) at which the walker topples, by the way in which it faces."""
 
@@ -181,12 +183,17 @@ class Incline(NamedTuple):
 
 
 def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
-    """Tilt the plate under a walker, at every friction and facing every way that it may run."""
+    """Tilt the plate under a walker, at every friction and facing every way that it may run.
+
+    Raises InputError for feet of more than one material.
+    """
+    still.one_material(design, "friction")
     plans = [
         still.plan_of(still.with_contact(scene, friction=friction), design, 1.0)
         for friction in FRICTIONS
     ]
-    backward = 180.0 if design.limbs[0].tilt < 0.0 else 0.0  # it runs toward -x
+    lean = sum(math.tan(limb.tilt) for limb in design.limbs)
+    backward = 180.0 if lean < 0.0 else 0.0  # it runs toward -x
     found: dict[str, list[Slid]] = {}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for number, (facing, heading) in enumerate(HEADINGS.items()):
@@ -196,7 +203,7 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     tilt = design.limbs[0].tilt
     slips = [
         first_slip(plan, tilt, friction)
-        if tilt > 0.0 and not design.braced and friction > math.tan(tilt)
+        if tilt > 0.0 and design.alike and not design.braced and friction > math.tan(tilt)
         else None
         for plan, friction in zip(plans, FRICTIONS, strict=True)
     ]

@@ -2,6 +2,7 @@
 
 import math
 
+from walkergen.errors import InputError
 from walkergen.scene import Arena, Drive, Scene
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -52,6 +53,19 @@ def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
 def with_contact(scene: Scene, **contact: float) -> Scene:
     """Scene with other values in its [contact]."""
     return scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
+
+
+def one_material(design: Design, key: str) -> None:
+    """Raise InputError where a leg has a `key`, friction or restitution, of its own."""
+    own = [
+        number for number, limb in enumerate(design.limbs, start=1)
+        if getattr(limb, key) is not None
+    ]  # fmt: skip
+    if own:
+        raise InputError(
+            f"{design.name}: legs[{own[0]}].{key} is that foot's own, and the bench finds one "
+            f"{key} for all feet: test a walker of one material, without that key"
+        )
 
 
 def in_words(scene: Scene, design: Design) -> str:

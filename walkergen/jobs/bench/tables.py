@@ -140,7 +140,7 @@ def of_pluck(
                      "material.youngs_modulus_sd_gpa": known.modulus * value}  # fmt: skip
         thick = pluck.thickness(design, found.leg_mass, measured.value)
         notes = [
-            f"or legs.flexible_thickness_mm = {thick:.3f} ± {known.thickness * thick:.3f} with "
+            f"or {_thickness_key(design)} = {thick:.3f} ± {known.thickness * thick:.3f} with "
             f"{design.material.youngs_modulus_gpa:g} GPa: the frequency tells E s^3 only, "
             f"within {100 * known.bending:.1f} %",
             *notes,
@@ -150,9 +150,17 @@ def of_pluck(
         sd = ratio * (1.0 - ratio * ratio) * decrement.sd / decrement.value
         answers.append(_with_error("damping ratio of the leg", ratio, sd, ""))
         settings |= {"legs.damping_ratio": ratio, "legs.damping_ratio_sd": sd}
-    title = f"Pluck of a leg of {design.name}, {design.tilt_deg:g} deg"
+    leg = f"a leg{pluck.which(design)}"
+    title = f"Pluck of {leg} of {design.name}, {design.tilt_deg:g} deg"
     caption = f"{still.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
     return Report("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
+
+
+def _thickness_key(design: Design) -> str:
+    """Key of the plucked leg's thickness in a design."""
+    if design.pair:
+        return "legs.flexible_thickness_mm"
+    return f"legs[{pluck.plucked_leg(design) + 1}].thickness_mm"
 
 
 def _with_error(what: str, value: float, sd: float, unit: str) -> Answer:

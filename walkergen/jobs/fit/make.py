@@ -10,6 +10,7 @@ import numpy.typing as npt
 from walkergen.analysis import fits
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.fits import RANGES, ContactFit, Speeds
+from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.config import validate
 from walkergen.files.output import Folder
@@ -58,6 +59,11 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, design.toml (as given), fit.png,
     fit.pdf, manifest.json. Raises InputError, before anything is written, for unusable input.
     """
+    if not job.design.alike:
+        raise InputError(
+            f"{job.design.name}: the theory's mean over two equal feet is fitted, and its legs are "
+            "not two equal ones: learn from simulated speeds, --model space"
+        )
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
     tilt, legs = found.tilt, found.legs
     speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)

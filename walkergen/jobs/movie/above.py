@@ -16,6 +16,7 @@ from walkergen.jobs.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Ca
 from walkergen.jobs.movie.footage import pace, strongest
 from walkergen.jobs.movie.impacts import largest_impulse, legend, style_of
 from walkergen.jobs.movie.shot import Array, Shot, feet, outline, turned
+from walkergen.walker.outlines import area
 
 WIDTH, TALLEST = 900, 760
 """Width of the picture, and largest height of all its arenas, pixels."""
@@ -95,7 +96,7 @@ def _names(shots: Sequence[Shot]) -> str:
 def _window(shot: Shot, gap: float | None) -> tuple[float, float, float, float]:
     """Left, right, lower and upper end of what a run and its arrow cover, mm, with a margin."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
-    covered = np.concatenate([np.vstack([outline(shot, at), *_arrow(shot, at)]) for at in shown])
+    covered = np.concatenate([np.vstack([*outline(shot, at), *_arrow(shot, at)]) for at in shown])
     margin = 0.08 * float(shot.size[0])
     low, high = covered.min(axis=0) - margin, covered.max(axis=0) + margin
     side = 0.0 if gap is None else 0.5 * gap + margin
@@ -142,7 +143,9 @@ def _arena(
     (trail,) = axes.plot([], [], color=TRAIL, linewidth=1.4)
     every = max(1, round(interval / float(shot.poses.times[1])))
     (dots,) = axes.plot([], [], "o", color=TRAIL, markersize=3.5, markevery=every)
-    body = PolyCollection([], facecolor=BODY, edgecolor=INK, linewidths=0.8, alpha=0.9)
+    holes = [area(contour) < 0.0 for contour in shot.contours]
+    colours = [GROUND if hole else BODY for hole in holes]
+    body = PolyCollection([], facecolor=colours, edgecolor=INK, linewidths=0.8, alpha=0.9)
     edges = LineCollection([], colors=LIMB, linewidths=1.6)
     arrow = FancyArrowPatch(
         (0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, color=INK, linewidth=1.2,
@@ -150,7 +153,7 @@ def _arena(
     )  # fmt: skip
     for artist in (body, edges, arrow):
         axes.add_artist(artist)
-    flashes = [axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)[0] for _ in range(4)]
+    flashes = [axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)[0] for _ in shot.poses.names]
     # The trail runs over the body, which would hide where O has been.
     canvas.move(body, edges, trail, dots, *flashes, arrow, readout)
     return Arena(shot, axes, trail, dots, body, edges, arrow, flashes, readout)
@@ -159,7 +162,7 @@ def _arena(
 def _set(arena: Arena, at: int, glow: float) -> None:
     """Show pose `at`, and the landings of the last `glow` seconds."""
     shot = arena.shot
-    arena.body.set_verts([outline(shot, at)])
+    arena.body.set_verts(outline(shot, at))
     arena.feet.set_segments(list(feet(shot, at)))
     for line in (arena.trail, arena.dots):
         line.set_data(*shot.track[: at + 1].T)

@@ -37,7 +37,17 @@ FEET: tuple[tuple[str, str, Dashes], ...] = (
 )
 """Name, colour and line of either foot."""
 
-COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET))
+FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
+"""Colours of feet beyond two, from the first of them on, again and again."""
+
+
+
+def colour_of(foot: int) -> str:
+    """Colour of a foot by its number."""
+    return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
+
+
+COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET), *FURTHER)
 
 
 def style_of(kind: Kind) -> Style:
@@ -88,7 +98,7 @@ def strip(
     axes.set_xlim(0.0, times[-1])
     axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
     for (name, colour, line, _), height in zip(feet, heights, strict=True):
-        axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name)
+        axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
     _mark(axes, footage, feet)
     axes.legend(
         loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=2, frameon=False, fontsize=SMALL,

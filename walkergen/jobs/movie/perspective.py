@@ -15,10 +15,16 @@ from walkergen.jobs.movie import raster
 from walkergen.jobs.movie.animation import Draw, Pixels
 from walkergen.jobs.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas
 from walkergen.jobs.movie.footage import Impact, pace, strongest
-from walkergen.jobs.movie.impacts import FEET, Course, largest_impulse, legend, strip, style_of
+from walkergen.jobs.movie.impacts import (
+    Course,
+    colour_of,
+    largest_impulse,
+    legend,
+    strip,
+    style_of,
+)
 from walkergen.jobs.movie.raster import Camera
 from walkergen.jobs.movie.shot import Array, Shot
-from walkergen.simulation.poses import CORNERS
 
 WIDTH, HEIGHT = 800, 620
 Place = tuple[float, float, float, float]
@@ -37,6 +43,9 @@ ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
 LIFT = 0.35
 """Largest gap as the magnified view shows it, over the distance of the feet."""
+
+MOST_LABELS = 8
+"""Largest number of corners whose heights are written beside them."""
 
 GROUND, LINES = "#e4e4e1", "#c9c9c5"
 
@@ -103,7 +112,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
         picture.ox, picture.oy = left + MAIN[0], low + MAIN[1]
         glows = [
             strongest(shot, float(shot.times[at]), afterglow, corner)
-            for corner in range(len(CORNERS))
+            for corner in range(len(shot.poses.names))
         ]
         corners = shot.poses.corners[at] - centres[at]
         _set(main, shot, at, centres[at], corners, glows)
@@ -149,7 +158,8 @@ def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
     fitted = np.vstack([points, covered, [(right, top + 0.1, far)]])
     spacing = _nice(0.05 * float(shot.size[0]))
     canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL, ha="right")
-    return _view(canvas, MAIN, fitted, (x, z), 0.16 * float(shot.size[0]))
+    count = len(poses.names)
+    return _view(canvas, MAIN, fitted, (x, z), 0.16 * float(shot.size[0]), count)
 
 
 def _nice(least: float) -> float:
@@ -164,6 +174,7 @@ def _view(
     points: Array,
     area: tuple[tuple[float, float], tuple[float, float]],
     longest: float,
+    corners: int,
 ) -> View:
     """View in which `points` fit, of a plate that covers `area` (along x and z), mm."""
     axes = canvas.axes(*place)
@@ -180,7 +191,7 @@ def _view(
     for artist in (ground, lines):
         axes.add_artist(artist)
     flashes = []
-    for _ in CORNERS:
+    for _ in range(corners):
         arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
         axes.add_patch(arrow)
         (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
@@ -204,17 +215,21 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     margin = 0.12 * (right - left)
     x, z = (left - margin, right + margin), (near - margin, far + margin)
     rim = np.array([(a, b, c) for a in x for c in z for b in (0.0, zoom * largest)])
-    view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left))
+    names = shot.poses.names
+    view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
     words = f"feet, heights over the plate × {zoom}; numbers: µm"
     canvas.text(CLOSE[0], CLOSE[1] + CLOSE[3] + 4, words, fontsize=SMALL)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
-    edges = [view.axes.plot([], [], color=FEET[k][1], linewidth=3.0)[0] for k in (0, 1)]
+    edges = [
+        view.axes.plot([], [], color=colour_of(k), linewidth=3.0)[0] for k in range(len(names) // 2)
+    ]
     # Names stand outside: of the left corners, which are farther away, above; of the right below
     labels = [
-        view.axes.text(0, 0, "", fontsize=SMALL, ha="center", va="bottom" if k % 2 == 0 else "top")
-        for k in range(len(CORNERS))
-    ]
+        view.axes.text(0, 0, "", fontsize=SMALL, ha="center", va="bottom" if k % 2 == 0 else "top",
+                       visible=len(names) <= MOST_LABELS)
+        for k in range(len(names))
+    ]  # fmt: skip
     canvas.move(view.ground, view.lines, drops, *edges)
     _on_top(canvas, view)
     canvas.move(*labels)
@@ -222,11 +237,19 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
 
 
 def _courses(shot: Shot) -> list[Course]:
-    """Heights of the corners in time: colours of the feet, left corners full, right dashed."""
-    heights = shot.poses.corners[:, :, 1]
+    """Heights of the corners in time: colours of the feet, left corners full, right dashed.
+
+    Of more than two feet the legend names the feet alone, of many none.
+    """
+    heights, names = shot.poses.corners[:, :, 1], shot.poses.names
+    if len(names) > 4:
+        several = len(names) > MOST_LABELS
+        names = tuple(
+            "" if several or k % 2 else shot.poses.legs[k // 2] for k in range(len(names))
+        )
     return [
-        Course(name, FEET[k // 2][1], ("-", (0, (3, 1.5)))[k % 2], heights[:, k])
-        for k, name in enumerate(CORNERS)
+        Course(name, colour_of(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k])
+        for k, name in enumerate(names)
     ]
 
 
@@ -296,7 +319,7 @@ def _set_close(
     tips, feet = project(raised)[:, :2], project(below)[:, :2]
     for side, edge in enumerate(close.edges):
         edge.set_data(*tips[2 * side : 2 * side + 2].T)
-    close.drops.set_segments([*np.stack([feet, tips], axis=1), *feet.reshape(2, 2, 2)])
+    close.drops.set_segments([*np.stack([feet, tips], axis=1), *feet.reshape(-1, 2, 2)])
     for k, label in enumerate(close.labels):
         # Numbers keep away from the foot: above the left corner, under the plate's right one
         x, y = tips[k] + (0.0, 7.0) if k % 2 == 0 else feet[k] - (0.0, 7.0)

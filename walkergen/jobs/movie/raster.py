@@ -80,7 +80,8 @@ def model_of(mesh: Mesh) -> Model:
     """Normals and sharp edges of a closed mesh."""
     a, b, c = np.moveaxis(mesh.vertices[mesh.triangles], 1, 0)
     normals = np.cross(b - a, c - a)
-    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    lengths = np.linalg.norm(normals, axis=1, keepdims=True)
+    normals /= np.where(lengths > 0.0, lengths, 1.0)  # slivers of a person's mesh have none
     beside: dict[tuple[int, int], list[int]] = {}
     for number, triangle in enumerate(mesh.triangles.tolist()):
         for one, other in zip(triangle, triangle[1:] + triangle[:1], strict=True):

@@ -9,7 +9,7 @@ from walkergen.jobs.movie.footage import Impact
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory.impact import Kind
-from walkergen.walker import solids
+from walkergen.walker import landing, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, Mesh, from_centre
 
@@ -27,6 +27,8 @@ class Shot(NamedTuple):
     """Middle of the body's rectangle from O, along it and across, shape (2,), mm."""
     size: Array
     """Length and depth of the body, shape (2,), mm."""
+    contours: tuple[Array, ...]
+    """Body seen from above, from the middle of its rectangle: polygons, holes clockwise, mm."""
     poses: Poses
     impacts: tuple[Impact, ...]
     """Landings in the order of their times; feet are the numbers of the corners."""
@@ -80,6 +82,7 @@ def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Sh
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
+        contours=_from_above(design),
         poses=poses,
         impacts=tuple(
             Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in poses.landings
@@ -87,17 +90,30 @@ def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Sh
     )
 
 
-def outline(shot: Shot, at: int) -> Array:
-    """Rectangle of the body seen from above at pose `at`, shape (4, 2), mm."""
-    signs = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)])
+def _from_above(design: Design) -> tuple[Array, ...]:
+    """Polygons of a body seen from above, holes clockwise: x to the right, up is to the left."""
+    shape, half = design.body.shape, 0.5 * np.array([design.size.length, design.size.depth])
+    if shape.side is not None:
+        return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
+    if shape.mesh is None:
+        return shape.plan
+    turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    return tuple(
+        np.asarray(polygon) + (0.0, half[1]) for polygon in turned_up.project().to_polygons()
+    )
+
+
+def outline(shot: Shot, at: int) -> list[Array]:
+    """Polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
     place: Array = shot.track[at]
-    return place + turned(shot.base + 0.5 * signs * shot.size, shot.poses.heading[at])
+    heading = shot.poses.heading[at]
+    return [place + turned(shot.base + contour, heading) for contour in shot.contours]
 
 
 def feet(shot: Shot, at: int) -> Array:
-    """Edges of back and front foot seen from above, two ends each, shape (2, 2, 2), mm."""
+    """Edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
     ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
-    return ends.reshape(2, 2, 2)
+    return ends.reshape(-1, 2, 2)
 
 
 def turned(points: Array, angle: float) -> Array:

@@ -1,6 +1,7 @@
 """Catalogue of hard cases: a single list for the tests and for `walkergen selftest`."""
 
 from walkergen.jobs.selftest import (
+    any_walker,
     bounces,
     extremes,
     friction,
@@ -23,7 +24,7 @@ def _place(case: Case) -> tuple[int, ...]:
 
 _MODULES = (
     impacts, friction, bounces, landings, symmetries, extremes,
-    space, space_contact, space_rest, geometry,
+    space, space_contact, space_rest, any_walker, geometry,
 )  # fmt: skip
 
 CASES: tuple[Case, ...] = tuple(

@@ -19,6 +19,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.walker import names
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -43,6 +44,8 @@ class Simulated(NamedTuple):
     """Reason why a walker in space has no `motion`; "" when it has one."""
     landings: Sequence[Landings] = ()
     """Landings of each run that ended well; none where they were not kept."""
+    legs: tuple[str, ...] = ()
+    """Names of the legs, in the order of their landings."""
 
 
 def asked(
@@ -86,8 +89,9 @@ def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = Non
     least = max(motion.LAG_S, tracks.interval)
     moved = motion.analyse(tracks) if longest > 1.001 * least else None
     untold = "" if moved else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
-    landed = [_landings(result) for result in good] if one.impacts else []
-    return found._replace(motion=moved, untold=untold, landings=landed)
+    legs = names.legs(one.design)
+    landed = [_landings(result, len(legs)) for result in good] if one.impacts else []
+    return found._replace(motion=moved, untold=untold, landings=landed, legs=legs)
 
 
 def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
@@ -100,11 +104,11 @@ def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) 
     return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
-def _landings(result: RunResult) -> Landings:
+def _landings(result: RunResult, feet: int) -> Landings:
     """Landings of a run on the plate; walls are touched by points beyond the corners' numbers."""
     rows = impacts_of(result)
-    rows = rows[rows[:, 1] < landings.CORNERS]
-    return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s)
+    rows = rows[rows[:, 1] < feet * landings.CORNERS]
+    return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)
 
 
 def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:

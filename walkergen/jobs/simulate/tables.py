@@ -2,13 +2,13 @@
 
 import functools
 import math
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
 
 from walkergen.analysis.estimates import IN_A_LANE, Estimate, with_error
-from walkergen.analysis.landings import TOGETHER_S, Landings
+from walkergen.analysis.landings import CORNERS, TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
 from walkergen.jobs.simulate.make import Simulated
 from walkergen.scene import Scene
@@ -32,15 +32,8 @@ MOVED = {
 RARE = 1e-3
 """Share of a type below which a summary leaves it out; JSON has it."""
 
-CORNERS = ("back_left", "back_right", "front_left", "front_right")
-
-COUNTED: dict[str, Callable[[Landings], int]] = {
-    "back_left": lambda one: int(one.corners[0]), "back_right": lambda one: int(one.corners[1]),
-    "front_left": lambda one: int(one.corners[2]), "front_right": lambda one: int(one.corners[3]),
-    "back_edge": lambda one: int(one.edges[0]), "front_edge": lambda one: int(one.edges[1]),
-    "both_feet": lambda one: one.pairs, "alone": lambda one: one.alone,
-}  # fmt: skip
-"""Numbers of landings, and of groups of them, that a summary shows."""
+MOST_LISTED = 6
+"""Number of legs up to which a summary lists the landings of each; JSON has all."""
 
 
 def model_in_words(found: Simulated, scene: Scene) -> str:
@@ -171,21 +164,59 @@ def _shares(found: Simulated, table: str) -> str:
     return ", ".join(told) or "none"
 
 
+def counted(legs: Sequence[str]) -> dict[str, tuple[bool, Callable[[Landings], int]]]:
+    """Numbers of landings, and of groups of them, by name; True for those of single corners."""
+    found: dict[str, tuple[bool, Callable[[Landings], int]]] = {}
+    for foot, leg in enumerate(_keys(legs)):
+        for side, name in enumerate(("left", "right")):
+            number = CORNERS * foot + side
+            found[f"{leg}_{name}"] = True, lambda one, at=number: int(one.corners[at])
+    for foot, leg in enumerate(_keys(legs)):
+        found[f"{leg}_edge"] = False, lambda one, at=foot: int(one.edges[at])
+    found[_together(legs)] = False, lambda one: one.pairs
+    found["alone"] = False, lambda one: one.alone
+    return found
+
+
+def _keys(legs: Sequence[str]) -> list[str]:
+    """Names of legs as keys."""
+    return [leg.replace(" ", "_") for leg in legs]
+
+
+def _together(legs: Sequence[str]) -> str:
+    """Name of groups in which more than one foot landed."""
+    return "both_feet" if len(legs) == 2 else "several_feet"
+
+
 def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on landings: numbers by corner, edge and foot."""
+    rates, legs = _rates(found), found.legs
     per = {
         name: f"{value:.1f}" if error is None else with_error(Estimate(value, error))
-        for name, (value, error) in _rates(found).items()
+        for name, (value, error) in rates.items()
     }
-    yield (
-        "by corner, /s",
-        f"back {per['back_left']} left, {per['back_right']} right; "
-        f"front {per['front_left']} left, {per['front_right']} right",
-    )
+    if len(legs) <= MOST_LISTED:
+        shown = zip(legs, _keys(legs), strict=True)
+        yield (
+            "by corner, /s",
+            "; ".join(f"{leg} {per[f'{key}_left']} left, {per[f'{key}_right']} right"
+                      for leg, key in shown),
+        )  # fmt: skip
+        edges = ", ".join(
+            f"{per[f'{key}_edge']} {leg}" for leg, key in zip(legs, _keys(legs), strict=True)
+        )
+    else:
+        sums = {leg: rates[f"{key}_left"][0] + rates[f"{key}_right"][0]
+                for leg, key in zip(legs, _keys(legs), strict=True)}  # fmt: skip
+        low, high = (pick(sums, key=sums.__getitem__) for pick in (min, max))
+        told = f"{sums[low]:.1f} ({low}) to {sums[high]:.1f} ({high}); --json lists all"
+        yield "by foot, /s", f"{len(legs)} feet: {told}"
+        edges = f"{sum(rates[f'{key}_edge'][0] for key in _keys(legs)):.1f} of all feet"
+    together = _together(legs)
     yield (
         f"in {1e6 * TOGETHER_S:.0f} us, /s",
-        f"edges {per['back_edge']} back, {per['front_edge']} front; both feet "
-        f"{per['both_feet']}; one corner alone {per['alone']}",
+        f"edges {edges}; {together.replace('_', ' ')} {per[together]}; one corner alone "
+        f"{per['alone']}",
     )
 
 
@@ -194,15 +225,12 @@ def _rates(found: Simulated) -> Mapping[str, tuple[float, float | None]]:
 
     ± is of the runs and the step together; None where either is unknown.
     """
-    counts = {
-        name: np.array([count(one) for one in found.landings], dtype=float)
-        for name, count in COUNTED.items()
-    }
     time = np.array([one.duration for one in found.landings])
     rates = {}
-    for name, numbers in counts.items():
+    for name, (single, count) in counted(found.legs).items():
+        numbers = np.array([count(one) for one in found.landings], dtype=float)
         value, se = observables.quotient(numbers, time)
-        kind = resolution.LANDED if name in CORNERS else resolution.GROUPED
+        kind = resolution.LANDED if single else resolution.GROUPED
         step = found.verdicts[kind].error
         known = se is not None and step is not None
         error = math.hypot(se or 0.0, 0.5 * value * (step or 0.0)) if known else None

@@ -17,7 +17,6 @@ from walkergen.simulation.world import (
     State,
     World,
     X,
-    mirrored,
     pose,
 )
 
@@ -51,7 +50,6 @@ STEPS = Model(
     energy=chain.energy,
     feet=feet,
     momentum=momentum,
-    mirrored=mirrored,
     pose=pose,
     coarser=steps.coarser,
     resting=steps.resting,

@@ -5,9 +5,11 @@ Source: docs/physics.md section 5, model B. Limits: stiff legs slide like braced
 """
 
 import math
+from collections.abc import Mapping
 from typing import Literal
 
 from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.walker import names
 from walkergen.walker.limbs import Limb
 
 NAME, SWITCH = "leg compliance", "legs.model"
@@ -19,6 +21,9 @@ accuracy`). A smaller accepted error calls for compliance."""
 PLANAR_ERROR = 0.5
 """Relative error of the compliant model in its plane, with an impact law in place of elastic feet
 (docs/physics.md section 7). A smaller accepted error calls for the model in space."""
+
+ALIKE = 1.0 + 1e-6
+"""Ratio of frequencies up to which legs swing alike: meshes weigh them to rounding."""
 
 Spring = Literal["cantilever", "pseudo-rigid", "frequency"]
 SPRING_FACTORS: dict[Spring, float] = {"cantilever": 3.0, "pseudo-rigid": 3.11, "frequency": 4.12}
@@ -34,21 +39,30 @@ def verdict(case: Case) -> Effect:
     scene, design = case.scene, case.design
     if design.braced:
         return Effect(NAME, False, 0.0, "legs are braced", "no free leg", "")
-    frequencies = [
-        natural_frequency(
+    frequencies = {
+        name: natural_frequency(
             stiffness(limb, design.material.youngs_modulus, scene.legs.spring), float(leg.inertia)
         )
-        for limb, leg in zip(design.limbs, case.mass.legs, strict=True)
+        for name, limb, leg in zip(names.legs(design), design.limbs, case.mass.legs, strict=True)
         if leg.m > 0.0
-    ]
-    ratio = min(frequencies, default=0.0) / scene.drive.frequency
+    }
+    ratio = min(frequencies.values(), default=0.0) / scene.drive.frequency
     accepted = scene.run.accepted_error
     reason = f"accepted error {accepted:g} against about {RELAXED_ERROR:g} of the relaxed model"
     if scene.legs.model != "auto":
         reason = f"legs.model = {scene.legs.model!r}"
-    meaning = "frequency of a free leg over the drive's"
+    meaning = f"frequency of a free leg over the drive's{_slowest(frequencies)}"
     on = case.model in ("compliant", "space")
     return Effect(NAME, on, ratio, meaning, reason, SWITCH)
+
+
+def _slowest(frequencies: Mapping[str, float]) -> str:
+    """Names of the slowest and the fastest leg; "" of legs that swing alike."""
+    if len(frequencies) < 2:
+        return ""
+    slow, fast = (pick(frequencies, key=frequencies.__getitem__) for pick in (min, max))
+    ratio = frequencies[fast] / frequencies[slow]
+    return f", slowest {slow}; fastest {fast}, {ratio:.3g} times that" if ratio > ALIKE else ""
 
 
 def stiffness(limb: Limb, modulus: float, spring: Spring) -> float:

@@ -11,14 +11,15 @@ RARE = 50.0
 
 def sticking(case: Case) -> Effect:
     """Verdict on sticking of a foot within an impact (docs/physics.md section 3)."""
-    friction = case.scene.contact.friction
+    scenes = case.scene.contact.friction
     ratios = [
-        friction * float(H.xx) / abs(float(H.xy)) if H.xy != 0.0 else math.inf
-        for H in feet(case.mass)
-    ]
+        (scenes if limb.friction is None else limb.friction) * float(H.xx) / abs(float(H.xy))
+        if H.xy != 0.0 else math.inf
+        for limb, H in zip(case.design.limbs, feet(case.mass), strict=True)
+    ]  # fmt: skip
     on = max(ratios) >= 1.0
     reason = "friction can hold a foot" if on else "feet always slide on in single impacts"
-    meaning = "friction over |H_xy|/H_xx, the larger of both feet"
+    meaning = "friction over |H_xy|/H_xx, the largest of all feet"
     number = min(max(ratios), 1e9)  # infinite for an upright leg: written as a large number
     return Effect("sticking in impacts", on, number, meaning, reason, "")
 
@@ -33,7 +34,13 @@ def sustained(case: Case) -> Effect:
 def pitch(case: Case) -> Effect:
     """Verdict on turning in the plane: always on."""
     number = case.design.foot_span / case.design.size.length
-    return Effect("pitch", True, number, "contact spacing over body length", "two feet", "")
+    return Effect("pitch", True, number, "contact spacing over body length", _number(case), "")
+
+
+def _number(case: Case) -> str:
+    """Number of feet in words."""
+    count = len(case.design.limbs)
+    return {1: "one foot", 2: "two feet"}.get(count, f"{count} feet")
 
 
 def neighbours(case: Case) -> Effect:

@@ -13,7 +13,6 @@ EVENTS = Model(
     energy=state.energy,
     feet=state.feet,
     momentum=state.momentum,
-    mirrored=world.mirrored,
     pose=world.pose,
     coarser=state.coarser,
     resting=state.resting,

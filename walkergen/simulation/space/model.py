@@ -46,6 +46,7 @@ from walkergen.simulation.space.state import (
     size_of,
     work_for,
 )
+from walkergen.simulation.space.points import mirror_order
 from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 
@@ -101,13 +102,14 @@ def energy(world, state):
 
 
 def feet(world: World, state: State) -> Array:
-    """Middles of the feet, shape (2, 4), as in `Model.feet`: x is along the lane."""
+    """Middles of the feet, shape (legs, 4), as in `Model.feet`: x is along the lane."""
     work, copy, walker = work_for(world.walker, state), state.copy(), world.walker
     f = walker.freedoms
     place(world, copy, work)
     locate(world, copy, work)
-    rows = np.zeros((4, 4))
-    for k in range(4):
+    corners = int(np.count_nonzero(walker.place == 0.0))
+    rows = np.zeros((corners, 4))
+    for k in range(corners):
         velocity = work.R @ np.array(
             point_velocity(copy, work.body, work.points, walker.shift, walker.leg[k], f, k)
         )
@@ -121,17 +123,20 @@ def momentum(world: World, state: State) -> float:
     return float(world.walker.mass * state[V_X])
 
 
-def mirrored(state: State) -> State:
-    """State of the mirror image (x -> -x, back and front exchanged)."""
-    image = state.copy()
+def mirrored(walker: Walker, state: State) -> State:
+    """State of the mirror image (x -> -x) of a walker, whose legs are listed the other way round.
+
+    `walker` is the one that the state belongs to. Edges between walls are listed from back to
+    front, as in both.
+    """
+    image, n = state.copy(), len(walker.stiffness)
     image[[SHOWN_X, HEADING, PITCH, C_X, V_X, W_Y, W_Z, Q_Y, Q_Z]] *= -1.0
-    n = (len(state) - LEGS) % ROW // 2
     for first in (LEGS, LEGS + n):
-        image[first : first + n] = -np.roll(state[first : first + n], n // 2)
-    # Points come in pairs at either end: two of the back foot, two of the front foot
-    rows = image[LEGS + 2 * n :].reshape(-1, 2, 2, ROW)
-    rows[:] = rows[:, ::-1].copy()
-    rows[..., [ALONG, U_A, J_A]] *= -1.0
+        own = state[first : first + n].reshape(-1, max(walker.freedoms, 1))
+        image[first : first + n] = -own[::-1].ravel()
+    rows = state[LEGS + 2 * n :].reshape(-1, ROW)[mirror_order(walker)]
+    rows[:, [ALONG, U_A, J_A]] *= -1.0
+    image[LEGS + 2 * n :] = rows.ravel()
     return image
 
 
@@ -151,10 +156,11 @@ def drawn(case: Case, resolved: Resolved, world: World, rng: np.random.Generator
     if resolved.on(unevenness.NAME):
         corners = walker.place == 0.0
         heights = unevenness.draw(case, int(corners.sum()), rng)
-        key = "root" if walker.freedoms == 0 else "reach"
-        moved = getattr(walker, key).copy()
-        moved[corners, 1] += heights
-        walker = walker._replace(**{key: moved})
+        on_body = walker.leg[corners] < 0  # of braced legs
+        root, reach = walker.root.copy(), walker.reach.copy()
+        root[corners, 1] += np.where(on_body, heights, 0.0)
+        reach[corners, 1] += np.where(on_body, 0.0, heights)
+        walker = walker._replace(root=root, reach=reach)
     if resolved.on(noise.NAME):
         acting = acting._replace(noise=noise.draw(case, rng))
     if resolved.on(roughness.NAME):
@@ -168,7 +174,6 @@ STEPS = Model(
     energy=energy,
     feet=feet,
     momentum=momentum,
-    mirrored=mirrored,
     pose=pose,
     coarser=coarser,
     resting=resting,

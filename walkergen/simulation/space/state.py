@@ -97,7 +97,7 @@ class Walker(NamedTuple):
     unloading: float
     """Stiffness in unloading over that in loading, 1 for viscous feet."""
     corners: Array
-    """Corners of the body, shape (8, 3)."""
+    """Corners of the body, or points of its hull, shape (c, 3)."""
     flights: Array
     """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i, shape
     (levels, 2 n, 2 n)."""

@@ -6,7 +6,7 @@ legs) it is block-diagonal: M, inertia about C, and the legs' own block.
 
 import math
 from collections.abc import Sequence
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,11 +15,12 @@ from walkergen.scene import Scene
 from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist, walls
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
+from walkergen.simulation.space.points import axis_of, corners_of, points_of
 from walkergen.simulation.space.state import Array, Options, Walker
 from walkergen.simulation.world import World
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
-from walkergen.walker.mass import LegMass, MassProperties, Spatial, from_centre, joined
+from walkergen.walker.mass import LegMass, MassProperties, Spatial, joined
 
 LEVELS = 8
 """Tabulated flights: the longest takes 2^(LEVELS - 1) steps."""
@@ -34,8 +35,6 @@ LONGEST = 1e-5
 """Longest step of soft feet, s: the drive and the legs are held for a frame of steps."""
 
 Z = np.array([0.0, 0.0, 1.0])
-
-NONE = np.zeros(2)
 
 
 class _Limbs(NamedTuple):
@@ -65,7 +64,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     lock = inverse_inertia @ limbs.spin
     own = limbs.inertia - limbs.momentum.T @ limbs.momentum / total - limbs.spin.T @ lock
     springs, dampers = _hinges(case, free, freedoms)
-    points = _points(case, free, centre, resolved.on(walls.NAME))
+    points = points_of(case, free, centre, resolved.on(walls.NAME))
     feet = points.pop("foot")
     one = Walker(
         mass=total,
@@ -87,7 +86,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         spring=np.zeros((0, 2)),
         damper=np.zeros(0),
         unloading=1.0,
-        corners=_corners(design, mass, centre),
+        corners=corners_of(design, mass, centre),
         flights=np.zeros((0, n, n)),
     )  # fmt: skip
     return _with_feet(one, case, feet, resolved.on(local_contact.NAME))
@@ -101,18 +100,13 @@ def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]
     return float(masses.sum()), centre, inertia
 
 
-def _axis(limb: Limb) -> Array:
-    """Unit vector anchor -> foot along a relaxed leg's centre line, shape (3,)."""
-    return np.array([-math.sin(limb.tilt), -math.cos(limb.tilt), 0.0])
-
-
 def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
     """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
     n = len(legs) * freedoms
     found = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
     for number, (limb, leg) in enumerate(legs):
         assert leg.tensor is not None
-        j, m, axis, arm = number * freedoms, float(leg.m), _axis(limb), np.array([*leg.c_A, 0.0])
+        j, m, axis, arm = number * freedoms, float(leg.m), axis_of(limb), np.array([*leg.c_A, 0.0])
         polar = float(axis @ leg.tensor @ axis)
         swung = m * np.cross(Z, arm)
         place = np.array([*leg.anchor, leg.across]) + arm - centre
@@ -132,7 +126,7 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
     dampers: list[float] = []
     for limb, leg in ((design.limbs[k], case.mass.legs[k]) for k in free):
         assert leg.tensor is not None
-        axis = _axis(limb)
+        axis = axis_of(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
         stiff = compliance.stiffness(limb, modulus, given.spring), twist.stiffness(limb, modulus)
@@ -144,50 +138,12 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
     return np.array(springs), np.array(dampers)
 
 
-def _points(case: Case, free: Sequence[int], centre: Array, walled: bool) -> dict[str, Any]:
-    """Points of contact: both corners of every foot, and the body's upright edges between walls.
-
-    `foot` is the number of the leg whose foot a point is, -1 for an edge of the body.
-    """
-    design, mass = case.design, case.mass
-    rows: list[Any] = []
-    for number, (limb, leg) in enumerate(zip(design.limbs, mass.legs, strict=True)):
-        foot, axis, half = leg.c_A + leg.c_T, _axis(limb)[:2], 0.5 * limb.width
-        for side in (-half, half):
-            root = np.array([*leg.anchor, limb.across]) - centre
-            # A braced foot is a point of the body
-            rows.append(
-                (free.index(number), root, foot, side, axis, 0.0, number) if number in free
-                else (-1, root + np.array([*foot, side]), NONE, 0.0, NONE, 0.0, number)
-            )  # fmt: skip
-    if walled:
-        size = design.size
-        for x in (-0.5 * size.length, 0.5 * size.length):
-            for z in (-0.5 * size.depth, 0.5 * size.depth):
-                edge = from_centre(design, mass, np.array([x, 0.0]))
-                root = np.array([*edge, z]) - centre
-                rows.append((-1, root, NONE, 0.0, NONE, 0.5 * walls.gap(case), -1))
-    keys = ("leg", "root", "reach", "side", "axis", "place", "foot")
-    return {
-        key: np.array(values) for key, values in zip(keys, zip(*rows, strict=True), strict=True)
-    }
-
-
 def _friction(scene: Scene, design: Design, foot: int) -> float:
     """Friction of a point: a foot's own or the scene's, or that of the walls (foot -1)."""
     if foot < 0:
         return scene.arena.wall_friction
     own = design.limbs[foot].friction
     return scene.contact.friction if own is None else own
-
-
-def _corners(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Corners of the body from C, shape (8, 3)."""
-    size = design.size
-    signs = np.array([(x, y, z) for x in (-1, 1) for y in (-1, 1) for z in (-1, 1)])
-    corners = signs * (0.5 * np.array([size.length, size.thickness, size.depth]))
-    corners[:, :2] = from_centre(design, mass, corners[:, :2])
-    return np.asarray(corners - centre)
 
 
 def _with_feet(

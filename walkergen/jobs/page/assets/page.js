@@ -93,6 +93,7 @@
     const [poses, landings] = [floats(run.poses), floats(run.landings)];
     const closed = bytesOf(run.closed);
     const count = poses.length / 7;
+    const wide = Math.ceil(run.corners.length / 8); // bytes of a pose: a bit for each corner
     const last = (count - 1) * run.interval;
     const [button, slider, pace] = ['play', 'time', 'pace'].map(byId);
     let [time, before, frame] = [0, null, null];
@@ -109,8 +110,9 @@
     // How brightly each corner is lit, 0..1.
     function lights(at) {
       const glow = GLOW_S / Number(pace.value);
-      const mask = closed[Math.min(Math.round(at / run.interval), count - 1)];
-      const lit = run.corners.map((_, corner) => (mask & (128 >> corner) ? 0.2 : 0));
+      const row = wide * Math.min(Math.round(at / run.interval), count - 1);
+      const pressed = (corner) => closed[row + (corner >> 3)] & (128 >> (corner & 7));
+      const lit = run.corners.map((_, corner) => (pressed(corner) ? 0.2 : 0));
       for (let i = 0; i < landings.length && landings[i] <= at; i += 3) {
         const left = 1 - (at - landings[i]) / glow;
         const corner = landings[i + 1];
