@@ -21,11 +21,13 @@ def speed_figure(
     simulated: Sequence[Simulated] = (),
     measured: Measured | None = None,
     stated: tuple[float, float] | None = None,
+    named: bool = False,
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    Simulated speeds, if there are any, are open symbols with their bounds of 95 % as bars;
-    measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
+    Kinds without a curve have their bounds as bars. Walkers whose legs follow no common tilt stand
+    side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
+    95 % as bars; measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")
@@ -42,7 +44,10 @@ def speed_figure(
         for legs in dict.fromkeys(row.legs for row in rows):
             colour, _, marker = STYLES[legs]
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
-            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
+            known = None if legs in curves else f"{legs} legs"
+            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5, label=known)
+            if legs not in curves:
+                _draw_bars(axes, [row for row in rows if row.legs == legs], colour)
         _draw_simulated(axes, rows, simulated)
         if measured is not None:
             _draw_measured(axes, measured)
@@ -50,7 +55,11 @@ def speed_figure(
             axes.plot(*stated, "*", color="black", markersize=11, label="the paper's walker")
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
-        axes.set_xlabel("tilt of the legs (deg)")
+        if not curves:
+            axes.margins(x=0.5)
+        axes.set_xlabel("legs as designed" if named else "tilt of the legs (deg)")
+        if named:
+            axes.set_xticks([])
         axes.set_ylabel("speed (mm/s)" if simulated or measured else "predicted speed (mm/s)")
         axes.set_title(title, fontsize=10)
         axes.legend(frameon=False)
@@ -60,6 +69,17 @@ def speed_figure(
         ratio.set_ylim(low / impact_speed, high / impact_speed)
         ratio.set_ylabel("speed / impact speed")
     return figure
+
+
+def _draw_bars(axes: matplotlib.axes.Axes, rows: Sequence[Prediction], colour: str) -> None:
+    """Draw the bounds of 68 and 95 % of single points, where they are known."""
+    for row in rows:
+        for low, high, width in (
+            (row.speed_low_95_mm_s, row.speed_high_95_mm_s, 1.2),
+            (row.speed_low_68_mm_s, row.speed_high_68_mm_s, 4.0),
+        ):
+            if low is not None and high is not None:
+                axes.vlines(row.tilt_deg, low, high, color=colour, linewidth=width, alpha=0.4)
 
 
 def _draw_simulated(
