@@ -152,16 +152,17 @@ def _wall(
     lines, expected = section / width, walls.deviation(section, printer)
     change = f"{_nearest_good(thickness, printer, slant):g} mm would do"
     if lines < ONE_LINE[0]:
-        return new("error", f"the {name} is thinner than {ONE_LINE[0]:g} printed lines",
+        return new("error", f"{walls.the(name)} is thinner than {ONE_LINE[0]:g} printed lines",
                    thickness, ONE_LINE[0] * width * slant, "mm", change)  # fmt: skip
     if section <= walls.vanishes_below(printer):
-        return new("error", f"the {name} gets no plastic, thin walls not being detected",
+        return new("error", f"{walls.the(name)} gets no plastic, thin walls not being detected",
                    thickness, walls.vanishes_below(printer) * slant, "mm",
                    f"set thin_walls = true; or {change}")  # fmt: skip
+    told = f"{walls.the(name)} ({thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
-        what = f"the {name} ({thickness:g} mm, plastic {expected:+.0%}) is more than one line and "
-        return new("warning", what + "less than two", lines, ONE_LINE[1], "lines", change)
-    what = f"plastic in the {name} ({thickness:g} mm, {lines:.2f} lines) differs from the mesh's"
+        what = f"{told} plastic {expected:+.0%}) is more than one line and less than two"
+        return new("warning", what, lines, ONE_LINE[1], "lines", change)
+    what = f"plastic in {told} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
         return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
@@ -224,7 +225,7 @@ def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
         yield from _whole("depth", size.depth, height, "body.depth_mm")
         for width, name in walls.alike(design, lambda limb: limb.width):
             if width != size.depth:
-                yield from _whole(f"width of the {name}", width, height, "its width_mm")
+                yield from _whole(f"width of {walls.the(name)}", width, height, "its width_mm")
     elif design.body.mesh is None:
         key = "body.thickness_mm" if design.body.profile_mm is None else "the height of profile_mm"
         yield from _whole("body's thickness", size.thickness, height, key)
@@ -278,8 +279,8 @@ def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]
     for wall in walls.of_design(design):
         slenderness = wall.height / wall.thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
-            yield new("advice", f"the {wall.name} prints high and thin: height over thickness",
-                      slenderness, SLENDEREST_WALL, "", change)  # fmt: skip
+            what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
+            yield new("advice", what, slenderness, SLENDEREST_WALL, "", change)
 
 
 def section_area(mesh: Mesh, height: float) -> float:

@@ -9,9 +9,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from walkergen.printing import walls
 from walkergen.printing.findings import NOISE_MM, Finding, new
 from walkergen.printing.printers import Printer
-from walkergen.printing.walls import alike
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Array, Mesh
 
@@ -55,21 +55,21 @@ def overhang(design: Design, mesh: Mesh) -> float:
 
 
 def _steep(design: Design) -> Iterator[Finding]:
-    for tilt, name in alike(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
+    for tilt, name in walls.alike(design, lambda limb: round(abs(math.degrees(limb.tilt)), 9)):
         if tilt > STEEPEST_DEG:
-            yield new("warning", f"the {name} prints upright, over air", tilt,
+            yield new("warning", f"{walls.the(name)} prints upright, over air", tilt,
                       STEEPEST_DEG, "deg", "tilt it less, or print it with supports")  # fmt: skip
 
 
 def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
-    for (slope, thickness), name in alike(
+    for (slope, thickness), name in walls.alike(
         design, lambda limb: (math.tan(abs(limb.tilt)), limb.thickness)
     ):
         step, limit = printer.layer_height_mm * slope, WIDEST_STEP * thickness
         if step > limit + NOISE_MM:
             lower = math.floor(100.0 * limit / slope) / 100.0
             told = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
-            yield new("warning", f"the {name} prints as a staircase: a layer's "
+            yield new("warning", f"{walls.the(name)} prints as a staircase: a layer's "
                       "step against half the thickness", step, limit, "mm",
                       f"{told}make the leg thicker")  # fmt: skip
 

@@ -23,12 +23,14 @@ Array = npt.NDArray[np.float64]
 
 INCHES = 10.0
 """Longer side of the bed in the picture, inches."""
-LINE_INCHES = 0.17
+LINE_INCHES = 0.22
 """Height of a line of words below the picture, inches."""
 MOST_LISTED = 12
 """Most designs whose names stand below a map; the print sheet names all."""
 LEGS_SHADE = 0.6
 """Brightness of legs that stand up, over that of their body."""
+CLEAR_MM = 1e-3
+"""Height above the body from which on there are only legs, whatever its mesh's rounding, mm."""
 LETTER = 0.65
 """Width of a letter over the height of the font."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
@@ -52,6 +54,8 @@ def png(
     _draw_parts(axes, printer, members, meshes, one)
     _label_parts(axes, members, meshes, one, scale)
     axes.set_xlabel("\n".join(("x (mm), front", *named)))
+    if named:  # the room that is left over belongs to the names below
+        axes.set_anchor("N")
     axes.set_ylabel("y (mm)")
     told = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     axes.set_title(f"{title}: {len(one.placements)} parts; {told}", fontsize=10)
@@ -117,7 +121,7 @@ def _silhouettes(
 ) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
     """Outline of a walker with its legs up, and that of what stands above the body."""
     solid = modeller.solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
-    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness)
+    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
     return solid.project(), legs.project()
 
 

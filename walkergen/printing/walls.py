@@ -104,6 +104,11 @@ def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
     return [(one, "leg" if len(found) == 1 else ", ".join(names)) for one, names in found.items()]
 
 
+def the(name: str) -> str:
+    """Name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
+    return name if name.startswith("legs[") else f"the {name}"
+
+
 def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
     """Thickness, slant and height of a leg as a wall."""
     if side:

@@ -12,6 +12,8 @@ from walkergen.jobs.family.tables import Simulated
 from walkergen.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
+BOUNDS = "bounds of 68 and 95 %"
+
 
 def speed_figure(
     rows: Sequence[Prediction],
@@ -37,15 +39,16 @@ def speed_figure(
             axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
             for (bottom, top), shade in (((0, 3), 0.12), ((1, 2), 0.2)):
                 band = curve.bounds[bottom], curve.bounds[top]
-                told = f"{kind} legs, bounds of 68 and 95 %" if bottom else None
+                known = bottom and not np.isnan(curve.bounds).all()
+                told = f"{kind} legs, {BOUNDS}" if known else None
                 axes.fill_between(
                     curve.tilt_deg, *band, color=colour, alpha=shade, linewidth=0, label=told
                 )
         for legs in dict.fromkeys(row.legs for row in rows):
             colour, _, marker = STYLES[legs]
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
-            known = None if legs in curves else f"{legs} legs"
-            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5, label=known)
+            told = None if legs in curves else f"{legs} legs"
+            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5, label=told)
             if legs not in curves:
                 _draw_bars(axes, [row for row in rows if row.legs == legs], colour)
         _draw_simulated(axes, rows, simulated)
@@ -56,7 +59,7 @@ def speed_figure(
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
         if not curves:
-            axes.margins(x=0.5)
+            axes.margins(x=0.5, y=0.15)
         axes.set_xlabel("legs as designed" if named else "tilt of the legs (deg)")
         if named:
             axes.set_xticks([])
@@ -73,13 +76,18 @@ def speed_figure(
 
 def _draw_bars(axes: matplotlib.axes.Axes, rows: Sequence[Prediction], colour: str) -> None:
     """Draw the bounds of 68 and 95 % of single points, where they are known."""
-    for row in rows:
-        for low, high, width in (
-            (row.speed_low_95_mm_s, row.speed_high_95_mm_s, 1.2),
-            (row.speed_low_68_mm_s, row.speed_high_68_mm_s, 4.0),
-        ):
-            if low is not None and high is not None:
-                axes.vlines(row.tilt_deg, low, high, color=colour, linewidth=width, alpha=0.4)
+    known = [row for row in rows if row.speed_low_95_mm_s is not None]
+    if not known:
+        return
+    tilts = [row.tilt_deg for row in known]
+    for low, high, width, told in (
+        ("low_95", "high_95", 1.2, f"{known[0].legs} legs, {BOUNDS}"),
+        ("low_68", "high_68", 4.0, ""),
+    ):
+        bottoms, tops = (
+            [getattr(row, f"speed_{end}_mm_s") for row in known] for end in (low, high)
+        )
+        axes.vlines(tilts, bottoms, tops, color=colour, linewidth=width, alpha=0.4, label=told)
 
 
 def _draw_simulated(

@@ -82,7 +82,7 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
 def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None:
     """Draw a part by the painter's algorithm without back faces: exact enough for a prism.
 
-    Legs come before a body in plan view, below which they all are.
+    Of a body in plan view legs come first, below it, and its upper side last: nothing hides that.
     """
     standing = part.mesh.vertices[part.mesh.triangles]
     corners = standing @ part.view.T
@@ -90,11 +90,12 @@ def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
     facing = normals[:, 2] > 0
     corners, normals = corners[facing], normals[facing]
-    above = np.zeros(len(corners), dtype=bool)
+    storey = np.zeros(len(corners))
     if part.design.body.flat:
-        bottom = -0.5 * part.design.size.thickness - ROUNDING_MM
-        above = standing[facing][:, :, 1].min(axis=1) >= bottom
-    order = np.lexsort([corners[:, :, 2].mean(axis=1), above])
+        half = 0.5 * part.design.size.thickness - ROUNDING_MM
+        lowest = standing[facing][:, :, 1].min(axis=1)
+        storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
+    order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
     middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
