@@ -33,6 +33,7 @@ def check(
         show.as_json({
             "walls": [wall._asdict() for wall in found.walls],
             "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
+            "orientations": found.orientations,
             "parts": found.parts,
             "plates": found.plates,
         })  # fmt: skip
@@ -45,11 +46,14 @@ def _show_checked(found: "Checked", printer: "Printer") -> None:
     """Print the walls in printed lines, warnings and advice; errors are left to `checks.refuse`."""
     from walkergen.printing import checks
 
-    print(f"{'wall':8s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
+    wide = max([8, *(len(wall.wall) + 2 for wall in found.walls)])
+    print(f"{'wall':{wide}s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
     for wall in found.walls:
         percent = round(wall.plastic_percent)
         plastic = f"{percent:+d} %" if percent else "as drawn"
-        print(f"{wall.wall:8s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
+        print(f"{wall.wall:{wide}s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
+    for lying in found.orientations:
+        print(f"printed {lying}")
     findings = checks.grouped(found.findings)
     for finding in findings:
         if finding.level != "error":

@@ -9,19 +9,22 @@ from walkergen.cli import options as opt
 from walkergen.cli import show
 from walkergen.errors import InputError
 
+HELP = (
+    "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
+    "are prisms, outlines of bodies in plan view. STEP needs a heavy kernel and is not written."
+)
+
 
 def export(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
-    formats: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="File formats: stl, 3mf, or stl,3mf.")
-    ] = "stl",
+    formats: Annotated[str, typer.Option("--format", metavar="FORMAT", help=HELP)] = "stl",
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Write walkers as STL or 3MF files, one file per walker."""
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker."""
     from walkergen.jobs.orders import make as batch
 
     wanted = [word.strip() for word in formats.split(",")]

@@ -79,7 +79,7 @@ def family(
     if json:
         show.rows_as_json(rows, simulated, weighed)
     elif not quiet:
-        told = families.caption(resolved, job.mode)
+        told = families.caption(chosen, resolved, job.mode)
         show.predictions(rows, told, chosen.name, simulated, weighed)
         print(f"{len(made)} walkers in {folder}/: stl, plates, family, weights"
               + (", speed, preview" if pictures else ""))  # fmt: skip

@@ -51,6 +51,7 @@ def predict(
         listed = [Shares([share._asdict() for share in each]) for each in shares]
         show.rows_as_json(rows, weighed, listed)
         return
-    show.predictions(rows, families.caption(resolved, checked), chosen.name, weighed=weighed)
+    assumed = families.caption(chosen, resolved, checked)
+    show.predictions(rows, assumed, chosen.name, weighed=weighed)
     for one, each in zip(made, shares, strict=False):
         told.shares(each, f"{one.name}: share of the variance behind the bounds")

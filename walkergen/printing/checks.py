@@ -8,19 +8,18 @@ legs away and parts off the bed without a word (tests/test_slicer.py).
 import itertools
 import math
 from collections.abc import Iterator, Sequence
-from typing import Literal, NamedTuple
 
 import numpy as np
 
 from walkergen.errors import PrintabilityError
-from walkergen.printing import walls
+from walkergen.printing import legs_up, walls
+from walkergen.printing.findings import NOISE_MM, Level, new
+from walkergen.printing.findings import Finding as Finding
 from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Array, Mesh
-
-Level = Literal["error", "warning", "advice"]
 
 ONE_LINE, TWO_LINES = (0.75, 1.45), (1.75, 1.95)
 """Ranges of thickness, in printed lines, that come out as one or two lines on all known slicers."""
@@ -36,22 +35,6 @@ SMALLEST_CONTACT_MM2, SLENDEREST_WALL = 50.0, 20.0
 the paper's walker (about 90 mm2, 8 mm high on legs of 0.4 mm) was printed without mention of one.
 """
 
-NOISE_MM = 1e-6
-"""Largest error, mm, that sums of floats and rounding to micrometres may leave."""
-
-
-class Finding(NamedTuple):
-    """A deviation of the print from the drawing, with its limit and a remedy."""
-
-    level: Level
-    where: str
-    """Name of the part, plate or printer."""
-    what: str
-    seen: float
-    limit: float
-    unit: str
-    change: str
-
 
 def of_batch(
     designs: Sequence[Design],
@@ -60,7 +43,9 @@ def of_batch(
     plates: Sequence[Plate],
     printer: Printer,
 ) -> list[Finding]:
-    """Findings on a whole print; designs, meshes and parts are in the same order."""
+    """Findings on a whole print; designs, meshes (as they lie on the bed) and parts are in the same
+    order.
+    """
     return [
         *of_printer(printer),
         *(
@@ -77,7 +62,10 @@ def of_batch(
 
 
 def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Finding]:
-    """Findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh."""
+    """Findings on one walker as `printer` would print it: walls, gaps, layers, size, mesh.
+
+    The mesh is as it lies on the bed (solids.as_printed).
+    """
     found = [
         *_walls(design, printer),
         *_gaps(design, printer),
@@ -85,9 +73,12 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
         *_layers(design, printer),
         *_size(Part.of(name, mesh), printer),
         *_mesh(mesh),
+        *_repairs(design),
     ]
+    if not solids.on_side(design):
+        found += legs_up.of_part(design, mesh, printer)
     if printer.brim_width_mm == 0.0:
-        found += _standing(design, mesh)
+        found += _standing(design, mesh, printer)
     return [finding._replace(where=name) for finding in found]
 
 
@@ -97,10 +88,10 @@ def of_printer(printer: Printer) -> list[Finding]:
     found = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
         level: Level = "error" if layer > nozzle else "warning"
-        found.append(_new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle,
+        found.append(new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle,
                           "mm", "lower layer_height_mm"))  # fmt: skip
     if width <= layer:
-        found.append(_new("error", "lines are not wider than layers are high", width, layer,
+        found.append(new("error", "lines are not wider than layers are high", width, layer,
                           "mm", "raise line_width_mm or lower layer_height_mm"))  # fmt: skip
     return [finding._replace(where=printer.name) for finding in found]
 
@@ -143,44 +134,41 @@ def line(finding: Finding) -> str:
     )
 
 
-def walls_of(design: Design) -> dict[str, float]:
-    """Thickness of every upright wall of a design, mm, by the wall's name."""
-    body = {"body": min(design.size.thickness, design.size.length)}
-    brace = {"brace": design.limbs[0].brace} if design.braced else {}
-    return {"leg": design.limbs[0].thickness} | brace | body
-
-
-def _new(level: Level, what: str, seen: float, limit: float, unit: str, change: str) -> Finding:
-    return Finding(level, "", what, float(seen), float(limit), unit, change)
-
-
 def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
-    for name, thickness in walls_of(design).items():
-        if found := _wall(name, thickness, printer, 0.01 * design.weighed.mass_sd_percent):
+    mass_sd = 0.01 * design.weighed.mass_sd_percent
+    for wall in walls.of_design(design):
+        if found := _wall(wall.name, wall.thickness, printer, mass_sd, wall.slant):
             yield found
 
 
-def _wall(name: str, thickness: float, printer: Printer, mass_sd: float) -> Finding | None:
-    width = printer.line_width_mm
-    lines, expected = thickness / width, walls.deviation(thickness, printer)
-    change = f"{_nearest_good(thickness, printer):g} mm would do"
+def _wall(
+    name: str, thickness: float, printer: Printer, mass_sd: float, slant: float = 1.0
+) -> Finding | None:
+    """Finding on a wall whose layers are thicker than it is by 1 / `slant`; None when it is good.
+
+    `mass_sd` is the relative deviation of masses that the prediction allows for.
+    """
+    width, section = printer.line_width_mm, thickness / slant
+    lines, expected = section / width, walls.deviation(section, printer)
+    change = f"{_nearest_good(thickness, printer, slant):g} mm would do"
     if lines < ONE_LINE[0]:
-        return _new("error", f"the {name} is thinner than {ONE_LINE[0]:g} printed lines",
-                    thickness, ONE_LINE[0] * width, "mm", change)  # fmt: skip
-    if thickness <= walls.vanishes_below(printer):
-        return _new("error", f"the {name} gets no plastic, thin walls not being detected",
-                    thickness, walls.vanishes_below(printer), "mm",
-                    f"set thin_walls = true; or {change}")  # fmt: skip
+        return new("error", f"{walls.the(name)} is thinner than {ONE_LINE[0]:g} printed lines",
+                   thickness, ONE_LINE[0] * width * slant, "mm", change)  # fmt: skip
+    if section <= walls.vanishes_below(printer):
+        return new("error", f"{walls.the(name)} gets no plastic, thin walls not being detected",
+                   thickness, walls.vanishes_below(printer) * slant, "mm",
+                   f"set thin_walls = true; or {change}")  # fmt: skip
+    told = f"{walls.the(name)} ({thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
-        what = f"the {name} ({thickness:g} mm, plastic {expected:+.0%}) is more than one line and "
-        return _new("warning", what + "less than two", lines, ONE_LINE[1], "lines", change)
-    what = f"plastic in the {name} ({thickness:g} mm, {lines:.2f} lines) differs from the mesh's"
+        what = f"{told} plastic {expected:+.0%}) is more than one line and less than two"
+        return new("warning", what, lines, ONE_LINE[1], "lines", change)
+    what = f"plastic in {told} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
-        return _new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
+        return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
                     f"{change}, or {weigh}")  # fmt: skip
     if abs(expected) > mass_sd:
-        return _new("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
+        return new("advice", what, 100 * expected, 100 * mass_sd, "%", weigh)
     return None
 
 
@@ -195,11 +183,11 @@ def _good(thickness: float, printer: Printer) -> bool:
     )
 
 
-def _nearest_good(thickness: float, printer: Printer) -> float:
+def _nearest_good(thickness: float, printer: Printer, slant: float) -> float:
     """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
-    return next(one for one in candidates if one > 0 and _good(one, printer))
+    return next(one for one in candidates if one > 0 and _good(one / slant, printer))
 
 
 def _instead_of_arachne(lines: float, printer: Printer) -> str:
@@ -210,37 +198,51 @@ def _instead_of_arachne(lines: float, printer: Printer) -> str:
 
 def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
-    windows = [solids.window_width(limb) for limb in design.limbs]
-    window = min((one for one in windows if one > 0.0), default=0.0)
-    if 0.0 < window < width:
-        yield _new("warning", "the window between leg and brace may fuse", window, width, "mm",
-                   "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
+    for window, name in walls.alike(design, solids.window_width):
+        if 0.0 < window < width:
+            told = "leg and brace" if name == "leg" else f"leg and brace of {name}"
+            yield new("warning", f"the window between {told} may fuse", window, width, "mm",
+                      "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
     clearance = solids.clearance(design.limbs)
     if clearance < width:
-        yield _new("warning", "the two legs may fuse", clearance, width, "mm",
-                   "raise legs.contact_spacing_mm" if design.alike else "move them apart",
-                   )  # fmt: skip
+        yield new("warning", f"{'the two' if len(design.limbs) == 2 else 'two'} legs may fuse",
+                  clearance, width, "mm",
+                  "raise legs.contact_spacing_mm" if design.pair else "move them apart",
+                  )  # fmt: skip
 
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
     if marks.kind != "none" and marks.line_mm < width - NOISE_MM:
-        yield _new("advice", f"the {marks.kind} may close up: their strokes against a line",
+        yield new("advice", f"the {marks.kind} may close up: their strokes against a line",
                    marks.line_mm, width, "mm", "raise marks.line_mm")  # fmt: skip
 
 
 def _layers(design: Design, printer: Printer) -> Iterator[Finding]:
-    height = printer.layer_height_mm
-    layers = design.size.depth / height
+    """Findings on what the bed's plane cuts into layers: depth and widths, or the thickness."""
+    height, size = printer.layer_height_mm, design.size
+    if solids.on_side(design):
+        yield from _whole("depth", size.depth, height, "body.depth_mm")
+        for width, name in walls.alike(design, lambda limb: limb.width):
+            if width != size.depth:
+                yield from _whole(f"width of {walls.the(name)}", width, height, "its width_mm")
+    elif design.body.mesh is None:
+        key = "body.thickness_mm" if design.body.profile_mm is None else "the height of profile_mm"
+        yield from _whole("body's thickness", size.thickness, height, key)
+
+
+def _whole(what: str, length: float, height: float, key: str) -> Iterator[Finding]:
+    """Findings on a length, mm, that prints as layers of `height`, mm."""
+    layers = length / height
     # PrusaSlicer prints a layer if its middle is in the part.
     whole = math.floor(layers + 0.5 + NOISE_MM)
     if layers <= 0.5:
-        yield _new("error", "the depth is less than half a layer", design.size.depth,
-                   0.5 * height, "mm", "raise body.depth_mm or lower layer_height_mm")  # fmt: skip
+        yield new("error", f"the {what} is less than half a layer", length, 0.5 * height, "mm",
+                  f"raise {key} or lower layer_height_mm")  # fmt: skip
     elif abs(layers - whole) > NOISE_MM:
         printed = max(1, whole) * height
-        yield _new("warning", "the depth is not a whole number of layers", layers, whole, "layers",
-                   f"make body.depth_mm {printed:.6g}, which is what prints")  # fmt: skip
+        yield new("warning", f"the {what} is not a whole number of layers", layers, whole, "layers",
+                  f"make {key} {printed:.6g}, which is what prints")  # fmt: skip
 
 
 def _size(part: Part, printer: Printer) -> Iterator[Finding]:
@@ -251,35 +253,62 @@ def _size(part: Part, printer: Printer) -> Iterator[Finding]:
         ("height", part.height, printer.height_mm),
     ):
         if seen > limit + NOISE_MM:
-            yield _new("error", f"its {what} as printed exceeds the printer's", seen, limit, "mm",
+            yield new("error", f"its {what} as printed exceeds the printer's", seen, limit, "mm",
                        "make it smaller or take a larger printer")  # fmt: skip
 
 
 def _mesh(mesh: Mesh) -> Iterator[Finding]:
     bodies = solids.bodies(mesh)
     if bodies != 1:
-        yield _new("error", "the mesh is not one closed body", bodies, 1, "bodies",
+        yield new("error", "the mesh is not one closed body", bodies, 1, "bodies",
                    "enlarge details below about 1e-5 mm, which files do not hold")  # fmt: skip
 
 
-def _standing(design: Design, mesh: Mesh) -> Iterator[Finding]:
-    area, change = _contact_area(mesh), "set brim_width_mm, and cut it off every leg"
+def _repairs(design: Design) -> Iterator[Finding]:
+    if changes := design.body.shape.changes:
+        yield new("warning", f"the body's mesh was repaired ({'; '.join(changes)})",
+                  len(changes), 0, "changes", "look at preview.png before the print")  # fmt: skip
+
+
+def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
+    area = section_area(mesh, 0.5 * printer.layer_height_mm)
+    change = "set brim_width_mm, and cut it off every leg"
     if area < SMALLEST_CONTACT_MM2:
-        yield _new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
-                   change)  # fmt: skip
-    for name, thickness in walls_of(design).items():
-        slenderness = design.size.depth / thickness
+        yield new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
+                  change)  # fmt: skip
+    for wall in walls.of_design(design):
+        slenderness = wall.height / wall.thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
-            yield _new("advice", f"the {name} prints high and thin: height over thickness",
-                       slenderness, SLENDEREST_WALL, "", change)  # fmt: skip
+            what = f"{walls.the(wall.name)} prints high and thin: height over thickness"
+            yield new("advice", what, slenderness, SLENDEREST_WALL, "", change)
 
 
-def _contact_area(mesh: Mesh) -> float:
-    """Area of the triangles that lie on the bed, mm^2."""
+def section_area(mesh: Mesh, height: float) -> float:
+    """Area of a closed mesh's section at a height above its lowest point, mm^2.
+
+    At half a layer's height it is the first layer. Source: Green's theorem, over the line in which
+    each triangle is cut.
+    """
     corners = mesh.vertices[mesh.triangles]
-    lying = corners[:, :, 2].max(axis=1) <= mesh.vertices[:, 2].min()
-    (a, b), (c, d) = ((corners[lying, k] - corners[lying, 0])[:, :2].T for k in (1, 2))
-    return float(0.5 * np.abs(a * d - b * c).sum())
+    above = corners[:, :, 2] > mesh.vertices[:, 2].min() + height
+    lines: list[Array] = []
+    # A corner alone on its side: the line runs between the two edges that leave it.
+    for alone in range(3):
+        one = above[:, alone]
+        for side, turn in ((True, 1), (False, -1)):
+            cut = (one == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
+            tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
+            lines.append(np.stack([_crossing(tip, left, mesh, height),
+                                   _crossing(tip, right, mesh, height)], axis=1))  # fmt: skip
+    (ax, ay), (bx, by) = np.concatenate(lines).transpose(1, 2, 0)
+    return 0.5 * abs(float((ax * by - ay * bx).sum()))
+
+
+def _crossing(tip: Array, other: Array, mesh: Mesh, height: float) -> Array:
+    """Points x and y, shape (n, 2), where edges cross a height above a mesh's lowest point."""
+    level = mesh.vertices[:, 2].min() + height
+    share = (level - tip[:, 2]) / (other[:, 2] - tip[:, 2])
+    return np.asarray(tip[:, :2] + share[:, None] * (other[:, :2] - tip[:, :2]))
 
 
 def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterator[Finding]:
@@ -293,7 +322,7 @@ def _off_the_bed(labels: Sequence[str], boxes: Array, printer: Printer) -> Itera
     for what, reach in rings.items():
         over = np.maximum(reach - boxes[:, :2], boxes[:, 2:] + reach - bed).max(axis=1)
         for index in np.flatnonzero(over > NOISE_MM)[:1]:
-            yield _new("error", f"{what} leaves the bed", over[index], 0.0, "mm",
+            yield new("error", f"{what} leaves the bed", over[index], 0.0, "mm",
                        "raise margin_mm, or make brim or skirt smaller",
                        )._replace(where=labels[index])  # fmt: skip
 
@@ -308,5 +337,5 @@ def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterato
             overlap = apart[second] < brims - NOISE_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            yield _new(level, f"{what} {other}", apart[second], wanted, "mm",
+            yield new(level, f"{what} {other}", apart[second], wanted, "mm",
                        "move them apart")._replace(where=labels[first])  # fmt: skip

@@ -8,7 +8,7 @@ from walkergen.printing import checks, export, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
-from walkergen.walker import names, weights
+from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 from walkergen.walker.solids import Solids
@@ -46,16 +46,13 @@ class Layout(NamedTuple):
     members: Sequence[Design]
     built: Sequence[Solids]
     """Solids of the members, in their order."""
+    meshes: Sequence[Mesh]
+    """Meshes of the members as they lie on the bed, in their order."""
     parts: Sequence[plate.Part]
     """Bounding boxes and copies of the members, in their order."""
     plates: Sequence[plate.Plate]
     findings: Sequence[Finding]
     """Findings of the printability checks on parts and plates."""
-
-    @property
-    def meshes(self) -> list[Mesh]:
-        """Meshes of the members, in their order."""
-        return [one.walker for one in self.built]
 
 
 def arrange(
@@ -67,25 +64,35 @@ def arrange(
     max_parts: int = plate.MOST_PARTS,
 ) -> Layout:
     """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
-    parts = [
-        plate.Part.of(name, one.walker, count)
-        for name, one, count in zip(names.parts(members), built, copies, strict=True)
-    ]
-    return checked(
-        printer, members, built, parts, plate.pack(parts, printer, max_plates, max_parts)
-    )
+    empty = unplaced(members, built, copies, printer)
+    return checked(empty._replace(plates=plate.pack(empty.parts, printer, max_plates, max_parts)))
 
 
-def checked(
-    printer: Printer,
-    members: Sequence[Design],
-    built: Sequence[Solids],
-    parts: Sequence[plate.Part],
-    plates: Sequence[plate.Plate],
+def unplaced(
+    members: Sequence[Design], built: Sequence[Solids], copies: Sequence[int], printer: Printer
 ) -> Layout:
+    """Parts as they lie on the bed, on no plate yet and not checked."""
+    meshes = as_printed(members, built)
+    parts = [
+        plate.Part.of(name, mesh, count)
+        for name, mesh, count in zip(names.parts(members), meshes, copies, strict=True)
+    ]
+    return Layout(printer, members, built, meshes, parts, [], [])
+
+
+def as_printed(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
+    """Meshes of walkers as they lie on the bed, in their order."""
+    return [
+        solids.as_printed(design, one.walker) for design, one in zip(members, built, strict=True)
+    ]
+
+
+def checked(layout: Layout) -> Layout:
     """Run the printability checks on an arrangement; returns it with their findings."""
-    findings = checks.of_batch(members, [one.walker for one in built], parts, plates, printer)
-    return Layout(printer, members, built, parts, plates, findings)
+    found = checks.of_batch(
+        layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
+    )
+    return layout._replace(findings=found)
 
 
 def places(layout: Layout) -> list[Place]:
@@ -138,7 +145,7 @@ def _print_sheet(layout: Layout, stem: str) -> str:
         for part, design, one in zip(layout.parts, layout.members, layout.built, strict=True)
     ]
     form = weights.form(layout.members, "DESIGN")
-    printed = sheet.Batch(stem, layout.printer, layout.plates, layout.parts, form)
+    printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)
     legend = names.legend(layout.members)
     return sheet.to_markdown(printed, weighed, layout.findings, legend)
 

@@ -1,6 +1,6 @@
 """Plates: copies of parts in rows on a printer's bed, on as many plates as they need.
 
-Parts lie as they are given, profile on the bed, and are not turned: rows of a family stay in the
+Parts lie as they are given, z up, and are not turned: rows of a family stay in the
 order of its members. Lengths in mm; the packing itself is in whole micrometres, so that no
 rounding brings two parts closer than the gap.
 """

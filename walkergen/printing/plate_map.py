@@ -1,7 +1,10 @@
 """Plate map: every part at its place on the bed, from above, with its design, tilt and copy."""
 
+import math
 from collections.abc import Mapping, Sequence
+from typing import NamedTuple
 
+import manifold3d
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
@@ -12,7 +15,7 @@ from matplotlib.patches import Rectangle
 from walkergen.files import figures
 from walkergen.printing.packing import Plate
 from walkergen.printing.printers import Printer
-from walkergen.walker import names
+from walkergen.walker import modeller, names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 
@@ -20,10 +23,16 @@ Array = npt.NDArray[np.float64]
 
 INCHES = 10.0
 """Longer side of the bed in the picture, inches."""
-LINE_INCHES = 0.17
+LINE_INCHES = 0.22
 """Height of a line of words below the picture, inches."""
 MOST_LISTED = 12
 """Most designs whose names stand below a map; the print sheet names all."""
+LEGS_SHADE = 0.6
+"""Brightness of legs that stand up, over that of their body."""
+CLEAR_MM = 1e-3
+"""Height above the body from which on there are only legs, whatever its mesh's rounding, mm."""
+LETTER = 0.65
+"""Width of a letter over the height of the font."""
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
@@ -45,6 +54,8 @@ def png(
     _draw_parts(axes, printer, members, meshes, one)
     _label_parts(axes, members, meshes, one, scale)
     axes.set_xlabel("\n".join(("x (mm), front", *named)))
+    if named:  # the room that is left over belongs to the names below
+        axes.set_anchor("N")
     axes.set_ylabel("y (mm)")
     told = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     axes.set_title(f"{title}: {len(one.placements)} parts; {told}", fontsize=10)
@@ -67,24 +78,60 @@ def thumbnail(
 def _draw_parts(
     axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
 ) -> None:
-    undersides = {part: _underside(meshes[part]) for part in {p.part for p in one.placements}}
+    views = {part: _view(members[part], meshes[part]) for part in {p.part for p in one.placements}}
     for kind, colour in figures.COLOURS.items():
-        triangles = [
-            undersides[placed.part] + (placed.x, placed.y)
-            for placed in one.placements
-            if members[placed.part].kind == kind
-        ]
-        if triangles:
-            faces = PolyCollection(
-                list(np.concatenate(triangles)),
-                facecolors=[colour], edgecolors=[colour], linewidths=0.3, label=f"{kind} legs",
-            )  # fmt: skip
-            axes.add_collection(faces)
+        own = [placed for placed in one.placements if members[placed.part].kind == kind]
+        corners = [np.array((placed.x, placed.y)) for placed in own]
+        for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
+            triangles = [
+                getattr(views[placed.part], layer) + corner
+                for placed, corner in zip(own, corners, strict=True)
+            ]
+            if sum(map(len, triangles)):
+                tone = tuple(shade * part for part in colour)
+                faces = PolyCollection(
+                    list(np.concatenate(triangles)),
+                    facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label,
+                )  # fmt: skip
+                axes.add_collection(faces)
     bed = printer.bed_width_mm, printer.bed_depth_mm
     axes.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
     axes.set_xlim(-0.01 * bed[0], 1.01 * bed[0])
     axes.set_ylim(-0.01 * bed[1], 1.01 * bed[1])
     axes.set_aspect("equal")
+
+
+class _View(NamedTuple):
+    """Walker on the bed seen from above, from its bounding box's corner: triangles, (k, 3, 2)."""
+
+    whole: Array
+    legs: Array
+    """Legs that stand up, on top of the whole; none of a walker on its side."""
+
+
+def _view(design: Design, mesh: Mesh) -> _View:
+    if solids.on_side(design):
+        return _View(_underside(mesh), np.empty((0, 3, 2)))
+    whole, legs = (_triangles(section) for section in _silhouettes(design, mesh))
+    return _View(whole, legs)
+
+
+def _silhouettes(
+    design: Design, mesh: Mesh
+) -> tuple[manifold3d.CrossSection, manifold3d.CrossSection]:
+    """Outline of a walker with its legs up, and that of what stands above the body."""
+    solid = modeller.solid(mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0)))
+    legs = solid.trim_by_plane((0.0, 0.0, 1.0), design.size.thickness + CLEAR_MM)
+    return solid.project(), legs.project()
+
+
+def _triangles(section: manifold3d.CrossSection) -> Array:
+    """Triangles of a flat section, shape (k, 3, 2), mm."""
+    polygons = section.to_polygons()
+    if not polygons:
+        return np.empty((0, 3, 2))
+    corners: Array = np.concatenate(polygons)[manifold3d.triangulate(polygons)]
+    return corners
 
 
 def _underside(mesh: Mesh) -> Array:
@@ -104,15 +151,49 @@ def _named(letters: Mapping[str, str]) -> list[str]:
 def _label_parts(
     axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, scale: float
 ) -> None:
-    """Write a label for each part in the room between its legs, as large as fits."""
+    """Write a label for each part, as large as fits: between two equal legs, else on the part."""
     letters = names.letters(members)
+    rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
     for placed in one.placements:
-        design, mesh = members[placed.part], meshes[placed.part]
-        left, bottom = mesh.vertices[:, :2].min(axis=0)
-        below = 0.5 * (-bottom - 0.5 * design.size.thickness)
+        design = members[placed.part]
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
-        width = 0.8 * design.foot_span / (0.65 * len(label))
+        key = placed.part, len(label)
+        if key not in rooms:
+            own = design.pair and solids.on_side(design)
+            room = _between_legs if own else _on_part
+            rooms[key] = room(design, meshes[placed.part], len(label))
+        x, y, height = rooms[key]
         axes.text(
-            placed.x - left, placed.y + below, label,
-            ha="center", va="center", fontsize=min(72.0 * scale * min(below, width), 9.0),
+            placed.x + x, placed.y + y, label,
+            ha="center", va="center", fontsize=min(72.0 * scale * height, 9.0),
         )  # fmt: skip
+
+
+def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+    """Middle of a label between two equal legs, from the box's corner, and its font's height."""
+    left, bottom = mesh.vertices[:, :2].min(axis=0)
+    below = 0.5 * (-bottom - 0.5 * design.size.thickness)
+    return -left, below, min(below, 0.8 * design.foot_span / (LETTER * letters))
+
+
+def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
+    """Middle of a label on a part beside its legs, from the box's corner, and its font's height.
+
+    With x shrunk by the label's width over its height the label is a square, and the square in the
+    largest circle that the part holds is the largest label, but for a few percent.
+    """
+    import shapely
+
+    if solids.on_side(design):
+        free = shapely.union_all([shapely.Polygon(corners) for corners in _underside(mesh)])
+    else:
+        whole, legs = (
+            shapely.union_all([shapely.Polygon(corners) for corners in _triangles(section)])
+            for section in _silhouettes(design, mesh)
+        )
+        free = whole.difference(legs)
+    squeeze = LETTER * letters
+    narrow = shapely.transform(free, lambda points: points / (squeeze, 1.0))
+    circle = shapely.maximum_inscribed_circle(narrow, 0.01 * math.sqrt(narrow.area))
+    (x, y), _ = circle.coords
+    return squeeze * x, y, math.sqrt(2.0) * circle.length

@@ -1,19 +1,41 @@
 """Profiles: a walker's side view as polygons, and drawings of it for laser cutters.
 
-A walker is a prism: its profile and its depth are all of it, but for digits engraved.
+A walker that prints on its side is a prism: its profile and its depth are all of it, but for digits
+engraved. Of a body in plan view the drawing is its outline, without legs.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
 
-from walkergen.errors import SolidError
+from walkergen.errors import InputError, SolidError
 from walkergen.files import dxf, output, svg
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.extrusion import NARROWEST_WINDOW
 from walkergen.walker.outlines import Polygon
+
+FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "svg": svg.pack}
+"""Formats of drawings."""
+
+
+def drawing_of(design: Design) -> list[Polygon]:
+    """Polygons, mm, of which a walker or its body is the prism: outer contours first, then holes.
+
+    Of a body in plan view its outline seen from above, else the profile of body and legs. Raises
+    InputError for a walker that is neither.
+    """
+    if design.body.flat:
+        return list(design.body.shape.plan)
+    depth = design.size.depth
+    if solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
+        return profile_of(design)
+    why = "its body is a mesh" if design.body.mesh else "its legs are narrower than its body"
+    raise InputError(
+        f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or "
+        "3mf"
+    )
 
 
 def profile_of(design: Design) -> list[Polygon]:

@@ -4,35 +4,50 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen.printing import checks, slicer, walls
+from walkergen.printing import checks, orientation, slicer, walls
 from walkergen.printing.checks import Finding
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
-from walkergen.walker import mass
+from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
 from walkergen.walker.solids import Solids
 
 
-class Weight(NamedTuple):
-    """Expected masses of one walker, g."""
+class LegWeight(NamedTuple):
+    """Expected mass of a leg, or of each of several equal ones."""
 
-    name: str
-    whole_g: float
-    """Mass of the mesh of body and both legs."""
-    leg_g: float
-    """Mass of the mesh of one leg outside the body, with its brace."""
+    mesh_g: float
+    """Mass of its mesh outside the body, with its brace, g; of several to a tenth of a microgram.
+    """
     plastic: float
-    """Expected plastic in a leg over that of its mesh."""
+    """Expected plastic in it over that of its mesh."""
     tolerance: float
     """Relative uncertainty of `plastic`."""
 
 
+class Weight(NamedTuple):
+    """Expected masses of one walker."""
+
+    name: str
+    whole_g: float
+    """Mass of the mesh of body and legs, g."""
+    legs: list[tuple[LegWeight, str]]
+    """Every distinct leg and its name: "leg" where all are equal, else as in "legs[1], legs[3]"."""
+
+
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     """Weigh a walker by its meshes and the density of its material."""
-    density = 1e-3 * design.material.density_g_cm3
-    whole, leg = (mass.weigh(mesh, density).mass for mesh in (built.walker, built.legs[0]))
-    tolerance = walls.TOLERANCE[design.kind]
-    return Weight(name, whole, leg, walls.leg_plastic(design.limbs[0], printer), tolerance)
+    density, side = 1e-3 * design.material.density_g_cm3, solids.on_side(design)
+    mesh_of = dict(zip(design.limbs, built.legs, strict=True))
+
+    def weight_of(limb: Limb) -> LegWeight:
+        tolerance = walls.TOLERANCE[limb.kind] if side else walls.TOLERANCE_UPRIGHT
+        grams = round(mass.weigh(mesh_of[limb], density).mass, 7)
+        return LegWeight(grams, walls.leg_plastic(limb, printer, side), tolerance)
+
+    whole = mass.weigh(built.walker, density).mass
+    return Weight(name, whole, walls.alike(design, weight_of))
 
 
 class Batch(NamedTuple):
@@ -40,6 +55,7 @@ class Batch(NamedTuple):
 
     stem: str
     printer: Printer
+    members: Sequence[Design]
     plates: Sequence[Plate]
     parts: Sequence[Part]
     form: str
@@ -54,11 +70,11 @@ def to_markdown(
     sections = [
         f"# Print sheet: {batch.stem}, {printer.description or printer.name}",
         _steps(batch.stem),
-        _settings(printer, batch.stem),
+        _settings(batch),
         _contents(batch),
         *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
         _findings(findings),
-        _weighing(weights, batch.form),
+        _weighing(weights, batch),
     ]
     return "\n\n".join(sections) + "\n"
 
@@ -88,8 +104,16 @@ def _steps(stem: str) -> str:
     )
 
 
-def _settings(printer: Printer, stem: str) -> str:
-    rows = [(one.name, one.value, one.reason) for one in slicer.sheet_settings(printer)]
+def body_facts(design: Design) -> dict[str, Any]:
+    """Facts of a design's body for the manifest: hash of its file, if any, and repairs to it."""
+    shape = design.body.shape
+    return {"sha256": shape.sha256, "changes": list(shape.changes)}
+
+
+def _settings(batch: Batch) -> str:
+    printer, stem = batch.printer, batch.stem
+    listed = slicer.sheet_settings(printer, orientation.settings(batch.members))
+    rows = [(one.name, one.value, one.reason) for one in listed]
     return (
         "## Settings on which the prediction rests\n\n"
         f"Printer profile {printer.name}; exact keys in `{stem}.ini`.\n\n"
@@ -113,18 +137,22 @@ def _findings(findings: Sequence[Finding]) -> str:
     return "## Checks before the print\n\n" + ("\n".join(told) or "Nothing found.")
 
 
-def _weighing(weights: Sequence[Weight], form: str) -> str:
+def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
     rows = [
-        (one.name, f"{one.whole_g:.4f}", f"{one.leg_g:.4f}",
-         f"{one.leg_g * one.plastic:.4f} ± {one.leg_g * one.tolerance:.4f}", "")
+        (one.name, f"{one.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
+         f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
+         "")
         for one in weights
+        for leg, name in one.legs
     ]  # fmt: skip
+    paired = all(len(design.limbs) == 2 for design in batch.members)
+    share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"
     return (
         "## After the print: weigh\n\n"
-        f"Weigh every part, without its brim, to 1 mg or better, and write it into `{form}`; "
+        f"Weigh every part, without its brim, to 1 mg or better, and write it into `{batch.form}`; "
         "`walkergen predict` takes it by `--weights`. Cut the legs "
-        "off one spare part of each kind, flush with the body, and weigh them together: half of "
-        "that is a leg. Speeds rest on both masses.\n\n"
+        f"off one spare part of each kind, flush with the body, and weigh them together: {share}. "
+        "Speeds rest on both masses.\n\n"
         + _table(
             ("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows
         )

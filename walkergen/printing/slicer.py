@@ -1,5 +1,6 @@
 """Slicer: the settings on which the predicted masses rest, for PrusaSlicer and in words."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.printing import walls
@@ -23,15 +24,18 @@ class Setting(NamedTuple):
     reason: str
 
 
-def sheet_settings(printer: Printer) -> list[Setting]:
-    """List the settings for any slicer, and why the prediction depends on each."""
+def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Setting]:
+    """List the settings for any slicer, and why the prediction depends on each.
+
+    `orientations` are the lines that say how parts lie.
+    """
     thin = "" if printer.wall_generator == "arachne" else (
         ", thin walls detected" if printer.thin_walls else ", thin walls NOT detected"
     )  # fmt: skip
     skirt = f"{printer.skirt_loops} loops, {printer.skirt_distance_mm:g} mm away"
     height = f"{printer.layer_height_mm:g} mm"
     return [
-        Setting("orientation", "as in the file: on its side", "layers run across the leg's width"),
+        *orientations,
         Setting("scale", "100 %, no XY or shrinkage compensation", "tilt and masses are as drawn"),
         Setting("nozzle", f"{printer.nozzle_mm:g} mm", ""),
         Setting("layer height", f"{height}, the first layer too", "whole layers make the depth"),

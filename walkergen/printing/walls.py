@@ -28,9 +28,15 @@ walls are arachne's), not every threshold.
 """
 
 import math
+from collections.abc import Callable, Hashable
+from typing import NamedTuple, TypeVar
 
 from walkergen.printing.printers import Printer
+from walkergen.walker import solids
+from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind, Limb
+
+Key = TypeVar("Key", bound=Hashable)
 
 LEAST_BEAD = 0.85
 """Width of arachne's narrowest line, in nozzles (PrusaSlicer's default, on the sheet too)."""
@@ -48,8 +54,78 @@ TOLERANCE: dict[Kind, float] = {"flexible": 0.05, "braced": 0.08}
 """Relative uncertainty of the plastic of a whole leg: the ends of a flexible leg differ from its
 middle, and a brace shares lines with its leg where they meet (measured)."""
 
+TOLERANCE_UPRIGHT = 0.15
+"""That of a leg which prints upright, a short line in each layer. Assumed: not measured."""
+
 PERIMETERS = 2
 """Number of lines on either side of a wall before its inside is infill."""
+
+
+class Wall(NamedTuple):
+    """Upright wall of a walker as it prints."""
+
+    name: str
+    thickness: float
+    """Thickness across the wall, mm."""
+    slant: float
+    """Cosine of its angle from the vertical: in a layer it is thicker by its inverse."""
+    height: float
+    """Height to which it prints, mm."""
+
+    @property
+    def section(self) -> float:
+        """Thickness in a layer, mm."""
+        return self.thickness / self.slant
+
+
+def of_design(design: Design) -> list[Wall]:
+    """Walls of a design: of each distinct leg and brace, and of a body that prints on its side."""
+    side = solids.on_side(design)
+    legs = [Wall(name, *sizes) for sizes, name in alike(design, lambda limb: _sizes(limb, side))]
+    braces = [
+        Wall(name.replace("leg", "brace", 1) if name == "leg" else f"brace of {name}", *sizes)
+        for sizes, name in alike(design, lambda limb: _brace_sizes(limb, side))
+        if sizes is not None
+    ]
+    if not side:
+        return legs + braces
+    size = design.size
+    return [*legs, *braces, Wall("body", min(size.thickness, size.length), 1.0, size.depth)]
+
+
+def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
+    """Keys of a design's legs, each once, with the name of the legs that share it.
+
+    It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
+    """
+    found: dict[Key, list[str]] = {}
+    for number, limb in enumerate(design.limbs, start=1):
+        found.setdefault(key(limb), []).append(f"legs[{number}]")
+    return [(one, "leg" if len(found) == 1 else ", ".join(names)) for one, names in found.items()]
+
+
+def the(name: str) -> str:
+    """Name of a wall or leg in a sentence: "the leg", but "legs[2]"."""
+    return name if name.startswith("legs[") else f"the {name}"
+
+
+def _sizes(limb: Limb, side: bool) -> tuple[float, float, float]:
+    """Thickness, slant and height of a leg as a wall."""
+    if side:
+        return limb.thickness, 1.0, limb.width
+    slant, height = math.cos(limb.tilt), -limb.anchor_to_foot[1]
+    if limb.width < limb.thickness / slant:
+        return limb.width, 1.0, height
+    return limb.thickness, slant, height
+
+
+def _brace_sizes(limb: Limb, side: bool) -> tuple[float, float, float] | None:
+    """Thickness, slant and height of a leg's brace as a wall; None when it has none."""
+    if not limb.braced:
+        return None
+    if side:
+        return limb.brace, 1.0, limb.width
+    return min(limb.brace, limb.width), 1.0, -limb.anchor_to_foot[1]
 
 
 def printed_thickness(thickness: float, printer: Printer) -> float:
@@ -73,9 +149,13 @@ def deviation(thickness: float, printer: Printer) -> float:
     return printed_thickness(thickness, printer) / thickness - 1.0
 
 
-def leg_plastic(limb: Limb, printer: Printer) -> float:
-    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE."""
-    pieces = [(limb.thickness, limb.length)]
+def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
+    """Expected plastic in a leg, with its brace if it has one, over its mesh; see TOLERANCE.
+
+    `side` is True for a leg that prints on its side, False for one that prints upright.
+    """
+    slant = 1.0 if side else math.cos(limb.tilt)
+    pieces = [(limb.thickness / slant, limb.length * slant)]
     if limb.braced:
         pieces.append((limb.brace, limb.length * math.cos(limb.tilt)))
     drawn = sum(thickness * length for thickness, length in pieces)

@@ -5,6 +5,7 @@ view (a disc, an ellipse, a polygon, a drawing, letters, extruded upward), or a 
 Frame: the middle of the body's box at the origin of x and y, z from 0 to its depth.
 """
 
+import hashlib
 from collections.abc import Mapping
 from functools import lru_cache
 from pathlib import Path
@@ -14,6 +15,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from walkergen.errors import GeometryError
+from walkergen.files import reading
 from walkergen.files.config import Section
 from walkergen.walker import outlines
 from walkergen.walker.limbs import Length
@@ -93,7 +95,8 @@ class Body(Section):
     @property
     def plain(self) -> bool:
         """True for a rectangle in side view."""
-        return all(getattr(self, key) is None for key in SOURCES)
+        shaped = self.profile_mm is not None or self.mesh is not None
+        return not (shaped or self.flat)
 
     @property
     def flat(self) -> bool:
@@ -133,7 +136,7 @@ class Shape(NamedTuple):
     mesh: Mesh | None = None
     """Mesh from a file, in the design's frame."""
     sha256: str = ""
-    """Hash of the file's bytes."""
+    """Hash of the bytes of the file, if there is one."""
     changes: tuple[str, ...] = ()
     """Changes that repair made to the mesh."""
     whole: "CutWalker | None" = None
@@ -152,9 +155,12 @@ def beside(table: Any, folder: Path) -> Any:
     return found
 
 
+@lru_cache(maxsize=64)
 def _rectangle(length: float, thickness: float, depth: float) -> Shape:
     x, y = 0.5 * length, 0.5 * thickness
-    return Shape(Size(length, thickness, depth), np.array([(-x, -y), (x, -y), (x, y), (-x, y)]))
+    side = np.array([(-x, -y), (x, -y), (x, y), (-x, y)])
+    side.flags.writeable = False  # all designs of that size share it
+    return Shape(Size(length, thickness, depth), side)
 
 
 @lru_cache(maxsize=64)
@@ -180,7 +186,11 @@ def _shape(keys: str) -> Shape:
         return Shape(Size(float(length), float(thickness), body.depth_mm), side)
     plan = _plan(body)
     length, depth = np.ptp(plan[0], axis=0)
-    return Shape(Size(float(length), body.thickness_mm, float(depth)), None, tuple(plan))
+    size = Size(float(length), body.thickness_mm, float(depth))
+    sha256 = ""
+    if body._drawing and body.outline is not None:
+        sha256 = hashlib.sha256(reading.content(Path(body.outline))).hexdigest()
+    return Shape(size, None, tuple(plan), sha256=sha256)
 
 
 def _size_of(mesh: Mesh) -> Size:

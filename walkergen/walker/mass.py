@@ -146,7 +146,9 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
     O = top.centre[:2]  # noqa: E741  (the paper's name)
-    found, meshed = [], [weigh(mesh, density) for mesh in legs]
+    distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
+    weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
+    found, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
     mean = sum(part.mass for part in meshed) / len(meshed)
     for limb, part in zip(limbs, meshed, strict=True):
         weighed = design.weighed.leg_mass_g

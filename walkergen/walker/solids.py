@@ -62,20 +62,20 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
         return _cut(design.body.shape.whole, design)
     if not design.body.plain:
         return _on_any_body(design, foot_segments)
-    body, raised = outline(design, foot_segments)
-    depth, limbs = design.size.depth, design.limbs
+    body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
+    sections = _sections(limbs, foot_segments)
     digits = Engraving(_engraved(design), design.marks.depth_mm)
     top = extruded([body], depth, 0, digits)
-    legs = _legs(limbs, foot_segments)
+    legs = _legs(limbs, sections)
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
         windows = sum(has_window(limb) for limb in limbs)
         placed = [
             part + np.array(limb.anchor)
-            for limb, parts in zip(limbs, raised, strict=True)
-            for part in parts
+            for limb, section in zip(limbs, sections, strict=True)
+            for part in section.raised
         ]
         return Solids(extruded([body, *placed], depth, windows, digits), top, legs)
-    bars = _bars(limbs, raised, depth)
+    bars = _bars(limbs, sections, depth)
     return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
 
 
@@ -93,10 +93,11 @@ def _on_any_body(design: Design, foot_segments: int) -> Solids:
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
     if design.marks.kind == "text":
         ground = joining.ready(_lettered(ground.mesh, design))
-    bars = _bars(limbs, _raised(limbs, foot_segments), depth)
+    sections = _sections(limbs, foot_segments)
+    bars = _bars(limbs, sections, depth)
     walker = joining.union_with_legs(ground, bars)
     if design.body.flat:
-        return Solids(walker, ground.mesh, _legs(limbs, foot_segments))
+        return Solids(walker, ground.mesh, _legs(limbs, sections))
     legs = []
     for number, (limb, bar) in enumerate(zip(limbs, bars, strict=True), start=1):
         key = f"legs[{number}].along_mm = {limb.along:g}"
@@ -143,28 +144,46 @@ def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
     return polygons
 
 
-def _bars(limbs: Sequence[Limb], raised: Sequence[Sequence[Polygon]], depth: float) -> list[Mesh]:
+class _Section(NamedTuple):
+    """Profiles of a leg, and of its brace if it has one, with the anchor at the origin."""
+
+    below: Sequence[Polygon]
+    """Outside the body."""
+    raised: tuple[Polygon, ...]
+    """Reaching into the body."""
+
+
+def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
+    """Profiles of legs; legs of one shape share theirs, the same object."""
+    made: dict[Limb, _Section] = {}
+    found = []
+    for limb in limbs:
+        shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
+        if shape not in made:
+            below = profiles.limb(limb, foot_segments)
+            raised = tuple(profiles.raised(part, limb.embedding) for part in below)
+            made[shape] = _Section(below, raised)
+        found.append(made[shape])
+    return found
+
+
+def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
     """Legs that reach into the body, where they stand in the design's frame."""
     found = []
-    for limb, parts in zip(limbs, raised, strict=True):
-        mesh = extruded([part + np.array(limb.anchor) for part in parts], limb.width)
+    for limb, section in zip(limbs, sections, strict=True):
+        mesh = extruded([part + np.array(limb.anchor) for part in section.raised], limb.width)
         shift = np.array([0.0, 0.0, _left_side(limb, depth)])
         found.append(mesh._replace(vertices=mesh.vertices + shift))
     return found
 
 
-def _legs(limbs: Sequence[Limb], foot_segments: int) -> tuple[Mesh, ...]:
+def _legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
     """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
-    made: dict[tuple[object, ...], Mesh] = {}
-    for limb in limbs:
-        if _shape(limb) not in made:
-            made[_shape(limb)] = extruded(profiles.limb(limb, foot_segments), limb.width)
-    return tuple(made[_shape(limb)] for limb in limbs)
-
-
-def _shape(limb: Limb) -> tuple[object, ...]:
-    """What the shape of a leg depends on, but not its place."""
-    return limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
+    made: dict[int, Mesh] = {}
+    for limb, section in zip(limbs, sections, strict=True):
+        if id(section) not in made:
+            made[id(section)] = extruded(section.below, limb.width)
+    return tuple(made[id(section)] for section in sections)
 
 
 def _left_side(limb: Limb, depth: float) -> float:
@@ -172,13 +191,25 @@ def _left_side(limb: Limb, depth: float) -> float:
     return 0.5 * depth + limb.across - 0.5 * limb.width
 
 
-def as_printed(design: Design, mesh: Mesh) -> Mesh:
-    """Mesh as it lies on the bed, z up from 0.
+def on_side(design: Design) -> bool:
+    """True for a walker that prints lying on its side: a prism whose legs all begin at that side.
 
-    Prisms in side view lie on their side; other bodies upside down with their legs up, which needs
-    no supports while legs tilt by 45 deg at most and the body's upper side is flat.
+    All others print upside down with their legs up: legs narrower than the body would hang over
+    the bed.
     """
-    if design.body.plain or design.body.profile_mm is not None:
+    if not (design.body.plain or design.body.profile_mm is not None):
+        return False
+    depth = design.size.depth
+    return all(_left_side(limb, depth) <= landing.ROUNDING_MM for limb in design.limbs)
+
+
+def as_printed(design: Design, mesh: Mesh) -> Mesh:
+    """Mesh as it lies on the bed, z up from 0: on its side, or upside down with its legs up.
+
+    Upside down needs no supports while legs tilt by 45 deg at most and the body's upper side is
+    flat.
+    """
+    if on_side(design):
         return mesh
     x, y, z = mesh.vertices.T
     turned = np.column_stack([x, z, -y])
@@ -191,15 +222,8 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
     Of a body that is no prism in side view the polygon is its box.
     """
-    return Outline(_body_profile(design), _raised(design.limbs, foot_segments))
-
-
-def _raised(limbs: Sequence[Limb], foot_segments: int) -> tuple[tuple[Polygon, ...], ...]:
-    """Profiles of legs that reach into the body, anchors at the origin."""
-    return tuple(
-        tuple(profiles.raised(part, limb.embedding) for part in profiles.limb(limb, foot_segments))
-        for limb in limbs
-    )
+    sections = _sections(design.limbs, foot_segments)
+    return Outline(_body_profile(design), tuple(section.raised for section in sections))
 
 
 def weigh(design: Design, solids: Solids) -> MassProperties:

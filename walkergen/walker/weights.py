@@ -1,8 +1,9 @@
 """Weighed masses of printed walkers: weights.csv in, masses of body and leg in the design out.
 
-Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg; braced:
-with its brace). Two of them give the third. Grams alone scale body and legs alike: the masses
-follow the balance, but not the predicted speed, which depends on their ratios only.
+Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
+unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
+and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
+ratios only.
 """
 
 import difflib
@@ -20,7 +21,6 @@ from walkergen.files import columns, output, reading
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
 from walkergen.walker.design import Design, Weighed
-from walkergen.walker.mass import MassProperties
 from walkergen.walker.solids import Solids
 
 FILE = "weights.csv"
@@ -113,17 +113,18 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     Raises InputError when the masses contradict each other or are far from the mesh's.
     """
     density = 1e-3 * design.material.density_g_cm3
-    body, leg = (mass.weigh(mesh, density).mass for mesh in (parts.body, parts.legs[0]))
+    count, body = len(parts.legs), mass.weigh(parts.body, density).mass
+    leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count
     grams, body_g, leg_g = (None if one is None else one.mean for one in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
     if grams is not None:
         if leg_g is not None:
-            body_g = grams - 2.0 * leg_g
+            body_g = grams - count * leg_g
         elif body_g is not None:
-            leg_g = 0.5 * (grams - body_g)
+            leg_g = (grams - body_g) / count
         else:
-            scale = grams / (body + 2.0 * leg)
+            scale = grams / (body + count * leg)
             body_g, leg_g = scale * body, scale * leg
     for what, value, meshed in (("body", body_g, body), ("leg", leg_g, leg)):
         if value is not None and not meshed / FACTOR <= value <= meshed * FACTOR:
@@ -142,17 +143,12 @@ def meshed(design: Design) -> Design:
     return design.model_copy(update={"weighed": plain})
 
 
-def total(masses: MassProperties) -> float:
-    """Mass of a whole walker, g."""
-    return float(masses.M) + 2.0 * float(masses.legs[0].m)
-
-
-def total_error(weighed: Weighings) -> float | None:
-    """Standard error of a whole walker's mass, g; None when it is not known."""
+def total_error(weighed: Weighings, legs: int) -> float | None:
+    """Standard error of a whole walker's mass, g, by its number of legs; None when not known."""
     if weighed.grams is not None:
         return weighed.grams.error
     body, leg = (one and one.error for one in (weighed.body_g, weighed.leg_g))
-    return None if body is None or leg is None else math.hypot(body, 2.0 * leg)
+    return None if body is None or leg is None else math.hypot(body, legs * leg)
 
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:

@@ -12,6 +12,8 @@ from walkergen.jobs.family.tables import Simulated
 from walkergen.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
+BOUNDS = "bounds of 68 and 95 %"
+
 
 def speed_figure(
     rows: Sequence[Prediction],
@@ -21,11 +23,13 @@ def speed_figure(
     simulated: Sequence[Simulated] = (),
     measured: Measured | None = None,
     stated: tuple[float, float] | None = None,
+    named: bool = False,
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    Simulated speeds, if there are any, are open symbols with their bounds of 95 % as bars;
-    measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
+    Kinds without a curve have their bounds as bars. Walkers whose legs follow no common tilt stand
+    side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
+    95 % as bars; measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
     """
     with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
         figure = Figure(figsize=(7.0, 4.4), layout="constrained")
@@ -35,14 +39,18 @@ def speed_figure(
             axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
             for (bottom, top), shade in (((0, 3), 0.12), ((1, 2), 0.2)):
                 band = curve.bounds[bottom], curve.bounds[top]
-                told = f"{kind} legs, bounds of 68 and 95 %" if bottom else None
+                known = bottom and not np.isnan(curve.bounds).all()
+                told = f"{kind} legs, {BOUNDS}" if known else None
                 axes.fill_between(
                     curve.tilt_deg, *band, color=colour, alpha=shade, linewidth=0, label=told
                 )
         for legs in dict.fromkeys(row.legs for row in rows):
             colour, _, marker = STYLES[legs]
             points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
-            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5)
+            told = None if legs in curves else f"{legs} legs"
+            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5, label=told)
+            if legs not in curves:
+                _draw_bars(axes, [row for row in rows if row.legs == legs], colour)
         _draw_simulated(axes, rows, simulated)
         if measured is not None:
             _draw_measured(axes, measured)
@@ -50,7 +58,11 @@ def speed_figure(
             axes.plot(*stated, "*", color="black", markersize=11, label="the paper's walker")
         _mark_sticking(axes, curves)
         axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
-        axes.set_xlabel("tilt of the legs (deg)")
+        if not curves:
+            axes.margins(x=0.5, y=0.15)
+        axes.set_xlabel("legs as designed" if named else "tilt of the legs (deg)")
+        if named:
+            axes.set_xticks([])
         axes.set_ylabel("speed (mm/s)" if simulated or measured else "predicted speed (mm/s)")
         axes.set_title(title, fontsize=10)
         axes.legend(frameon=False)
@@ -60,6 +72,22 @@ def speed_figure(
         ratio.set_ylim(low / impact_speed, high / impact_speed)
         ratio.set_ylabel("speed / impact speed")
     return figure
+
+
+def _draw_bars(axes: matplotlib.axes.Axes, rows: Sequence[Prediction], colour: str) -> None:
+    """Draw the bounds of 68 and 95 % of single points, where they are known."""
+    known = [row for row in rows if row.speed_low_95_mm_s is not None]
+    if not known:
+        return
+    tilts = [row.tilt_deg for row in known]
+    for low, high, width, told in (
+        ("low_95", "high_95", 1.2, f"{known[0].legs} legs, {BOUNDS}"),
+        ("low_68", "high_68", 4.0, ""),
+    ):
+        bottoms, tops = (
+            [getattr(row, f"speed_{end}_mm_s") for row in known] for end in (low, high)
+        )
+        axes.vlines(tilts, bottoms, tops, color=colour, linewidth=width, alpha=0.4, label=told)
 
 
 def _draw_simulated(

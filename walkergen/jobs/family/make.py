@@ -9,11 +9,12 @@ from typing import Any, NamedTuple
 
 from walkergen import discrepancy, prediction
 from walkergen.analysis.speeds import SAME_PLATE, Measured
+from walkergen.errors import GeometryError
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.jobs.family import tables
 from walkergen.jobs.family.tables import Simulated, Weighing
-from walkergen.prediction import Prediction
+from walkergen.prediction import Curve, Prediction
 from walkergen.printing import checks, export, sheet
 from walkergen.printing import layout as plates
 from walkergen.printing import packing as plate
@@ -24,7 +25,7 @@ from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
 from walkergen.walker.body import Body
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Legs
+from walkergen.walker.limbs import Kind, Legs
 from walkergen.walker.mass import MassProperties, Mesh
 from walkergen.walker.solids import Solids
 from walkergen.walker.weights import Weighings
@@ -60,6 +61,7 @@ class Member(NamedTuple):
     design: Design
     name: str
     mesh: Mesh
+    """Mesh of the walker as it stands, in the design's frame."""
     mass: MassProperties
     row: Prediction
     simulated: Simulated | None = None
@@ -94,8 +96,9 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     checks.refuse(layout.findings, job.strict)
     folder = Folder(path)
     made: list[Member] = []
-    for member in predicted(job.members, built, job.scene, job.mode, job.weighed):
-        folder.write(f"stl/{member.name}.stl", export.stl_bytes(member.mesh, member.name))
+    every = predicted(job.members, built, job.scene, job.mode, job.weighed)
+    for member, mesh in zip(every, layout.meshes, strict=True):
+        folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
         made.append(member)
         progress(member.name, len(made), steps)
     for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
@@ -147,33 +150,37 @@ def _weighing(
 ) -> Weighing:
     return Weighing(
         weighings=sum(one.weighings for one in found if one is not None),
-        mass_g=weights.total(mass),
-        mass_se_g=weights.total_error(found),
-        mass_mesh_g=weights.total(meshed),
+        mass_g=float(mass.total),
+        mass_se_g=weights.total_error(found, len(mass.legs)),
+        mass_mesh_g=float(meshed.total),
         speed_mesh_mm_s=speed,
     )
 
 
-def caption(scene: Scene, mode: str) -> str:
-    """Statement of the assumptions on which the speeds of a table rest."""
+def caption(design: Design, scene: Scene, mode: str) -> str:
+    """Statement of the assumptions on which the speeds of a table of one design rest."""
     contact, assumed = scene.contact, scene.prediction
+    what = "mean factor v/w" if design.alike else "balanced factor v/w (in the column mean)"
     factor, default = assumed.impact_speed_factor, assumed == type(assumed)()
     return (
-        f"Predicted speed = mean factor v/w x impact speed w; mode {mode}, law {contact.law}, "
+        f"Predicted speed = {what} x impact speed w; mode {mode}, law {contact.law}, "
         f"restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
         f"friction {contact.friction:g} ± {contact.friction_sd:g}; "
         f"w = {factor:g} ± {assumed.impact_speed_factor_sd:g} of the plate's peak speed, "
         f"{scene.impact_speed:.1f} mm/s"
         + (", calibrated on the paper's 60 mm/s at 10 deg" if default else "")
-        + ". Bounds hold w, contact, print, masses and the theory's own error, which is how far "
-        "it stands from the model in space."
-    )
+        + "."
+        + (
+            " Bounds hold w, contact, print, masses and the theory's own error, which is how far "
+            "it stands from the model in space." if design.alike else ""
+        )
+    )  # fmt: skip
 
 
 def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
     (rows, simulated), weighed = rows_of(made), weighed_of(made)
     folder.write("family.csv", tables.to_csv(rows, simulated, weighed).encode())
-    told = caption(job.scene, job.mode)
+    told = caption(job.design, job.scene, job.mode)
     page = tables.to_markdown(rows, job.design.name, told, simulated)
     if weighed:
         page += tables.weighed_markdown(rows, weighed)
@@ -219,14 +226,7 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     from walkergen.jobs.family import figures as plots
     from walkergen.jobs.family import preview
 
-    tilts = [member.design.tilt_deg for member in made]
-    kinds = [member.design.kind for member in made]
-    curves = {
-        kind: prediction.curve(
-            job.design.variant(kind=kind), job.scene, job.mode, min(tilts), max(tilts)
-        )
-        for kind in dict.fromkeys(kinds)
-    }
+    curves = _curves(job, made)
     drive, contact = job.scene.drive, job.scene.contact
     title = (
         f"{job.design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
@@ -235,15 +235,31 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     rows, simulated = rows_of(made)
     figure = plots.speed_figure(
         rows, curves, job.scene.impact_speed, title, simulated, job.measured,
-        _stated(job.design, job.scene),
+        _stated(job.design, job.scene), not job.design.follows,
     )  # fmt: skip
     folder.write("speed.png", pictures.png(figure))
     folder.write("speed.pdf", pictures.pdf(figure))
-    parts = [
-        preview.Part(kind, f"{tilt:g}° {kind}", member.mesh)
-        for tilt, kind, member in zip(tilts, kinds, made, strict=True)
-    ]
+    parts = [preview.Part(member.design, member.mesh) for member in made]
     folder.write("preview.png", pictures.png(preview.preview_figure(parts, job.design.name)))
+
+
+def _curves(job: Job, made: Sequence[Member]) -> dict[Kind, Curve]:
+    """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
+
+    There is no curve of one tilt, nor of legs whose tilts are their own, nor on a body on which the
+    walker cannot be built at every tilt in between (legs would meet a hole, or miss it).
+    """
+    tilts = [member.design.tilt_deg for member in made]
+    if min(tilts) == max(tilts):
+        return {}
+    found = {}
+    for kind in dict.fromkeys(member.design.kind for member in made):
+        design = job.design.variant(kind=kind)
+        try:
+            found[kind] = prediction.curve(design, job.scene, job.mode, min(tilts), max(tilts))
+        except GeometryError:  # at a tilt in between; of members it would have been told before
+            return {}
+    return found
 
 
 def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
@@ -262,6 +278,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
     """Facts for the manifest: inputs resolved, versions of the software, time taken."""
     return {
         "design": job.design.model_dump(mode="json"),
+        "body": sheet.body_facts(job.design),
         "members": [names.part(member) for member in job.members],
         "copies": list(job.copies),
         "weighed": {

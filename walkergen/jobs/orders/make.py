@@ -7,7 +7,7 @@ from typing import Any, NamedTuple
 from walkergen.files import output
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.printing import checks, export, sheet, walls
+from walkergen.printing import checks, export, orientation, profile, sheet, walls
 from walkergen.printing import layout as plates
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
@@ -16,7 +16,10 @@ from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 
-FORMATS: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
+SOLID: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
+"""Formats of meshes as they lie on the bed."""
+
+FORMATS = (*SOLID, *profile.FORMATS)
 
 
 class Order(NamedTuple):
@@ -57,6 +60,8 @@ class Checked(NamedTuple):
     parts: int
     plates: int
     """Number of plates; 0 when a part fits no plate."""
+    orientations: list[str]
+    """How the walkers lie on the bed, and with which supports."""
 
 
 class Room(NamedTuple):
@@ -70,13 +75,22 @@ class Room(NamedTuple):
 def export_parts(
     members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress
 ) -> list[Path]:
-    """Write every member in every format (keys of FORMATS) as folder/FORMAT/NAME.FORMAT."""
+    """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
+
+    Raises InputError, before anything is written, for the drawing of a walker that has none.
+    """
+    drawings = [
+        profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else []
+        for design in members
+    ]
     written = []
-    for number, design in enumerate(members, start=1):
-        name, mesh = names.part(design), solids.build(design).walker
+    for number, (design, drawing) in enumerate(zip(members, drawings, strict=True), start=1):
+        name = names.part(design)
+        mesh = solids.as_printed(design, solids.build(design).walker)
         for form in formats:
             path = folder / form / f"{name}.{form}"
-            output.write(path, FORMATS[form](mesh, name))
+            data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
+            output.write(path, data)
             written.append(path)
         progress(name, number, len(members))
     return written
@@ -84,40 +98,34 @@ def export_parts(
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
-    parts = [
-        plate.Part.of(name, solids.build(one).walker)
-        for name, one in zip(names.parts(members), members, strict=True)
-    ]
+    built = [solids.build(one) for one in members]
     return [
         Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
         for printer in printers
-        for part in parts
+        for part in plates.unplaced(members, built, [1] * len(built), printer).parts
     ]
 
 
 def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) -> Checked:
     """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
-    parts = [
-        plate.Part.of(names.part(one), own.walker) for one, own in zip(members, built, strict=True)
-    ]
-    if all(plate.capacity(part, printer) for part in parts):
+    layout = plates.unplaced(members, built, copies, printer)
+    if all(plate.capacity(part, printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
-        layout = plates.checked(printer, members, built, parts, [])
-    walls_seen = {
-        (name, thickness): Wall(
-            name,
-            thickness,
-            thickness / printer.line_width_mm,
-            100.0 * walls.deviation(thickness, printer),
+        layout = plates.checked(layout)
+    seen = dict.fromkeys(
+        Wall(
+            wall.name,
+            wall.thickness,
+            wall.section / printer.line_width_mm,
+            100.0 * walls.deviation(wall.section, printer),
         )
         for design in members
-        for name, thickness in checks.walls_of(design).items()
-    }
-    return Checked(
-        list(walls_seen.values()), list(layout.findings), sum(copies), len(layout.plates)
+        for wall in walls.of_design(design)
     )
+    lying = dict.fromkeys(orientation.words(design) for design in members)
+    return Checked(list(seen), list(layout.findings), sum(copies), len(layout.plates), list(lying))
 
 
 def make_plates(
@@ -172,6 +180,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
         "designs": {name: members[0].model_dump(mode="json") for name, members in own.items()},
+        "bodies": {name: sheet.body_facts(members[0]) for name, members in own.items()},
         "members": [part.name for part in layout.parts],
         "copies": [part.copies for part in layout.parts],
         "printer": layout.printer.model_dump(mode="json"),
