@@ -26,8 +26,8 @@ def stiff(x, y, friction=0.25, restitution=0.8):
 def walker_feet(tilt, e, mu):
     """Feet of the paper's walker, with levers from the body's centre of mass as in the paper."""
     mass = masses(Design().variant(tilt_deg=float(tilt)))
-    both = zip(feet(mass), (mass.a, mass.b), strict=True)
-    return mass, [Foot(H, tuple(at + mass.c_A + mass.c_T), e, mu) for H, at in both]
+    both = zip(feet(mass), mass.legs, strict=True)
+    return mass, [Foot(H, tuple(leg.foot), e, mu) for H, leg in both]
 
 
 def random_feet(count, seed, drop=0.0):
