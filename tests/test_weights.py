@@ -115,8 +115,8 @@ def test_braced_walkers_are_weighed_whole_or_with_their_braces(tmp_path):
 def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
     rows = "".join(f"{TEN},{body},{leg}\n" for body, leg in ((0.80, 0.03), (0.82, 0.034)))
     found = read("part,body_g,leg_g\n" + rows)[TEN]
-    assert weights.total_error(found) == pytest.approx(np.hypot(0.01, 2 * 0.002))
-    assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN]) is None
+    assert weights.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
+    assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
 
 
 @pytest.mark.parametrize(
