@@ -40,7 +40,8 @@ def of_part(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]:
 def overhang(design: Design, mesh: Mesh) -> float:
     """Area of the body's faces over air that look down by more than STEEPEST_DEG allows, mm^2.
 
-    The mesh lies upside down on z = 0. Legs, above the body, are not counted.
+    The mesh lies upside down on z = 0. Legs, above the body, are not counted, nor are engraved
+    letters, whose strokes are bridged.
     """
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -49,7 +50,8 @@ def overhang(design: Design, mesh: Mesh) -> float:
     # A picometre aside, so that faces of exactly that angle are as rounding has them
     steep = down > (math.sin(math.radians(STEEPEST_DEG)) + 1e-9) * areas
     heights = corners[:, :, 2]
-    in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + NOISE_MM
+    pocket = design.marks.depth_mm if design.marks.kind == "text" else 0.0
+    in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + pocket + NOISE_MM
     of_body = heights.min(axis=1) < design.size.thickness - NOISE_MM
     return float(areas[steep & in_air & of_body].sum())
 

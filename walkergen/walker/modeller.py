@@ -28,7 +28,7 @@ def evaluated(made: manifold3d.Manifold) -> manifold3d.Manifold:
 def mesh_of(made: manifold3d.Manifold) -> Mesh:
     """Closed mesh of a solid, vertices as float64."""
     raw = made.to_mesh64()
-    vertices = np.array(np.asarray(raw.vert_properties)[:, :3], dtype=np.float64)
+    vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
 
 

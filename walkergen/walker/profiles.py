@@ -23,7 +23,7 @@ def raised(profile: Polygon, embedding: float) -> Polygon:
     """Profile that reaches `embedding` mm higher, into the body."""
     left, right = profile[0], profile[-1]
     up = np.array([0.0, embedding])
-    return np.vstack([profile, right + up, left + up])
+    return np.concatenate([profile, [right + up, left + up]])
 
 
 def _leg(limb: Limb, segments: int) -> Polygon:
