@@ -58,7 +58,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         rungs,
         (
             f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2",
-            "Rectangles and flat feet are polygons: their meshes are exact; a body from a file is its mesh.",
+            "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file.",
         ),
     )
 
@@ -141,9 +141,7 @@ def _rung(
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(
-    found: MassProperties, true: MassProperties, design: Design, scene: Scene
-) -> Errors:
+def errors_of(found: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
@@ -159,7 +157,9 @@ def errors_of(
         return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)
 
     def of_legs(name: str) -> float:
-        pairs = ((getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True))
+        pairs = (
+            (getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True)
+        )
         return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
 
     return Errors(

@@ -41,13 +41,16 @@ FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
 """Colours of feet beyond two, from the first of them on, again and again."""
 
 
-
 def colour_of(foot: int) -> str:
     """Colour of a foot by its number."""
     return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
 
 
-COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET), *FURTHER)
+COLOURS = (
+    *(style.colour for style in STYLES.values()),
+    *(colour for _, colour, _ in FEET),
+    *FURTHER,
+)
 
 
 def style_of(kind: Kind) -> Style:
