@@ -46,11 +46,13 @@ def colour_of(foot: int) -> str:
     return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
 
 
-COLOURS = (
-    *(style.colour for style in STYLES.values()),
-    *(colour for _, colour, _ in FEET),
-    *FURTHER,
-)
+def colours(feet: int) -> tuple[str, ...]:
+    """Colours that a movie of a walker on so many feet needs whole."""
+    named = max(feet, len(FEET))
+    return (
+        *(style.colour for style in STYLES.values()),
+        *dict.fromkeys(colour_of(foot) for foot in range(named)),
+    )
 
 
 def style_of(kind: Kind) -> Style:
