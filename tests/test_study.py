@@ -213,9 +213,7 @@ def test_errors_of_what_no_setting_gives_are_refused(error, of, told):
     with pytest.raises(InputError, match=told):
         choose.check(error, of, scene, Design(), solids.mass_of(Design()))
     in_space = survey_of(model="auto").scene
-    choose.check(
-        Wanted(0.05, True), "impacts_per_s", in_space, Design(), solids.mass_of(Design())
-    )
+    choose.check(Wanted(0.05, True), "impacts_per_s", in_space, Design(), solids.mass_of(Design()))
 
 
 def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():

@@ -180,9 +180,20 @@ def built(tables):
 
 def check_refusal(error, tables):
     """One line a mistake, each naming a field that the example has set."""
-    fields = {f"{table.removeprefix('scene_')}.{key}" for table in tables for key in tables[table]}
+    fields = set()
+    for table, value in tables.items():
+        name = table.removeprefix("scene_")
+        if isinstance(value, str):
+            fields.add(name)
+        elif isinstance(value, list):
+            numbered = enumerate(value, start=1)
+            fields |= {f"{name}[{number}].{key}" for number, one in numbered for key in one}
+        else:
+            fields |= {f"{name}.{key}" for key in value}
     for line in str(error).splitlines():
-        named = re.search(r"\b([a-z]+(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: "))
+        named = re.search(
+            r"\b([a-z]+(\[\d+\])?(\.[a-z_0-9]+)?)( =|:)", line.removeprefix("sweep: ")
+        )
         assert named, line
         assert named[1] in fields | {"drive"}, line
 

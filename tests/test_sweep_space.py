@@ -41,13 +41,16 @@ FINER = 4.0
 @st.composite
 def unlike(draw, leg, thickness, tilt, length, depth):
     """Legs that differ in place, thickness, lean, kind and friction, and some in height."""
-    legs = []
-    for along in draw(st.lists(st.floats(-0.45, 0.45), min_size=2, max_size=5)):
+    legs, count = [], draw(st.integers(2, 5))
+    foot = draw(st.sampled_from(["flat", "flat", "square", "round"]))
+    for number in range(count):
+        place = (number + draw(st.floats(0.3, 0.7))) / count - 0.5
         legs.append({
-            "along_mm": along * length,
+            "along_mm": 0.9 * place * length,
+            "foot": foot,
             "across_mm": depth * draw(st.sampled_from([0.0, 0.0, -0.25, 0.25])),
             "width_mm": depth * draw(st.floats(0.1, 0.5)),
-            "tilt_deg": tilt * draw(st.sampled_from([1.0, 1.0, -1.0, 0.5])),
+            "tilt_deg": tilt * draw(st.sampled_from([1.0, 1.0, 1.0, -1.0, -1.0, 0.5])),
             "length_mm": leg,
             "thickness_mm": thickness * draw(st.floats(0.5, 1.5)),
             "brace_thickness_mm": 0.4 * thickness,
@@ -114,7 +117,6 @@ def walkers(draw, plates):
     }  # fmt: skip
     if draw(st.booleans()):
         tables["legs"] = draw(unlike(leg, thickness, tilt, length, depth))
-        tables["stance"] = draw(st.sampled_from(["level", "as built"]))
     if draw(st.integers(0, 3)) == 0:
         outline = draw(st.sampled_from(["disc", "ellipse"]))
         tables["body"] |= {"outline": outline}
@@ -122,6 +124,8 @@ def walkers(draw, plates):
         if outline == "disc":
             depth = length
             del tables["body"]["depth_mm"]
+    if isinstance(tables["legs"], list) and tables["legs"][0]["foot"] != "flat":
+        tables["stance"] = draw(st.sampled_from(["level", "as built"]))
     if lane:
         tables["arena"] |= {
             "gap_mm": depth * draw(st.floats(0.99, 1.5)),

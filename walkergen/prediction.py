@@ -101,8 +101,8 @@ def spread(
     leg = drawn.get("leg mass", ones) * weight
     body = drawn.get("body mass", ones)
     drawn_mass = scaled(mass, body, leg)
-    nominal = contact.restitution, contact.friction
-    each = stationary(design, drawn_mass, restitution, friction, mode, contact.law, nominal)
+    known_as = contact.restitution, contact.friction
+    each = stationary(design, drawn_mass, restitution, friction, mode, contact.law, known_as)
     nominal = scene.prediction.impact_speed_factor
     w = drawn.get("prediction.impact_speed_factor", nominal * ones) * scene.drive.peak_speed
     theory = np.asarray(each.factor) * w

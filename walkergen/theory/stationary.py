@@ -45,8 +45,9 @@ def stationary(
     """Stationary speed of a walker from its mass properties, which may carry batch axes.
 
     Restitution and friction are the scene's, or draws of them about the `nominal` ones: feet of
-    another material keep theirs, changed in the proportion of draw to nominal. Raises TheoryError for numbers out of range, for a
-    walker whose centre of mass is not between its feet, and for mode `paper` of unlike feet.
+    another material keep theirs, changed in the proportion of draw to nominal. Raises TheoryError
+    for numbers out of range, for a walker whose centre of mass is not between its feet, and for
+    mode `paper` of unlike feet.
     """
     flat = in_plane(design, mass)
     if design.alike:

@@ -107,9 +107,7 @@ def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     raise InputError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
 
 
-def check(
-    wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassProperties
-) -> None:
+def check(wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassProperties) -> None:
     """Refuse errors of observables that no setting gives. Raises InputError."""
     observed.check(of)
     if of != SPEED and not wanted.relative:

@@ -2,12 +2,13 @@
 
 import io
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import partial
 from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.errors import GeometryError
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.speeds import Survey
@@ -42,13 +43,14 @@ class Errors(NamedTuple):
 def ladder(survey: Survey, progress: Progress) -> Ladder:
     """Relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
     design, scene = survey.design, survey.scene
-    rungs: list[Rung] = []
-    for place, part in enumerate((_tessellated, _far)):
-        progress(part.__name__.strip("_"), place, 2)
-        rungs += part(design, scene)
-    round_foot = [rung for rung in rungs if rung.series == "round foot"]
-    counts = [float(rung.setting.split()[0]) for rung in round_foot]
-    slope, se = order(counts, [rung.error or math.nan for rung in round_foot])
+    progress("tessellated", 0, 2)
+    try:
+        rungs = list(_tessellated(_rounded(design), scene))
+        note = _order_of(rungs)
+    except GeometryError as refused:
+        rungs, note = [], f"Left out: round feet, {refused}"
+    progress("far", 1, 2)
+    rungs += _far(design, scene)
     return Ladder(
         "shape",
         "What tessellation, files and distance do to the masses and the predicted speed",
@@ -57,15 +59,20 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         f"round feet: {EXACT_SEGMENTS} edges a half circle; files and distances: the mesh as built",
         rungs,
         (
-            f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2",
-            "Rectangles and flat feet are polygons: their meshes are exact; a body from a file is its mesh.",
+            note,
+            "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file.",
         ),
     )
 
 
-def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
-    rounded = _rounded(design)
+def _order_of(rungs: Sequence[Rung]) -> str:
+    """Sentence on the order of the errors of round feet."""
+    counts = [float(rung.setting.split()[0]) for rung in rungs]
+    slope, se = order(counts, [rung.error or math.nan for rung in rungs])
+    return f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2"
 
+
+def _tessellated(rounded: Design, scene: Scene) -> Iterator[Rung]:
     def weighed(segments: int) -> MassProperties:
         return solids.weigh(rounded, solids.build(rounded, segments))
 
@@ -77,12 +84,12 @@ def _tessellated(design: Design, scene: Scene) -> Iterator[Rung]:
 
 
 def _rounded(design: Design) -> Design:
-    """Design on round feet; unlike legs then end at unlike heights, so that it stands as built."""
+    """Design on round feet. Raises GeometryError where it does not stand on them."""
     data = design.model_dump(exclude_unset=True)
     if design.pair:
         return Design.model_validate(data | {"legs": data.get("legs", {}) | {"foot": "round"}})
     legs = [leg | {"foot": "round"} for leg in data["legs"]]
-    return Design.model_validate(data | {"legs": legs, "stance": "as built"})
+    return Design.model_validate(data | {"legs": legs})
 
 
 def _far(design: Design, scene: Scene) -> Iterator[Rung]:
@@ -141,9 +148,7 @@ def _rung(
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(
-    found: MassProperties, true: MassProperties, design: Design, scene: Scene
-) -> Errors:
+def errors_of(found: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
@@ -159,7 +164,9 @@ def errors_of(
         return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)
 
     def of_legs(name: str) -> float:
-        pairs = ((getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True))
+        pairs = (
+            (getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True)
+        )
         return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
 
     return Errors(

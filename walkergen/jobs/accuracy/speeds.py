@@ -8,14 +8,7 @@ from functools import cached_property
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
 from walkergen.jobs.accuracy import observed
-from walkergen.jobs.accuracy.setting import (
-    PLANAR,
-    PLANAR_METHODS,
-    Bias,
-    Measured,
-    Setting,
-    Unit,
-)
+from walkergen.jobs.accuracy.setting import PLANAR, PLANAR_METHODS, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import points, resolution
 from walkergen.simulation.effects.effect import ModelName

@@ -41,13 +41,18 @@ FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
 """Colours of feet beyond two, from the first of them on, again and again."""
 
 
-
 def colour_of(foot: int) -> str:
     """Colour of a foot by its number."""
     return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
 
 
-COLOURS = (*(style.colour for style in STYLES.values()), *(colour for _, colour, _ in FEET), *FURTHER)
+def colours(feet: int) -> tuple[str, ...]:
+    """Colours that a movie of a walker on so many feet needs whole."""
+    named = max(feet, len(FEET))
+    return (
+        *(style.colour for style in STYLES.values()),
+        *dict.fromkeys(colour_of(foot) for foot in range(named)),
+    )
 
 
 def style_of(kind: Kind) -> Style:

@@ -168,7 +168,8 @@ def make(job: Job, path: Path, progress: Progress) -> Made:
     draw, frames, footage = (
         _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
     )
-    encoded = animation.encode(draw, frames, job.fps, HOLD_S, impacts.COLOURS, progress)
+    colours = impacts.colours(max(len(one.limbs) for one in job.members))
+    encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
     output.write(path, encoded.gif)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
     if mp4 is not None and encoded.mp4 is not None:
@@ -184,6 +185,7 @@ def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Foota
     footage = [film(job, one, every) for one in _counted(job, progress)]
     frames = 1 + max(len(one.times) - 1 for one in footage) // every
     words = settings(job.scene, list(dict.fromkeys(one.model for one in footage)))
+    words += _of_their_own(job.members)
     if len(footage) == 1:
         return bounce.draw_bounce(footage[0], every, job.slow, words), frames, footage
     return race.draw_race(footage, job.slow, words), frames, footage
@@ -197,6 +199,7 @@ def _in_space(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]
     shots = [shoot(job, one, every) for one in _counted(job, progress)]
     frames = 1 + max(len(one.times) - 1 for one in shots) // every
     words, lane = settings(job.scene, ["space"]), job.scene.arena.kind == "lane"
+    words += _of_their_own(job.members)
     if job.view == "perspective":
         from walkergen.jobs.movie import perspective
 
@@ -297,6 +300,14 @@ def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[soli
     """Polygons of a leg of the plane: those of the first leg that it stands for."""
     alike = [one._replace(width=limb.width) for one in design.limbs]
     return outline.limbs[alike.index(limb)]
+
+
+def _of_their_own(members: Sequence[Design]) -> str:
+    """Addition to the settings where feet have a friction of their own; "" where none has."""
+    own = {limb.friction for one in members for limb in one.limbs} - {None}
+    if not own:
+        return ""
+    return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
 
 
 def settings(scene: Scene, models: Sequence[str]) -> str:

@@ -15,14 +15,7 @@ from walkergen.jobs.movie import raster
 from walkergen.jobs.movie.animation import Draw, Pixels
 from walkergen.jobs.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas
 from walkergen.jobs.movie.footage import Impact, pace, strongest
-from walkergen.jobs.movie.impacts import (
-    Course,
-    colour_of,
-    largest_impulse,
-    legend,
-    strip,
-    style_of,
-)
+from walkergen.jobs.movie.impacts import Course, colour_of, largest_impulse, legend, strip, style_of
 from walkergen.jobs.movie.raster import Camera
 from walkergen.jobs.movie.shot import Array, Shot
 

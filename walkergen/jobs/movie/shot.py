@@ -99,7 +99,7 @@ def _from_above(design: Design) -> tuple[Array, ...]:
         return shape.plan
     turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
     return tuple(
-        np.asarray(polygon) + (0.0, half[1]) for polygon in turned_up.project().to_polygons()
+        np.add(polygon, (0.0, half[1])) for polygon in turned_up.project().to_polygons()
     )
 
 

@@ -170,12 +170,20 @@ def counted(legs: Sequence[str]) -> dict[str, tuple[bool, Callable[[Landings], i
     for foot, leg in enumerate(_keys(legs)):
         for side, name in enumerate(("left", "right")):
             number = CORNERS * foot + side
-            found[f"{leg}_{name}"] = True, lambda one, at=number: int(one.corners[at])
+            found[f"{leg}_{name}"] = True, functools.partial(_corner, number)
     for foot, leg in enumerate(_keys(legs)):
-        found[f"{leg}_edge"] = False, lambda one, at=foot: int(one.edges[at])
+        found[f"{leg}_edge"] = False, functools.partial(_edge, foot)
     found[_together(legs)] = False, lambda one: one.pairs
     found["alone"] = False, lambda one: one.alone
     return found
+
+
+def _corner(number: int, one: Landings) -> int:
+    return int(one.corners[number])
+
+
+def _edge(foot: int, one: Landings) -> int:
+    return int(one.edges[foot])
 
 
 def _keys(legs: Sequence[str]) -> list[str]:

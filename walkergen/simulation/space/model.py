@@ -13,6 +13,7 @@ from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.model import Array, Model
 from walkergen.simulation.space import steps
 from walkergen.simulation.space.flight import legs_energy
+from walkergen.simulation.space.points import mirror_order
 from walkergen.simulation.space.pose import locate, place, plate_velocity, point_velocity
 from walkergen.simulation.space.state import (
     ACROSS,
@@ -46,7 +47,6 @@ from walkergen.simulation.space.state import (
     size_of,
     work_for,
 )
-from walkergen.simulation.space.points import mirror_order
 from walkergen.simulation.space.walker import coarser, walker_of
 from walkergen.simulation.world import State, World
 

@@ -70,8 +70,7 @@ def mirror_order(walker: Walker) -> Any:
 
 
 def corners_of(design: Design, mass: MassProperties, centre: Array) -> Array:
-    """Points of the body's convex hull from C, shape (n, 3), mm: its corners or outermost points.
-    """
+    """Points of the body's convex hull from C, shape (n, 3), mm: corners or outermost points."""
     corners = _box(design) if design.body.plain else _hull(design)
     corners[:, :2] = from_centre(design, mass, corners[:, :2])
     return np.asarray(corners - centre)
