@@ -60,7 +60,7 @@ def test_template_prints_and_predicts(name):
 
 @pytest.mark.parametrize("name", ["two-materials", "unequal-legs", "polar-disc"])
 def test_rigid_walkers_run_forward_and_their_mirror_images_backward(name):
-    """As the theory says, whose size is off by a factor of up to 2.3 (docs/physics.md section 4b)."""
+    """As the theory says, whose size is off by up to 2.3 times (docs/physics.md section 4b)."""
     design = load(name)
 
     def ahead(leg):

@@ -20,12 +20,8 @@ MODEL = "space"
 TILT = 10.0
 """Tilt of the flexible legs, deg: that of the paper's peak."""
 
-OTHERS = {
-    "two-materials": "feet of two materials",
-    "unequal-legs": "rigid legs of unequal length",
-}
+OTHERS = {"two-materials": "feet of two materials", "unequal-legs": "rigid legs of unequal length"}
 """Mechanisms of rigid walkers, by template."""
-
 
 
 class Mechanism(NamedTuple):

@@ -46,6 +46,5 @@ def lines(found: Sequence[Mechanism]) -> Iterator[str]:
         speed = one.simulated.speed
         told = f"{number(*speed)} mm/s" if speed else "no speed"
         yield (
-            f"{one.what}: theory {one.theory.mean:.1f}, simulated {told}, "
-            f"direction {one.direction}"
+            f"{one.what}: theory {one.theory.mean:.1f}, simulated {told}, direction {one.direction}"
         )

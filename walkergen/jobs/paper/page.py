@@ -61,6 +61,8 @@ the balance of unlike feet (docs/physics.md section 4b), and simulated (model
 
 ± of the theory is twice the standard deviation by restitution, friction, masses and impact speed.
 Direction: of the simulation against the theory's, undecided within two standard errors.
+The rigid walkers were chosen so that the two have one direction: on elastic feet others run against
+the theory (docs/physics.md section 4b).
 
 ![Three mechanisms](mechanisms.png)
 
