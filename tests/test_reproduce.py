@@ -25,7 +25,8 @@ FILES = {
     "figure2.csv", "figure2.pdf", "figure2.png", "figure2_labels.csv", "figure2_theory.csv",
     "figure3.csv", "figure3.pdf", "figure3.png", "figure5.csv", "figure5.pdf", "figure5.png",
     "figure6.csv", "figure6.pdf", "figure6.png", "figure6_densities.csv", "figure6_exponents.csv",
-    "figure6_tracks.csv", "reproduce.csv", "reproduce.md",
+    "figure6_tracks.csv", "mechanisms.csv", "mechanisms.pdf", "mechanisms.png", "reproduce.csv",
+    "reproduce.md",
 }  # fmt: skip
 
 SCENE = """

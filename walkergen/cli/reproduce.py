@@ -32,7 +32,7 @@ def reproduce(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Compare the paper's figures 2, 3, 5, 6 with theory and simulation (takes minutes)."""
+    """Compare the paper's figures and mechanisms with theory and simulation (takes minutes)."""
     from walkergen.jobs.paper import make as side_by_side
 
     chosen = opt.design_of(design)
@@ -52,7 +52,7 @@ def reproduce(
     with show.progress("reproduce", wanted=not quiet) as progress:
         found, rows = side_by_side.make(job, folder, progress)
     if json:
-        _comparison_as_json(rows, folder)
+        _comparison_as_json(found, rows, folder)
     elif not quiet:
         _show_comparison(found, rows, folder)
 
@@ -68,18 +68,27 @@ def parse_gammas(text: str) -> list[float]:
     return values
 
 
-def _comparison_as_json(rows: "Sequence[Compared]", folder: Path) -> None:
-    """Print every comparison with its verdict, and where the figures are, as JSON."""
+def _comparison_as_json(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
+    """Print every comparison with its verdict, the mechanisms, and where the figures are."""
     listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
-    show.as_json({"rows": listed, "folder": str(folder)})
+    ways = [
+        {"mechanism": one.what, "design": one.name, "theory": one.theory._asdict(),
+         "simulated": one.simulated.speed and one.simulated.speed._asdict(),
+         "direction": one.direction}
+        for one in found.mechanisms
+    ]  # fmt: skip
+    show.as_json({"rows": listed, "mechanisms": ways, "folder": str(folder)})
 
 
 def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
     """Print the paper's facts beside our numbers, and where the figures are."""
     from rich.console import Console
 
+    from walkergen.jobs.paper import mechanisms_tables
     from walkergen.jobs.paper import tables as tables
 
     Console(highlight=False).print(tables.to_console(rows, found.assumptions))
     print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
-    print(f"in {folder}/: reproduce.md, reproduce.csv; figures 2, 3, 5, 6 as PNG, PDF and CSV")
+    for line in mechanisms_tables.lines(found.mechanisms):
+        print(line)
+    print(f"in {folder}/: reproduce.md, .csv; figures 2, 3, 5, 6, mechanisms as PNG, PDF and CSV")

@@ -77,7 +77,7 @@ def key(asked: Asked) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """Named tuples and arrays as what JSON has."""
+    """Named tuples, tuples of them and arrays as what JSON has."""
     if hasattr(value, "_asdict"):
         return {name: _plain(one) for name, one in value._asdict().items()}
     if isinstance(value, tuple):

@@ -8,6 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.paper import curves
+from walkergen.jobs.paper.mechanisms import Mechanism
 from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value
 from walkergen.prediction import Curve
@@ -83,6 +84,8 @@ class Findings(NamedTuple):
     """Ensembles along the plate's speed, of all series of flexible legs."""
     plane: Sequence[Runs]
     """Runs on a plane at the tilts of figure 6."""
+    mechanisms: Sequence[Mechanism] = ()
+    """The three ways to run, with the measured contact."""
 
 
 class Row(NamedTuple):

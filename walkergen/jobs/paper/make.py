@@ -8,7 +8,7 @@ from walkergen import prediction
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
-from walkergen.jobs.paper import compare, plane, sweeps
+from walkergen.jobs.paper import compare, mechanisms, mechanisms_tables, plane, sweeps
 from walkergen.jobs.paper import page as supplement
 from walkergen.jobs.paper import tables as comparison
 from walkergen.jobs.paper.compare import Findings, Row, Theory
@@ -58,7 +58,7 @@ class Job(NamedTuple):
 
 
 def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row]]:
-    """Write figureN.png, .pdf, .csv as soon as each is made, then reproduce.md and reproduce.csv.
+    """Write figureN.png, .pdf, .csv as soon as each is made, mechanisms.*, reproduce.md and .csv.
 
     Equal jobs give equal bytes of every CSV. Ctrl-C keeps the figures already done. Raises
     InputError when the runs or tilts are too few for error bars and peaks.
@@ -73,9 +73,10 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
         for case in flexible + _cases(job, assumptions, "flexible", ("space, noisy plate",))
     ]
     on_plane = [job.design.variant(tilt_deg=tilt, kind="flexible") for tilt in plane.TILTS]
+    ways = mechanisms.designs(job.design)
     counts = [
         len(job.tilts_deg) * len(flexible + braced), len(TILTS_OF_LABELS) * len(labelled),
-        len(job.gammas) * len(driven), len(assumptions) * len(on_plane),
+        len(job.gammas) * len(driven), len(assumptions) * len(on_plane), len(ways),
     ]  # fmt: skip
     parts = parts_of(counts, progress)
     progress("theory", 0, 1)
@@ -91,6 +92,8 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
     _write_figures(found, folder, (5,))
     found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
     _write_figures(found, folder, (6,))
+    found = found._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
+    _write_mechanisms(found.mechanisms, folder)
     rows = compare.rows(found)
     output.write(folder / "reproduce.csv", comparison.rows_to_csv(rows).encode())
     page = supplement.to_markdown(found, rows, job.design.name)
@@ -219,3 +222,13 @@ def _write_figures(found: Findings, folder: Path, numbers: Sequence[int]) -> Non
         figure = reproduced.FIGURES[number](found)
         output.write(folder / f"figure{number}.png", pictures.png(figure))
         output.write(folder / f"figure{number}.pdf", pictures.pdf(figure))
+
+
+def _write_mechanisms(found: Sequence[mechanisms.Mechanism], folder: Path) -> None:
+    from walkergen.files import figures as pictures
+    from walkergen.jobs.paper import mechanisms_figure
+
+    output.write(folder / "mechanisms.csv", mechanisms_tables.to_csv(found).encode())
+    figure = mechanisms_figure.draw(found)
+    output.write(folder / "mechanisms.png", pictures.png(figure))
+    output.write(folder / "mechanisms.pdf", pictures.pdf(figure))

@@ -4,6 +4,7 @@ from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
 from walkergen.files.tables import as_markdown
+from walkergen.jobs.paper import mechanisms_tables
 from walkergen.jobs.paper.compare import FRICTIONS, RESTITUTIONS, Findings, Row
 from walkergen.jobs.paper.curves import peak, series_of, through_zero
 from walkergen.jobs.paper.plane import LONGER, Runs
@@ -47,6 +48,26 @@ w = {factor:g} x the plate's peak speed: calibrated on the paper's 60 mm/s at 10
 speed is no test of the theory. A number agrees when all of its ± lies within the paper's
 margin ("within x": x from the stated value), differs when none of it does, and is undecided in
 between. The bias of the time steps is not in ± (`walkergen accuracy` measures it).
+
+## Three mechanisms
+
+The paper names three ways to run: flexible tilted legs, its own; feet of different friction or
+restitution; rigid legs of unequal length. Here is a walker of each ({found.assumptions[0].label},
+but for the feet whose contact the template states), by the theory, the paper's mean of both feet or
+the balance of unlike feet (docs/physics.md section 4b), and simulated (model
+{found.mechanisms[0].simulated.model}).
+
+{as_markdown(mechanisms_tables.to_table(found.mechanisms))}
+
+± of the theory is twice the standard deviation by restitution, friction, masses and impact speed.
+Direction: of the simulation against the theory's, undecided within two standard errors.
+The rigid walkers were chosen so that the two have one direction: on elastic feet others run against
+the theory (docs/physics.md section 4b).
+
+![Three mechanisms](mechanisms.png)
+
+Each walker from the side, running to the right, and its speed; bars are two standard deviations
+(theory) and two standard errors (simulation).
 
 ## Statements
 

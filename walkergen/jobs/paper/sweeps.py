@@ -141,7 +141,7 @@ def along_tilts(
         for case in cases
         for tilt in tilts_deg
     ]
-    return list(_measured(asked, progress))
+    return list(measured(asked, progress))
 
 
 def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progress) -> list[Point]:
@@ -151,7 +151,7 @@ def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progr
         for case in cases
         for one in gammas
     ]
-    return list(_measured(asked, progress))
+    return list(measured(asked, progress))
 
 
 def driven(scene: Scene, gamma: float) -> Scene:
@@ -163,7 +163,8 @@ def driven(scene: Scene, gamma: float) -> Scene:
     return scene.model_copy(update={"drive": drive})
 
 
-def _measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
+def measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
+    """Simulate every case as it is."""
     asked = [points.Asked(*_asked(case), impacts=True) for case in cases]
     titles = [
         f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases

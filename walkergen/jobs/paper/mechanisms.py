@@ -1,0 +1,79 @@
+"""The three ways to run that the paper names, side by side: flexible legs, materials, lengths.
+
+Rigid walkers come from templates, and are simulated as flexible ones are, by MODEL.
+"""
+
+from collections.abc import Sequence
+from typing import NamedTuple
+
+from walkergen import prediction
+from walkergen.files import templates
+from walkergen.files.progress import Progress
+from walkergen.jobs.paper import sweeps
+from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+MODEL = "space"
+"""Series of `sweeps.SERIES` by which all three are simulated."""
+
+TILT = 10.0
+"""Tilt of the flexible legs, deg: that of the paper's peak."""
+
+OTHERS = {"two-materials": "feet of two materials", "unequal-legs": "rigid legs of unequal length"}
+"""Mechanisms of rigid walkers, by template."""
+
+
+class Mechanism(NamedTuple):
+    """One way to run: its walker, with the theory's speed and the simulated one."""
+
+    name: str
+    """Name of the walker's design."""
+    what: str
+    design: Design
+    theory: Value
+    """Speed by the theory, mm/s, and its standard deviation by what is not known exactly."""
+    used: str
+    """What the theory balanced."""
+    simulated: Point
+
+    @property
+    def ratio(self) -> Value | None:
+        """Simulated speed over the theory's, with the error of the simulation."""
+        speed = self.simulated.speed
+        if speed is None or self.theory.mean == 0.0:
+            return None
+        return Value(speed.mean / self.theory.mean, speed.se / abs(self.theory.mean))
+
+    @property
+    def direction(self) -> str:
+        """Verdict on the direction, within two standard errors of the simulated speed."""
+        ratio = self.ratio
+        if ratio is None or abs(ratio.mean) <= 2.0 * ratio.se:
+            return "undecided"
+        return "same" if ratio.mean > 0.0 else "opposite"
+
+
+def designs(paper: Design) -> list[tuple[str, Design]]:
+    """Mechanisms and their walkers: flexible legs as the paper's, then those of OTHERS."""
+    tilted = paper.variant(tilt_deg=TILT, kind="flexible")
+    others = [(what, templates.load(name, "walkers", Design)) for name, what in OTHERS.items()]
+    return [("tilted flexible legs", tilted), *others]
+
+
+def measure(
+    one: Assumption, chosen: Sequence[tuple[str, Design]], progress: Progress
+) -> list[Mechanism]:
+    """Predict and simulate every mechanism with the contact of an assumption."""
+    points = sweeps.measured([Case(one, MODEL, design) for _, design in chosen], progress)
+    return [
+        _beside(what, design, one, point)
+        for (what, design), point in zip(chosen, points, strict=True)
+    ]
+
+
+def _beside(what: str, design: Design, one: Assumption, point: Point) -> Mechanism:
+    row = prediction.predict(design, solids.mass_of(design), one.scene)
+    used = "mean of both feet" if design.alike else "balance of both feet"
+    theory = Value(row.speed_mm_s, row.speed_sd_mm_s)
+    return Mechanism(design.name, what, design, theory, used, point)

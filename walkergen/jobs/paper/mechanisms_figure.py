@@ -1,0 +1,67 @@
+"""Figure of the three mechanisms: each walker's profile, and its speed by theory and simulation."""
+
+from collections.abc import Sequence
+
+import matplotlib
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
+from matplotlib.figure import Figure
+
+from walkergen.jobs.paper.figures import MODELS, SETTINGS, THEORY
+from walkergen.jobs.paper.mechanisms import Mechanism
+from walkergen.walker import profiles
+from walkergen.walker.design import Design
+
+BODY, LEG = "0.55", "0.25"
+SEGMENTS = 16
+"""Edges of a round foot."""
+
+
+def draw(found: Sequence[Mechanism]) -> Figure:
+    """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
+    with matplotlib.rc_context(SETTINGS):
+        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+        grid = figure.subplots(2, len(found), height_ratios=(1.0, 2.4), squeeze=False)
+        for (above, below), one in zip(grid.T, found, strict=True):
+            _profile(above, one.design)
+            above.set_title(f"{one.what}\n({one.name})", fontsize=9)
+            _bars(below, one)
+        grid[1, 0].set_ylabel("mean speed (mm/s)")
+    return figure
+
+
+def _profile(axes: Axes, design: Design) -> None:
+    """Draw a walker of a body in side view, running to the right, its feet with their friction."""
+    side = design.body.shape.side
+    assert side is not None  # the mechanisms' bodies are rectangles
+    axes.add_collection(PolyCollection([side], facecolors=BODY))
+    legs = [
+        piece + np.array(limb.anchor)
+        for limb in design.limbs
+        for piece in profiles.limb(limb, SEGMENTS)
+    ]
+    axes.add_collection(PolyCollection(legs, facecolors=LEG))
+    ground = min(limb.foot_height for limb in design.limbs)
+    axes.axhline(ground, color="black", linewidth=0.8)
+    for limb in design.limbs:
+        if limb.friction is not None:
+            at = (limb.along, ground - 0.8)
+            axes.annotate(f"μ {limb.friction:g}", at, ha="center", va="top", fontsize=8)
+    axes.annotate("", (18.0, 0.0), (14.5, 0.0), arrowprops={"arrowstyle": "->"})
+    axes.set_xlim(-19.0, 19.0)
+    axes.set_ylim(-16.0, 3.0)
+    axes.set_aspect("equal")
+    axes.set_axis_off()
+
+
+def _bars(axes: Axes, one: Mechanism) -> None:
+    colours = (THEORY["coulomb"][0], MODELS[one.simulated.model][0])
+    values = (one.theory, one.simulated.speed)
+    for place, (value, colour) in enumerate(zip(values, colours, strict=True)):
+        if value is not None:
+            axes.bar(place, value.mean, 0.6, color=colour, yerr=2.0 * value.se, capsize=4)
+    model = MODELS[one.simulated.model][3].replace(", ", ",\n")
+    axes.set_xticks((0, 1), ("theory", model))
+    axes.set_xlim(-0.7, 1.7)
+    axes.axhline(0.0, color="black", linewidth=0.6)
