@@ -304,7 +304,8 @@ def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[soli
 
 def _of_their_own(members: Sequence[Design]) -> str:
     """Addition to the settings where feet have a friction of their own; "" where none has."""
-    own = {limb.friction for one in members for limb in one.limbs} - {None}
+    limbs = [limb for one in members for limb in one.limbs]
+    own = {limb.friction for limb in limbs if limb.friction is not None}
     if not own:
         return ""
     return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
