@@ -98,9 +98,7 @@ def _from_above(design: Design) -> tuple[Array, ...]:
     if shape.mesh is None:
         return shape.plan
     turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
-    return tuple(
-        np.add(polygon, (0.0, half[1])) for polygon in turned_up.project().to_polygons()
-    )
+    return tuple(np.add(polygon, (0.0, half[1])) for polygon in turned_up.project().to_polygons())
 
 
 def outline(shot: Shot, at: int) -> list[Array]:
