@@ -44,7 +44,7 @@ class Prediction(NamedTuple):
     M_g: float
     J_g_mm2: float
     m_g: float | None
-    """Mass of one leg, g; None for braced legs, which are part of M."""
+    """Mass of the first free leg, g; None where all are braced and part of M."""
     j_g_mm2: float | None
     factor_back: float
     """Stationary speed of the back foot by itself, over the impact speed; of more, the last one."""
@@ -154,14 +154,15 @@ def predict(
     known = known_inputs(scene, design)
     found = spread(design, mass, scene, mode, known, uncertain.draws(known, DRAWS, SEED))
     bounds = [None] * 4 if found.all is None else np.quantile(found.all, QUANTILES).tolist()
+    free = next((leg for leg in mass.legs if leg.m > 0.0), None)
     notes = [each.note, *_notes(each, contact.friction, mode), found.unknown]
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
         M_g=float(mass.M),
         J_g_mm2=float(mass.J),
-        m_g=None if mass.rigid else float(mass.legs[0].m),
-        j_g_mm2=None if mass.rigid else float(mass.legs[0].j),
+        m_g=None if free is None else float(free.m),
+        j_g_mm2=None if free is None else float(free.j),
         factor_back=float(each.feet[0]),
         factor_front=float(each.feet[-1]),
         factor_mean=float(each.factor),
