@@ -13,8 +13,9 @@ from walkergen.walker.mass import Mesh
 
 def solid(mesh: Mesh) -> manifold3d.Manifold:
     """Solid of a closed mesh. Raises SolidError when manifold3d refuses it."""
-    vertices = np.ascontiguousarray(mesh.vertices, np.float64)
-    triangles = np.ascontiguousarray(mesh.triangles, np.uint64)
+    # The modeller takes no read-only arrays, which its own results are
+    vertices = np.require(mesh.vertices, np.float64, ["C", "W"])
+    triangles = np.require(mesh.triangles, np.uint64, ["C", "W"])
     return evaluated(manifold3d.Manifold(manifold3d.Mesh64(vertices, triangles)))
 
 
