@@ -32,7 +32,7 @@ def test_the_pockets_are_the_letters(base, height):
 
 
 def test_letters_on_a_disc_read_from_above():
-    """The stem of an L is on its left: at smaller x; its foot is nearer to the viewer: at larger z."""
+    """The stem of an L is on its left, at smaller x; its foot is nearer, at larger z."""
     built = solids.build(design_of(DISC, text="L", text_height_mm=8.0))
     floor = built.body.vertices[np.isclose(built.body.vertices[:, 1], 1.5 - 0.4)]
     x, z = floor[:, 0], floor[:, 2] - 12.0
