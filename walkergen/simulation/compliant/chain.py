@@ -8,7 +8,7 @@ ratio of the masses. Nothing is linearised.
 import math
 from typing import NamedTuple
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation.drive import height, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.world import (
@@ -75,7 +75,8 @@ def angle(legs, state, index):
 
 
 @kernel
-def _turned(vector, cos, sin):
+def turned(vector, cos, sin):
+    """Vector turned by an angle, from its cosine and sine."""
     return cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]
 
 
@@ -87,15 +88,15 @@ def _leg(legs, foot):
 
 @kernel
 def _limb(leg, anchor, reach, cos, sin, pitch, alpha, implicit):
-    A_x, A_y = _turned(anchor, cos, sin)
+    A_x, A_y = turned(anchor, cos, sin)
     if leg is None:
-        r_x, r_y = _turned(reach, cos, sin)
+        r_x, r_y = turned(reach, cos, sin)
         return Limb(
             A_x, A_y, 0.0, 0.0, r_x, r_y, 0.0, 0.0, 0.0, 0.0,
             1.0, 0.0, -(A_y + r_y), 0.0, 1.0, A_x + r_x,
         )  # fmt: skip
     c, s = math.cos(pitch + alpha), math.sin(pitch + alpha)
-    (C_x, C_y), (r_x, r_y) = _turned(leg.centre, c, s), _turned(reach, c, s)
+    (C_x, C_y), (r_x, r_y) = turned(leg.centre, c, s), turned(reach, c, s)
     mobility = 1.0 / (leg.inertia + implicit)
     k_x, k_y = -leg.mass * C_y * mobility, leg.mass * C_x * mobility
     k_t = (leg.mass * (A_x * C_x + A_y * C_y) - implicit) * mobility
@@ -265,21 +266,21 @@ def mobility_of(chain):
     )
 
 
-@kernel
+@inlined
 def longest_leg(walker):
     """Distance from anchor to foot of the longer leg, mm."""
     back, front = walker.reaches
     return max(math.hypot(back[0], back[1]), math.hypot(front[0], front[1]))
 
 
-@kernel
+@inlined
 def gaps(drive, state, chain):
     """Heights of the back and the front foot over the plate, mm."""
     level = state[Y] - height(drive, state[PHASE])
     return level + chain.back.A_y + chain.back.r_y, level + chain.front.A_y + chain.front.r_y
 
 
-@kernel
+@inlined
 def feet_velocities(world, state, chain):
     """Velocities (back x, y, front x, y) of the feet over the plate, mm/s."""
     b, f, spin = chain.back, chain.front, state[SPIN]
@@ -312,7 +313,7 @@ def _leg_spin(limb, spin, leg_spin):
     return leg_spin if limb.mobility > 0.0 else spin  # a braced leg turns with the body
 
 
-@kernel
+@inlined
 def feet_turning(walker, state, chain):
     """Accelerations (back x, y, front x, y) of the feet by rotation alone, -spin^2 r, mm/s^2."""
     b, f, spin = chain.back, chain.front, state[SPIN]
@@ -327,7 +328,7 @@ def feet_turning(walker, state, chain):
     )
 
 
-@kernel
+@inlined
 def corner_height(world, state):
     """Height of the body's lowest corner over the plate, mm; toppled when it reaches zero."""
     sin, cos = math.sin(state[PITCH]), math.cos(state[PITCH])
@@ -366,13 +367,13 @@ def _legs_energy(legs, world, state):
     return total
 
 
-@kernel
+@inlined
 def free_acceleration(world, state, chain):
     """Accelerations without contact, as in `respond`: by gravity, rotation, springs and effects."""
     return _free(world.walker.legs, world, state, chain)
 
 
-@kernel
+@inlined
 def _free(legs, world, state, chain):
     g_x, g_y, walker = along(world.acting), -across(world.acting), world.walker
     f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
@@ -403,7 +404,7 @@ def _torque(leg, alpha, rate):
     return -leg.stiffness * alpha - leg.damping * rate
 
 
-@kernel
+@inlined
 def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
     """Power (g mm^2/s^3) that the legs' dampers take at the rates of both legs (rad/s), and effects
     from a body with that pitch (rad) and velocity (mm/s).
@@ -412,7 +413,7 @@ def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
     return _damped(world.walker.legs, world.walker.ratios, rate_b, rate_f) - (f_x * v_x + f_y * v_y)
 
 
-@kernel
+@inlined
 def _damped(legs, ratios, rate_b, rate_f):
     if legs is None:
         return 0.0

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     Chain,
@@ -284,13 +284,13 @@ def _product(a, b):
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2] + a[3] * b[3]
 
 
-@kernel
+@inlined
 def frictions(world):
     """Friction of the back and the front foot."""
     return world.contacts[0].friction, world.contacts[1].friction
 
 
-@kernel
+@inlined
 def restitutions(world):
     """Restitution of the back and the front foot."""
     return world.contacts[0].restitution, world.contacts[1].restitution

@@ -9,8 +9,14 @@ braced walker's flight is exact.
 
 import math
 
-from walkergen.numerics.kernels import kernel
-from walkergen.simulation.compliant.chain import LOOSE, chain_of, free_acceleration, longest_leg
+from walkergen.numerics.kernels import inlined, kernel
+from walkergen.simulation.compliant.chain import (
+    LOOSE,
+    chain_of,
+    free_acceleration,
+    longest_leg,
+    turned,
+)
 from walkergen.simulation.drive import derivative_bound, moved_on, velocity
 from walkergen.simulation.effects.acting import across, along, body_force
 from walkergen.simulation.record import DAMPING_LOSS
@@ -29,14 +35,14 @@ from walkergen.simulation.world import (
 )
 
 
-@kernel
+@inlined
 def fly(world, state, t, sums):
     """Free flight of `t` seconds, in place; what damping and effects take goes to `sums`."""
     _fly(world.walker.legs, world, state, t, sums)
     state[PHASE] = moved_on(world.drive, state[PHASE], t)
 
 
-@kernel
+@inlined
 def _fly(legs, world, state, t, sums):
     x_0, y_0 = state[X], state[Y]
     if legs is None:
@@ -61,7 +67,7 @@ def _fly(legs, world, state, t, sums):
     sums[DAMPING_LOSS] -= f_x * (state[X] - x_0) + f_y * (state[Y] - y_0)
 
 
-@kernel
+@inlined
 def _falling(world, state, mass, t):
     """Acceleration (x, y) of the centre of mass of all and force (x, y) of effects on the body, at
     the middle of a flight of t seconds.
@@ -74,12 +80,12 @@ def _falling(world, state, mass, t):
     return along(acting) + f_x / mass, f_y / mass - across(acting), f_x, f_y
 
 
-@kernel
+@inlined
 def _total(legs, walker):
     return walker.mass + (1.0 + walker.ratios.mass) * legs[0].mass
 
 
-@kernel
+@inlined
 def _centre(legs, walker, state):
     """Centre of mass of body and legs against O, and its velocity against that of O."""
     share, mu = legs[0].mass / _total(legs, walker), walker.ratios.mass
@@ -88,15 +94,13 @@ def _centre(legs, walker, state):
     a_x, a_y = b_x + mu * f_x, b_y + mu * f_y
     x, y = cos * a_x - sin * a_y, sin * a_x + cos * a_y
     v_x, v_y = -y * state[SPIN], x * state[SPIN]
-    for leg, part, index, rate in (
-        (legs[0], 1.0, ANGLE_BACK, RATE_BACK),
-        (legs[1], mu, ANGLE_FRONT, RATE_FRONT),
-    ):
-        psi, spin = state[PITCH] + state[index], state[SPIN] + state[rate]
-        c, s = math.cos(psi), math.sin(psi)
-        c_x = part * (c * leg.centre[0] - s * leg.centre[1])
-        c_y = part * (s * leg.centre[0] + c * leg.centre[1])
-        x, y, v_x, v_y = x + c_x, y + c_y, v_x - c_y * spin, v_y + c_x * spin
+    psi_b, psi_f = state[PITCH] + state[ANGLE_BACK], state[PITCH] + state[ANGLE_FRONT]
+    b_x, b_y = turned(legs[0].centre, math.cos(psi_b), math.sin(psi_b))
+    f_x, f_y = turned(legs[1].centre, math.cos(psi_f), math.sin(psi_f))
+    f_x, f_y = mu * f_x, mu * f_y
+    spin_b, spin_f = state[SPIN] + state[RATE_BACK], state[SPIN] + state[RATE_FRONT]
+    x, y = x + b_x + f_x, y + b_y + f_y
+    v_x, v_y = v_x - b_y * spin_b - f_y * spin_f, v_y + b_x * spin_b + f_x * spin_f
     return share * x, share * y, share * v_x, share * v_y
 
 
@@ -120,9 +124,10 @@ def _oscillate(value, rate, square, decay, t):
     )
 
 
-@kernel
+@inlined
 def _swing(legs, walker, state, t, sums):
-    s, root, k, c = walker.swing, walker.ratios.root, legs[0].stiffness, legs[0].damping
+    s, k, c = walker.swing, legs[0].stiffness, legs[0].damping
+    root, unroot = walker.ratios.root, walker.ratios.unroot
     b, p = state[ANGLE_BACK], state[RATE_BACK]
     f, q = root * state[ANGLE_FRONT], root * state[RATE_FRONT]
     u, v = s.cos * b + s.sin * f, s.cos * f - s.sin * b
@@ -136,29 +141,32 @@ def _swing(legs, walker, state, t, sums):
         + (du * du - du_1 * du_1) / m_1
         + (dv * dv - dv_1 * dv_1) / m_2
     )
-    share_b, share_f = s.share_back, s.share_front / root
+    share_b, share_f = s.share_back, s.share_front * unroot
     b_1, f_1 = s.cos * u_1 - s.sin * v_1, s.sin * u_1 + s.cos * v_1
     p_1, q_1 = s.cos * du_1 - s.sin * dv_1, s.sin * du_1 + s.cos * dv_1
-    state[ANGLE_BACK], state[ANGLE_FRONT] = b_1, f_1 / root
-    state[RATE_BACK], state[RATE_FRONT] = p_1, q_1 / root
+    state[ANGLE_BACK], state[ANGLE_FRONT] = b_1, f_1 * unroot
+    state[RATE_BACK], state[RATE_FRONT] = p_1, q_1 * unroot
     steady = state[SPIN] + (share_b * p + share_f * q)
     state[SPIN] = steady - share_b * p_1 - share_f * q_1
     swung = share_b * (b_1 - b) + share_f * (f_1 - f)
     state[PITCH] += steady * t - swung
 
 
-@kernel
+@inlined
 def _rest(legs, world, state, chain):
     """Rest of the true accelerations (spin, leg rates), rad/s^2, beyond the linear ones."""
     _, _, spin, back, front = free_acceleration(world, state, chain)
-    s, root, k, c = world.walker.swing, world.walker.ratios.root, legs[0].stiffness, legs[0].damping
+    s, k, c = world.walker.swing, legs[0].stiffness, legs[0].damping
+    root, unroot = world.walker.ratios.root, world.walker.ratios.unroot
     t_b = -k * state[ANGLE_BACK] - c * state[RATE_BACK]
     t_f = -k * (root * state[ANGLE_FRONT]) - c * (root * state[RATE_FRONT])
-    du, dv = _modal_rates(s, root, state)
-    more = c * s.excess
-    u = s.mobility_1 * (s.cos * t_b + s.sin * t_f - more * (s.sin * s.sin) * du)
-    v = s.mobility_2 * (s.cos * t_f - s.sin * t_b - more * (s.cos * s.cos) * dv)
-    b, f = s.cos * u - s.sin * v, (s.sin * u + s.cos * v) / root
+    u, v = s.cos * t_b + s.sin * t_f, s.cos * t_f - s.sin * t_b
+    if s.excess != 0.0:
+        du, dv = _modal_rates(s, root, state)
+        u -= c * s.excess * (s.sin * s.sin) * du
+        v -= c * s.excess * (s.cos * s.cos) * dv
+    u, v = s.mobility_1 * u, s.mobility_2 * v
+    b, f = s.cos * u - s.sin * v, (s.sin * u + s.cos * v) * unroot
     return spin + s.share_back * b + s.share_front * f, back - spin - b, front - spin - f
 
 
@@ -168,7 +176,7 @@ def _modal_rates(swing, root, state):
     return swing.cos * p + swing.sin * q, swing.cos * q - swing.sin * p
 
 
-@kernel
+@inlined
 def _kick(legs, world, state, t, sums):
     """Change of the rates by `_rest` over t seconds at a fixed pose, by the midpoint rule.
 
@@ -181,12 +189,12 @@ def _kick(legs, world, state, t, sums):
         d_spin, d_back, d_front = _rest(legs, world, state, chain)
         state[SPIN], state[RATE_BACK] = spin + ahead * d_spin, back + ahead * d_back
         state[RATE_FRONT] = front + ahead * d_front
-        if ahead < t:
+        if s.excess != 0.0 and ahead < t:
             du, dv = _modal_rates(s, root, state)
             sums[DAMPING_LOSS] += 2.0 * t * legs[0].damping * s.excess * s.sin * s.cos * du * dv
 
 
-@kernel
+@inlined
 def clear_time(world, state, chain, gaps):
     """Time (s) within which neither foot reaches the plate; 0 when a foot is in reach.
 
@@ -208,7 +216,7 @@ def _fall_time(gap, rise, pull):
     return (rise + math.sqrt(rise * rise + 2.0 * pull * gap)) / pull
 
 
-@kernel
+@inlined
 def _clear_time(legs, world, state, chain, gaps, pull):
     b, f, spin = chain.back, chain.front, state[SPIN]
     back_x, front_x = b.A_x + b.r_x, f.A_x + f.r_x
@@ -219,7 +227,7 @@ def _clear_time(legs, world, state, chain, gaps, pull):
             _fall_time(gaps[0], rise + spin * back_x, pull),
             _fall_time(gaps[1], rise + spin * front_x, pull),
         )
-    s, root = world.walker.swing, world.walker.ratios.root
+    s, root, unroot = world.walker.swing, world.walker.ratios.root, world.walker.ratios.unroot
     amplitude = math.sqrt(
         state[ANGLE_BACK] ** 2
         + (root * state[ANGLE_FRONT]) ** 2
@@ -232,7 +240,7 @@ def _clear_time(legs, world, state, chain, gaps, pull):
     length = longest_leg(world.walker)
     pull += steady * steady * (length + abs(back_x) + abs(front_x))
     swing_b = amplitude * (abs(b.r_x) + 0.15 * length) + state[ANGLE_BACK] * b.r_x
-    swing_f = amplitude / root * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x
+    swing_f = amplitude * unroot * (abs(f.r_x) + 0.15 * length) + state[ANGLE_FRONT] * f.r_x
     return min(
         _fall_time(gaps[0] - swing_b, rise + steady * back_x, pull),
         _fall_time(gaps[1] - swing_f, rise + steady * front_x, pull),

@@ -2,7 +2,7 @@
 
 import math
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation.compliant.chain import LOOSE, angle
 from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT, SPIN
 
@@ -42,7 +42,7 @@ def swings_back(walker, t):
     return _swings_back(walker.legs, walker.swing, t)
 
 
-@kernel
+@inlined
 def _swings_back(legs, swing, t):
     if legs is None:
         return False
@@ -61,7 +61,7 @@ def slower_mode(leg, swing):
     )
 
 
-@kernel
+@inlined
 def longest_flight(walker, state, options, clear):
     """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it.
 
@@ -73,7 +73,7 @@ def longest_flight(walker, state, options, clear):
     return _longest_flight(walker.legs, walker.swing, state, options, clear)
 
 
-@kernel
+@inlined
 def _longest_flight(legs, swing, state, options, clear):
     least, longest = SLIVER * options.step, options.flight * options.step
     if legs is None:

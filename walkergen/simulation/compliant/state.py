@@ -44,6 +44,8 @@ class Ratios(NamedTuple):
     mass: float
     root: float
     """Root of the ratio of the stiffnesses: angles times roots have equal springs."""
+    unroot: float
+    """1 / root."""
     damping: float
 
 
@@ -135,7 +137,8 @@ def _ratios(back: Leg, front: Leg) -> Ratios:
     """Ratios of two legs, of their dampings even where these are zero."""
     stiff = front.stiffness / back.stiffness
     damped = front.stiffness * front.inertia / (back.stiffness * back.inertia)
-    return Ratios(front.mass / back.mass, math.sqrt(stiff), math.sqrt(damped))
+    root = math.sqrt(stiff)
+    return Ratios(front.mass / back.mass, root, 1.0 / root, math.sqrt(damped))
 
 
 def _swing(mass: MassProperties, ratios: Ratios) -> Swing:

@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     LOOSE,
@@ -218,7 +218,7 @@ def _contact_step(world, state, t, sums, rows):
     return part
 
 
-@kernel
+@inlined
 def _step(world, state, t, sums, rows):
     """One step of t seconds; returns the part of it after which a foot stops, else 1."""
     if state[MODE_BACK] == OPEN and state[MODE_FRONT] == OPEN:
@@ -252,7 +252,7 @@ def _lands(gap_0, gap_1, rate_1):
     return gap_1 < 0.0 and (gap_0 > 0.0 or rate_1 < 0.0 or gap_1 < gap_0)
 
 
-@kernel
+@inlined
 def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
     """Step of t seconds, or less when a foot lands: (time passed, back lands, front lands).
 
