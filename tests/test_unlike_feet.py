@@ -234,7 +234,7 @@ def test_rigid_walker_moves_alike_in_both_models(frictions, e):
 def test_two_feet_break_away_at_the_friction_that_their_loads_make(way):
     """Loads on feet at -5 and 8 mm, 9 mm below O, when both reach their limits of 0.1 and 0.6."""
     pair = Contact(0.0, 0.1, 0), Contact(0.0, 0.6, 0)
-    one, other = rigid_pair()
+    one, _ = rigid_pair()
     # sum N_i = 1, sum N_i (x_i - way mu_i h) = 0: the drag that holds points up the slope
     back, front = -5.0 - way * 0.1 * 9.0, 8.0 - way * 0.6 * 9.0
     loads = np.linalg.solve([[1.0, 1.0], [back, front]], [1.0, 0.0])
@@ -242,14 +242,10 @@ def test_two_feet_break_away_at_the_friction_that_their_loads_make(way):
     for share, moves in ((0.999, False), (1.001, True)):
         slope = way * math.atan(share * joint)
         state = relaxed.start(relaxed_world(one, shaken(0.0), pair, slope), 0.0, 0.0, 0.0)
-        chain = state.copy()
-        go(one, shaken(0.0), pair, state, 0.05, slope)
-        world = world_of(other, shaken(0.0), pair, slope=slope)
-        advanced("events", world, chain, 0.05)
+        assert go(one, shaken(0.0), pair, state, 0.05, slope)[0] == OK
         a = GRAVITY * (abs(math.sin(slope)) - joint * math.cos(slope)) if moves else 0.0
-        for end in (state, chain):
-            assert way * end[V_X] == pytest.approx(a * 0.05, abs=1e-3)
-            assert (end[MODE_BACK] == STICK) == (not moves)
+        assert way * state[V_X] == pytest.approx(a * 0.05, abs=1e-9)  # a stretch in closed form
+        assert (state[MODE_BACK] == STICK) == (not moves)
 
 
 def test_unlike_restitutions_create_no_energy_where_feet_throw_each_other_down():
@@ -277,16 +273,16 @@ def test_rigid_walker_of_two_materials_has_the_speed_of_small_steps(feet, expect
     pair = Contact(0.8, 0.1, 0), Contact(0.8, 0.6, 0)
     walker, _ = rigid_pair(feet)
     ratios = []
-    for seed in range(3):
+    for seed in range(2):
         rng = np.random.default_rng(seed)
         start = relaxed.start(
             relaxed_world(walker, SHAKEN, pair), 0.14, 1e-3 * rng.uniform(-1, 1), rng.uniform(0, 6)
         )
-        go(walker, SHAKEN, pair, start, 1.0)
+        go(walker, SHAKEN, pair, start, 0.5)
         tally, x = record.new(start.size, event_room=20_000), start[X]
-        assert go(walker, SHAKEN, pair, start, 6.0, tally=tally)[0] == OK
+        assert go(walker, SHAKEN, pair, start, 4.0, tally=tally)[0] == OK
         rows = tally.events.rows[: tally.events.cursor[0]]
-        ratios.append((start[X] - x) / 6.0 / -(rows[:, 3] @ rows[:, 5] / rows[:, 3].sum()))
+        ratios.append((start[X] - x) / 4.0 / -(rows[:, 3] @ rows[:, 5] / rows[:, 3].sum()))
     assert np.mean(ratios) == pytest.approx(expected, abs=0.05)
 
 
