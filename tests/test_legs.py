@@ -191,3 +191,29 @@ def test_a_film_of_legs_side_by_side_is_that_of_one_as_wide():
 
 def flat_of(shape):
     return [shape.body, shape.anchors, shape.feet, *(part for limb in shape.limbs for part in limb)]
+
+
+def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tensor(tmp_path):
+    """Legs at the flank of a ball: the parts, each about its own centre, make the weighed union."""
+    import trimesh
+
+    ball = trimesh.creation.icosphere(subdivisions=3, radius=9.0)
+    ball.apply_scale([1.4, 1.0, 1.0])
+    ball.export(tmp_path / "ball.stl")
+    legs = [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-5, 5) for z in (-3, 3)]
+    design = config.validate(
+        {"body": {"mesh": str(tmp_path / "ball.stl")}, "legs": legs}, Design, "test"
+    )
+    built = solids.build(design)
+    parts, whole = solids.weigh(design, built), mass.weigh(built.walker, 1.24e-3)
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in parts.legs)])
+    masses = np.array([parts.M, *(leg.m for leg in parts.legs)])
+    centre, tensor = mass.joined(parts.spatial, parts.legs, masses, centres)
+    # A leg's flat sides lie in the union's; sums of 2600 triangles round to 1e-12
+    assert masses.sum() == pytest.approx(whole.mass, rel=1e-10)
+    middle = whole.centre - (
+        *(-mass.from_centre(design, parts, np.zeros(2))),
+        0.5 * design.size.depth,
+    )
+    np.testing.assert_allclose(centre, middle, atol=1e-8)
+    np.testing.assert_allclose(tensor, whole.tensor, rtol=1e-8, atol=1e-7)

@@ -150,13 +150,16 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
     found, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
     mean = sum(part.mass for part in meshed) / len(meshed)
+    prisms = design.body.plain or design.body.flat
     for limb, part in zip(limbs, meshed, strict=True):
         weighed = design.weighed.leg_mass_g
         own = _rescaled(part, None if weighed is None else weighed * (part.mass / mean))
         c_A = own.centre[:2]
+        # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
+        aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
         found.append(LegMass(
             own.mass, own.inertia, np.array(limb.anchor) - O, c_A,
-            np.array(limb.anchor_to_foot) - c_A, limb.across, own.tensor,
+            np.array(limb.anchor_to_foot) - c_A, limb.across + aside, own.tensor,
         ))  # fmt: skip
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(found), False, Spatial(across, top.tensor))

@@ -115,10 +115,11 @@ def _lettered(ground: Mesh, design: Design) -> Mesh:
     marks, size = design.marks, design.size
     tool = landing.lying(extruded(text, 2.0 * marks.depth_mm, pieces=True), size)
     raised = tool.vertices + np.array([0.0, size.thickness - marks.depth_mm, 0.0])
-    inside = modeller.solid(Mesh(raised, tool.triangles)) - modeller.solid(ground)
-    cut = modeller.evaluated(modeller.solid(ground) - modeller.solid(Mesh(raised, tool.triangles)))
-    above = modeller.solid(Mesh(raised, tool.triangles)).volume() / 2.0
-    if inside.volume() > above * (1.0 + 1e-6) or len(modeller.bodies(cut)) != 1:
+    solid, drawn = modeller.solid(ground), modeller.solid(Mesh(raised, tool.triangles))
+    cut = modeller.evaluated(solid - drawn)
+    # Half of the tool stands above the body, the other half makes the pockets
+    lost = 2.0 * (solid.volume() - cut.volume())
+    if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
         raise GeometryError(
             f"marks.text = {marks.text!r}: the letters leave the outline: make text_height_mm "
             "smaller"
