@@ -137,7 +137,13 @@ def test_speeds_that_no_parameters_explain_are_called_so():
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("measured", [(0, 2, 4), (1, 3)], ids=["three", "two"])
+@pytest.mark.parametrize(
+    "measured",
+    [
+        pytest.param((0, 2, 4), id="three"),
+        pytest.param((1, 3), id="two", marks=pytest.mark.nightly),
+    ],
+)
 def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(measured):
     known = responses(64, range(5))
     rng = np.random.default_rng(len(measured))

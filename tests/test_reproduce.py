@@ -231,7 +231,7 @@ def test_a_walker_at_rest_is_not_proportional_to_anything():
     assert curves.proportionality([point(plate=p, speed=(0.0, 0.0)) for p in (1.0, 2.0)]) is None
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_a_plate_too_weak_to_lift_anything_is_told_not_crashed_on(run, tmp_path):
     weak = SCENE.format(restitution=0.8, friction=0.25).replace("gamma = 1.8", "gamma = 0.5")
     (tmp_path / "measured.toml").write_text(weak)
