@@ -140,7 +140,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("predict", "nosuch"), "known walkers: koumakis2016"),
+        (("predict", "nosuch"), "known walkers: bristle, koumakis2016"),
         (("predict", "none.toml"), "no such file"),
         (("predict", "../../etc/passwd"), "no such file"),
         (("predict", "x" * 300), "no such template"),
