@@ -107,7 +107,7 @@ def test_a_fast_run_makes_every_file_twice_the_same(run, tmp_path):
     assert max(map(len, result.stdout.splitlines())) <= 100
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_ctrl_c_keeps_the_figures_already_done(run, tmp_path, monkeypatch):
     def some(cases, tilts, progress):
         return [
