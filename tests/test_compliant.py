@@ -5,11 +5,11 @@ import math
 import numpy as np
 import pytest
 from compliant_rival import Rival
-from worlds import SHAKEN, hinged_state, hinged_walker, shaken, world_of
+from worlds import METHODS, SHAKEN, hinged_state, hinged_walker, shaken, world_of
 
 from walkergen.jobs.selftest.scenes import masses
 from walkergen.simulation import record
-from walkergen.simulation.compliant import events, steps
+from walkergen.simulation.compliant import events
 from walkergen.simulation.compliant.chain import (
     LOOSE,
     chain_of,
@@ -39,10 +39,6 @@ from walkergen.theory.impact import Law, impact
 from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
 
-METHODS = {
-    "events": (events.advance, events.Options()),
-    "steps": (steps.advance, steps.Options(1e-5)),
-}
 both = pytest.mark.parametrize("method", METHODS)
 
 

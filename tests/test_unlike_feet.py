@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from compliant_rival import Rival
 from worlds import (
+    METHODS,
     SHAKEN,
     UNLIKE,
     go,
@@ -51,10 +52,6 @@ from walkergen.simulation.world import (
 )
 from walkergen.walker.design import Design
 
-METHODS = {
-    "events": (events.advance, events.Options()),
-    "steps": (steps.advance, steps.Options(1e-5)),
-}
 CORNERS = ((-14.0, 1.5), (14.0, 1.5), (-14.0, 4.5), (14.0, 4.5))
 LEVELS = ((-5.0, -9.0), (8.0, -9.0))
 

@@ -5,7 +5,9 @@ import math
 from walkergen.jobs.selftest.scenes import masses
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
+from walkergen.simulation.compliant import events as steady
 from walkergen.simulation.compliant import state as hinged
+from walkergen.simulation.compliant import steps
 from walkergen.simulation.drive import Drive, velocity
 from walkergen.simulation.effects.acting import Acting
 from walkergen.simulation.effects.slope import gravity_of
@@ -13,6 +15,12 @@ from walkergen.simulation.relaxed import events
 from walkergen.simulation.relaxed import state as relaxed
 from walkergen.simulation.world import V_Y, Contact, World
 from walkergen.walker.design import Design
+
+METHODS = {
+    "events": (steady.advance, steady.Options()),
+    "steps": (steps.advance, steps.Options(1e-5)),
+}
+"""Methods of the compliant model, with their options."""
 
 OMEGA = 2.0 * math.pi * 90.0
 ANY = Contact(0.5, 0.25, 0)

@@ -15,7 +15,7 @@ from walkergen.theory.tensors import feet
 from walkergen.uncertain import in_proportion
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
-from walkergen.walker.planar import Planar, in_plane
+from walkergen.walker.planar import in_plane
 
 Flags = npt.NDArray[np.bool_]
 
@@ -55,7 +55,7 @@ def stationary(
         return Stationary(each.mean, each.feet, each.reverses, "")
     from walkergen.theory.balance import Foot, balanced  # compiles
 
-    centre = _centre(flat)
+    centre = flat.mass.centre
     found = []
     for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):
         e = _own(limb.restitution, restitution, nominal[0] if nominal else None, 1.0)
@@ -75,12 +75,6 @@ def _own(
     if given is None:
         return scenes
     return given if nominal is None else in_proportion(given, scenes, nominal, most)
-
-
-def _centre(flat: Planar) -> Array:
-    """Centre of mass of the whole walker from O, shape (..., 2), mm."""
-    moment = sum(np.asarray(leg.m)[..., None] * (leg.anchor + leg.c_A) for leg in flat.mass.legs)
-    return np.asarray(moment / np.asarray(flat.mass.total)[..., None])
 
 
 def _told(design: Design, note: str, shares: Array) -> str:

@@ -7,11 +7,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from walkergen.walker import profiles
-from walkergen.walker.body import Shape
+from walkergen.walker.body import Shape, Size
 from walkergen.walker.limbs import Legs, Limb, pair_of
-
-Size = tuple[float, float, float]
-"""Length, thickness and depth of a body, mm."""
 
 LEVEL_MM = 0.005
 """Largest difference of the feet's heights of a walker that stands level, mm: as much as prints

@@ -160,8 +160,7 @@ class Design(Section):
         if isinstance(self.legs, Legs):
             found = pair_of(self.legs, depth, bottom)
         else:
-            follow = FOLLOWED if self.leg_tilt_deg is None else self.leg_tilt_deg
-            found = tuple(limb_of(leg, follow, depth, bottom) for leg in self.legs)
+            found = tuple(limb_of(leg, self._followed, depth, bottom) for leg in self.legs)
         if self.body.plain or self.body.flat:
             return found
         from walkergen.walker import landing
@@ -184,8 +183,13 @@ class Design(Section):
             return self.legs.tilt_deg
         first = self.legs[0]
         if self.follows or first.tilt_deg is None:
-            return FOLLOWED if self.leg_tilt_deg is None else self.leg_tilt_deg
+            return self._followed
         return 0.0 - first.tilt_deg if first.mirrored else first.tilt_deg
+
+    @property
+    def _followed(self) -> float:
+        """Tilt of those legs of a list that give none of their own, deg."""
+        return FOLLOWED if self.leg_tilt_deg is None else self.leg_tilt_deg
 
     @property
     def follows(self) -> bool:

@@ -110,6 +110,12 @@ class MassProperties(NamedTuple):
         """Mass of the whole walker, g."""
         return self.M + sum(leg.m for leg in self.legs)
 
+    @property
+    def centre(self) -> Array:
+        """Centre of mass of the whole walker from O, shape (..., 2), mm."""
+        moment = sum(np.asarray(leg.m)[..., None] * (leg.anchor + leg.c_A) for leg in self.legs)
+        return np.asarray(moment / np.asarray(self.total)[..., None])
+
 
 def weigh(mesh: Mesh, density: float) -> SolidMass:
     """Weigh a closed mesh: mass (g), centre (mm), inertia tensor (g mm^2); density in g/mm^3.

@@ -5,16 +5,15 @@ The middle of the bounding box is the origin in x and y, and z begins at 0, as i
 """
 
 from pathlib import Path
-from typing import Literal, NamedTuple, get_args
+from typing import NamedTuple, get_args
 
 import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import meshes
 from walkergen.walker import faults, repairs
+from walkergen.walker.body import Axis
 from walkergen.walker.mass import Array, Mesh
-
-Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
 
 SMALLEST, LARGEST = 0.5, 500.0
 """Least and greatest length of the longest side of a body's bounding box, mm."""

@@ -135,7 +135,5 @@ def check(limbs: Sequence[Limb], mass: MassProperties) -> None:
 def _centre(mass: MassProperties) -> Array:
     """Centre of mass of the whole, (along, across), from O and from half the depth, mm."""
     z = mass.spatial.z if mass.spatial is not None else 0.0
-    masses = np.array([mass.M, *(leg.m for leg in mass.legs)], float)
-    along = np.array([0.0, *((leg.anchor + leg.c_A)[0] for leg in mass.legs)])
-    across = np.array([z, *(leg.across for leg in mass.legs)])
-    return np.asarray(np.array([masses @ along, masses @ across]) / masses.sum())
+    across = mass.M * z + sum(leg.m * leg.across for leg in mass.legs)
+    return np.array([mass.centre[0], across / mass.total])

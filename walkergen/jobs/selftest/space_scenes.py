@@ -95,6 +95,15 @@ def deepest_of(plan: Plan, speed: float) -> float:
     return sag + math.sqrt(sag**2 + float(walker.mass) / k * speed**2)
 
 
+def unslowed(plan: Plan, seconds: float) -> Check:
+    """Check that a walker thrown on a plate without friction keeps its velocity along it."""
+    state = thrown(plan)
+    before = state[[V_X, V_Z]]
+    advance(plan, state, seconds)
+    change = float(np.abs(state[[V_X, V_Z]] - before).max())
+    return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
+
+
 def endures(
     plan: Plan, state: Array, seconds: float, about: str, tolerance: tuple[float, str]
 ) -> Iterator[Check]:
