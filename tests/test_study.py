@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
+from walkergen.exploring import wanted
+from walkergen.exploring.wanted import Wanted
 from walkergen.jobs.accuracy import choose, elastic, kept, shape, statistics, steps
-from walkergen.jobs.accuracy.choose import Wanted
 from walkergen.jobs.accuracy.ladder import order
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey
@@ -131,16 +132,16 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
 
 
 @pytest.mark.parametrize(
-    ("text", "wanted"), [("5%", Wanted(0.05, True)), (" 0.5 mm/s", Wanted(0.5, False))]
+    ("text", "expected"), [("5%", Wanted(0.05, True)), (" 0.5 mm/s", Wanted(0.5, False))]
 )
-def test_errors_are_read(text, wanted):
-    assert choose.parse(text) == wanted
+def test_errors_are_read(text, expected):
+    assert wanted.parse(text) == expected
 
 
 @pytest.mark.parametrize("text", ["5", "0%", "-1%", "nan%", "101%", "infmm/s", "5 %%", ""])
 def test_errors_that_mean_nothing_are_refused(text):
     with pytest.raises(InputError, match="--error"):
-        choose.parse(text)
+        wanted.parse(text)
 
 
 def speeds_of(survey, steps, events=100.0, rigid=0.0, relaxed=60.0):

@@ -5,7 +5,8 @@ acceleration over g) determine it; a third and a fourth are accepted when they a
 """
 
 import math
-from typing import Annotated, Literal
+from collections.abc import Mapping
+from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
@@ -244,6 +245,22 @@ class Scene(Section):
     feet: Feet = Feet()
     run: Run = Run()
     effects: Effects = Effects()
+
+    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Data of this scene with values set anew; two numbers determine the drive.
+
+        One that is set leaves the frequency, and the frequency leaves the peak acceleration.
+        """
+        four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
+        given = [key for key in four if f"drive.{key}" in values]
+        if given and isinstance(data.get("drive"), dict):
+            drive = {k: v for k, v in data["drive"].items() if k not in four or k in given}
+            if given == ["frequency_hz"]:
+                drive["gamma"] = self.drive.peak_gamma
+            elif len(given) == 1:
+                drive["frequency_hz"] = self.drive.frequency
+            data["drive"] = drive
+        return data
 
     @property
     def impact_speed(self) -> float:

@@ -133,9 +133,10 @@ def _met(
     error: str, of: str, scene: "Scene", design: "Design", mass: "MassProperties",
     progress: "Progress",
 ) -> "Met":  # fmt: skip
+    from walkergen.exploring import wanted
     from walkergen.jobs.accuracy import choose
 
-    return choose.meet(scene, design, mass, choose.parse(error), progress, of)
+    return choose.meet(scene, design, mass, wanted.parse(error), progress, of)
 
 
 def _check_uncertain(**chosen: object) -> None:

@@ -36,6 +36,12 @@ class Section(BaseModel):
         """Data of a file in `folder`, in which tables that name other files say where they are."""
         return data
 
+    def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+        """Data of this table in which `values`, by dotted keys, have been set anew: tables whose
+        keys depend on one another drop or add others.
+        """
+        return data
+
 
 Model = TypeVar("Model", bound=Section)
 
@@ -163,6 +169,13 @@ def _unnumbered(key: str) -> str:
 
 def _split_key(dotted: str) -> tuple[str, ...]:
     return tuple(part.strip().strip("\"'") for part in dotted.split("."))
+
+
+def unknown(location: tuple[str, ...], model: type[Section]) -> str:
+    """Words on a key that a file has not, with the known key most like it; "" for a known one."""
+    if _field_at(location, model) is not None:
+        return ""
+    return f"unknown key{_spelling_hint(location, model)}"
 
 
 def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:

@@ -5,6 +5,7 @@ it imports, and then returns old answers. So the cache lies in a folder named by
 sources that kernels may be made of: any edit there starts a fresh cache.
 """
 
+import functools
 import hashlib
 import os
 import sys
@@ -17,6 +18,7 @@ SOURCES = ("numerics/*.py", "theory/*.py", "simulation/**/*.py")
 """Patterns of the files that kernels, their constants and their arguments' types come from."""
 
 
+@functools.cache
 def digest() -> str:
     """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
     found = hashlib.sha256()

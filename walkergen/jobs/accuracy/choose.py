@@ -1,11 +1,11 @@
 """Choice of the cheapest setting that meets an error, from measured speeds."""
 
 import math
-import re
 from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.errors import InputError
+from walkergen.exploring.wanted import Wanted
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import kept, observed
 from walkergen.jobs.accuracy.setting import Measured, Setting
@@ -32,17 +32,6 @@ MARGIN = 1.9
 
 ATTEMPTS = 3
 """Number of ensembles tried, each longer than the last, until the error is met."""
-
-
-class Wanted(NamedTuple):
-    """Error that a person can bear, with 95 % confidence."""
-
-    value: float
-    relative: bool
-    """True when the value is a share of the mean speed, False when it is in mm/s."""
-
-    def __str__(self) -> str:
-        return f"{100 * self.value:g} %" if self.relative else f"{self.value:g} mm/s"
 
 
 class Choice(NamedTuple):
@@ -77,21 +66,6 @@ class Met(NamedTuple):
     """Standard error of the observable in the ensemble."""
     of: str
     """Name of the observable."""
-
-
-def parse(text: str) -> Wanted:
-    """Parse "5%" or "3mm/s". Raises InputError."""
-    found = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(%|mm/s)\s*", text)
-    try:
-        value = float(found[1]) if found else math.nan
-    except ValueError:
-        value = math.nan
-    if found is None or not 0 < value < math.inf:
-        raise InputError(f"--error {text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
-    relative = found[2] == "%"
-    if relative and not value <= 100:
-        raise InputError(f"--error {text[:30]!r}: at most 100 %")
-    return Wanted(0.01 * value if relative else value, relative)
 
 
 def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.errors import InputError
+from walkergen.exploring import wanted as asked_error
 from walkergen.files import output
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
@@ -129,7 +130,7 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
 
 
 def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
-    wanted = choose.parse(error)
+    wanted = asked_error.parse(error)
     try:
         choice = choose.choose(survey, wanted, progress)
     except InputError as refused:

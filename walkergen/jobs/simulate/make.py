@@ -6,10 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import landings, motion
+from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.tracks import Tracks, of_places
+from walkergen.exploring.runs import motion_of
 from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
@@ -84,24 +84,10 @@ def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = Non
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
         return found._replace(untold="no run ended well")
-    tracks = tracks_of(good, one.scene.arena.kind == "lane", one.sample_interval)
-    longest = tracks.interval * max(len(track.position) - 1 for track in tracks.tracks)
-    least = max(motion.LAG_S, tracks.interval)
-    moved = motion.analyse(tracks) if longest > 1.001 * least else None
-    untold = "" if moved else f"runs of {longest:.3g} s are too short; at least {2 * least:.2g} s"
+    moved, untold = motion_of(good, one.scene.arena.kind == "lane", one.sample_interval)
     legs = names.legs(one.design)
     landed = [_landings(result, len(legs)) for result in good] if one.impacts else []
     return found._replace(motion=moved, untold=untold, landings=landed, legs=legs)
-
-
-def tracks_of(results: Sequence[RunResult], lane: bool, interval: float | None) -> Tracks:
-    """Tracks of runs, seen from above: their samples `interval` s apart, or the ends of blocks.
-
-    In a lane only the way along it counts, as in a film of one.
-    """
-    if interval is None:
-        return of_places([result.places for result in results], results[0].block_s, lane)
-    return of_places([trajectory.sampled(result)[:, 1:4] for result in results], interval, lane)
 
 
 def _landings(result: RunResult, feet: int) -> Landings:

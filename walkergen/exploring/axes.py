@@ -1,0 +1,170 @@
+"""Axes of an exploration: the values of a key, as lists or ranges, and samples between bounds."""
+
+import itertools
+import math
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.files import assignments
+
+MOST_VALUES = 1_000_000
+"""Largest number of values of an axis, and of samples."""
+
+Method = Literal["sobol", "latin"]
+
+NUMBER = re.compile(
+    r"\s*[+-]?([0-9]+\.?[0-9]*|\.[0-9]+|inf|nan)([eE][+-]?[0-9]+)?\s*", re.IGNORECASE
+)
+
+
+class Axis(NamedTuple):
+    """Values that a key takes."""
+
+    key: str
+    values: tuple[Any, ...]
+
+
+class Span(NamedTuple):
+    """Bounds between which a key is sampled."""
+
+    key: str
+    low: float
+    high: float
+
+
+class Sample(NamedTuple):
+    """Points spread over the spans, by a scrambled Sobol sequence or a Latin hypercube."""
+
+    spans: tuple[Span, ...]
+    samples: int
+    method: Method
+    seed: int
+
+
+class Space(NamedTuple):
+    """All combinations of the axes' values, the last axis fastest, each with every sample."""
+
+    axes: tuple[Axis, ...]
+    sample: Sample | None = None
+
+    @property
+    def keys(self) -> tuple[str, ...]:
+        """Keys that vary, axes before spans."""
+        spans = self.sample.spans if self.sample else ()
+        return (*(axis.key for axis in self.axes), *(span.key for span in spans))
+
+    @property
+    def points(self) -> int:
+        """Number of points."""
+        samples = self.sample.samples if self.sample else 1
+        return math.prod((len(axis.values) for axis in self.axes), start=samples)
+
+    def rows(self) -> Iterator[tuple[Any, ...]]:
+        """Values of `keys` at each point, made one after the other."""
+        grid = itertools.product(*(axis.values for axis in self.axes))
+        if self.sample is None:
+            yield from grid
+            return
+        samples = [tuple(row) for row in _sampled(self.sample).tolist()]
+        for row in grid:
+            for sample in samples:
+                yield row + sample
+
+
+def parse(text: str, option: str = "--set") -> Axis | Span:
+    """Axis of KEY=1,2,3 or KEY=FIRST:LAST:STEP or KEY=VALUE, span of KEY=LOW:HIGH. InputError."""
+    key, value = assignments.split(text, option)
+    return of_text(key, value, f"{option} {text[:60]!r}")
+
+
+def of_text(key: str, value: str, source: str) -> Axis | Span:
+    """Axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
+    found: list[Any] = []
+    pieces = _split(value)
+    for piece in pieces:
+        numbers = piece.split(":")
+        ranged = 2 <= len(numbers) <= 3 and all(NUMBER.fullmatch(one) for one in numbers)
+        if ranged and len(numbers) == 3:
+            found += _range(numbers, source)
+        elif ranged and len(pieces) == 1:
+            low, high = (_finite(one, source) for one in numbers)
+            if not low < high:
+                raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
+            return Span(key, low, high)
+        elif not piece.strip():
+            raise InputError(f"{source}: an empty value in the list: remove a comma")
+        else:
+            found.append(assignments.value_of(piece.strip()))
+        if len(found) > MOST_VALUES:
+            raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    unique = list(dict.fromkeys(found)) if all(map(_hashable, found)) else found
+    return Axis(key, tuple(unique))
+
+
+def check(axes: Sequence[Axis | Span]) -> None:
+    """Raise InputError for a key that is given twice."""
+    keys = [one.key for one in axes]
+    for key in keys:
+        if keys.count(key) > 1:
+            raise InputError(f"--set {key}: given {keys.count(key)} times; write its values once")
+
+
+def _split(text: str) -> list[str]:
+    """Parts of a list at its commas, but for those within brackets, braces and quotes."""
+    parts, depth, quote = [""], 0, ""
+    for letter in text:
+        if quote:
+            quote = "" if letter == quote else quote
+        elif letter in "\"'":
+            quote = letter
+        else:
+            depth += (letter in "[{") - (letter in "]}")
+        if letter == "," and not depth and not quote:
+            parts.append("")
+        else:
+            parts[-1] += letter
+    return parts
+
+
+def _range(words: Sequence[str], source: str) -> list[float]:
+    """Values of FIRST:LAST:STEP with both ends, whole numbers where all three are."""
+    first, last, step = (_finite(word, source) for word in words)
+    if step == 0 or (last - first) / step < 0:
+        raise InputError(f"{source}: step {step:g} does not lead from first to last")
+    if (last - first) / step > MOST_VALUES:
+        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    count = int((last - first) / step + 1e-9) + 1
+    if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
+        return [int(first) + number * int(step) for number in range(count)]
+    # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
+    digits = 9 - math.floor(math.log10(max(abs(first), abs(last), abs(step))))
+    return [round(first + number * step, digits) + 0.0 for number in range(count)]
+
+
+def _finite(word: str, source: str) -> float:
+    value = float(word)
+    if not math.isfinite(value):
+        raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
+    return value
+
+
+def _hashable(value: Any) -> bool:
+    return isinstance(value, (str, int, float))
+
+
+def _sampled(sample: Sample) -> Any:
+    """Samples, shape (count, spans), rounded to 9 digits, as tables show them."""
+    from scipy.stats import qmc
+
+    wide, rng = len(sample.spans), np.random.default_rng(sample.seed)
+    if sample.method == "latin":
+        cube = qmc.LatinHypercube(wide, rng=rng).random(sample.samples)
+    else:
+        sequence = qmc.Sobol(wide, rng=rng)
+        cube = sequence.random_base2(math.ceil(math.log2(max(sample.samples, 1))))[: sample.samples]
+    low, high = (np.array([getattr(span, end) for span in sample.spans]) for end in ("low", "high"))
+    return low + cube * (high - low)

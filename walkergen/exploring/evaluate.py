@@ -1,0 +1,169 @@
+"""Evaluation of a point: its masses, its speed by the theory, and what a simulation says of it."""
+
+import math
+
+from walkergen import prediction
+from walkergen.analysis.estimates import UNITS
+from walkergen.errors import WalkergenError
+from walkergen.exploring.point import OK, STATUS, THEORY, Point, Record
+from walkergen.exploring.runs import motion_of
+from walkergen.exploring.wanted import Wanted
+from walkergen.printing import checks
+from walkergen.scene import Scene
+from walkergen.simulation import observables, points, resolution
+from walkergen.simulation.ensemble import Summary, listed
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.points import Asked
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.stationary import stationary
+from walkergen.walker import solids
+from walkergen.walker.mass import MassProperties
+
+FIRST_RUNS, MOST_RUNS = 8, 512
+"""Numbers of runs with which a point that shall meet an error begins, and ends."""
+
+SLACK = 1.2
+"""Factor by which more runs are made than the estimated error needs, since it fluctuates."""
+
+LONGEST_S = 4.0
+"""Measured time of a run of such a point, at most: more runs tell more than longer ones."""
+
+FEWEST_AT_ALL = 0.2
+"""Speed over the plate's peak speed below which a share of error counts of this one: a walker that
+stands meets no share of its speed."""
+
+MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
+"""Estimates of the group "persistence", by the names of `estimates.UNITS`."""
+
+
+def evaluate(point: Point) -> Record:
+    """Numbers of a point; one that cannot be built, or simulated, says so in its status."""
+    try:
+        return _evaluated(point)
+    except WalkergenError as error:
+        return refused(error)
+
+
+def refused(error: WalkergenError) -> Record:
+    """Record of a point that cannot be."""
+    return {STATUS: f"refused: {' '.join(str(error).split())[:300]}"}
+
+
+def _evaluated(point: Point) -> Record:
+    design, scene, keep = point.design, point.scene, point.keep
+    parts = solids.build(design)
+    mass = solids.weigh(design, parts)
+    contact = scene.contact
+    each = stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
+    theory = float(each.factor) * scene.impact_speed
+    found: Record = {STATUS: OK, "speed_mm_s": theory, "model": THEORY}
+    if point.simulated:
+        found = _simulated(point, mass) | {"theory_mm_s": theory}
+    if "spread" in keep:
+        row = prediction.predict(design, mass, scene)._asdict()
+        names = [f"speed_{end}_{level}_mm_s" for level in ("95", "68") for end in ("low", "high")]
+        found |= {name.replace("speed", "predicted"): row[name] for name in names}
+    if "masses" in keep:
+        leg = next((one for one in mass.legs if one.m > 0.0), None)
+        found |= {
+            "total_g": float(mass.total), "M_g": float(mass.M), "J_g_mm2": float(mass.J),
+            "m_g": None if leg is None else float(leg.m),
+            "j_g_mm2": None if leg is None else float(leg.j),
+        }  # fmt: skip
+    if "printability" in keep:
+        assert point.printer is not None
+        lying = solids.as_printed(design, parts.walker)
+        findings = checks.of_part(design.name, design, lying, point.printer)
+        found |= {f"print_{level}s": sum(one.level == level for one in findings)
+                  for level in ("error", "warning")}  # fmt: skip
+        worst = checks.grouped([one for one in findings if one.level != "advice"])
+        found["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
+    return found
+
+
+def _simulated(point: Point, mass: MassProperties) -> Record:
+    """Numbers of the runs of a point, more and more of them until its error is met."""
+    design, scene, wanted = point.design, point.scene, point.wanted
+    if wanted is not None:
+        seconds = min(scene.run.seconds, LONGEST_S)
+        scene = _with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
+    while True:
+        made = points.measure(Asked(scene, design, mass), _silent, threads=1)
+        if made.summary.runs < scene.run.runs:
+            raise KeyboardInterrupt
+        plan = prepare(scene, design, mass)
+        step = resolution.judge(plan, made.summary)[observables.SPEED].error
+        low, high = _bounds(made.summary, step)
+        half = math.inf if low is None or high is None else 0.5 * (high - low)
+        most = math.inf if wanted is None else allowed(wanted, made.summary.speed_mm_s, scene)
+        runs = scene.run.runs
+        floor = step or 0.0
+        if half <= most or runs >= MOST_RUNS or floor >= most or made.summary.speed_mm_s is None:
+            break
+        # Variances fall as runs are added; the scatter of few runs is itself known badly.
+        short = (half**2 - floor**2) / (most**2 - floor**2) if math.isfinite(half) else 2.0
+        more = math.ceil(runs * min(max(SLACK * short, 1.5), 8.0))
+        scene = _with_runs(scene, runs=min(MOST_RUNS, more))
+    found = made.summary
+    record: Record = {
+        STATUS: _status(found, half, most),
+        "speed_mm_s": found.speed_mm_s, "se_mm_s": found.speed_se_mm_s,
+        "low_95_mm_s": low, "high_95_mm_s": high, "step_error_mm_s": step,
+        "runs": found.runs, "seconds": scene.run.seconds, "model": made.model,
+    }  # fmt: skip
+    if "impacts" in point.keep:
+        for name in (observables.IMPACTS, observables.CONTACT):
+            record |= {name: getattr(found, name), f"{name}_se": found.errors[name]}
+    if "persistence" in point.keep:
+        record |= _motion(made, scene)
+    return record
+
+
+def _motion(made: points.Point, scene: Scene) -> Record:
+    """Persistence and turning of runs in space; None where they are not known."""
+    good = [result for result in made.results if result.outcome in ENDED_WELL]
+    moved = None
+    if good and made.model == "space":
+        moved, _ = motion_of(good, scene.arena.kind == "lane")
+    record: Record = {}
+    for name in MOTION:
+        one = None if moved is None else moved.estimates.get(name)
+        record[f"{name}_{UNITS[name]}"] = None if one is None else one.value
+        record[f"{name}_se_{UNITS[name]}"] = None if one is None else one.se
+    return record
+
+
+def allowed(wanted: Wanted, speed: float | None, scene: Scene) -> float:
+    """Error that a point may have, mm/s: a share counts of the speed, or of FEWEST_AT_ALL."""
+    if not wanted.relative:
+        return wanted.value
+    return wanted.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
+
+
+def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | None]:
+    """Bounds of 95 % of the runs, and of the step where its error is known (mm/s)."""
+    speed, low, high = found.speed_mm_s, found.speed_low_95_mm_s, found.speed_high_95_mm_s
+    if speed is None or low is None or high is None:
+        return None, None
+    half = math.hypot(0.5 * (high - low), step or 0.0)
+    return speed - half, speed + half
+
+
+def _status(found: Summary, half: float, most: float) -> str:
+    """How the runs of a point went."""
+    bad = {name: count for name, count in found.outcomes.items() if name not in ("ok", "stuck")}
+    if found.speed_mm_s is None:
+        return f"no speed: {listed(found.outcomes)}"
+    if bad:
+        return f"some runs ended badly: {listed(bad)}"
+    if half > most:
+        return f"error {half:.3g} mm/s, not within the {most:.3g} asked"
+    return OK
+
+
+def _with_runs(scene: Scene, **run: float) -> Scene:
+    return scene.model_copy(update={"run": scene.run.model_copy(update=run)})
+
+
+def _silent(what: str, done: int, total: int) -> None:
+    """Progress that reports nothing."""

@@ -1,0 +1,90 @@
+"""A point of an exploration: a design in a scene, what shall be known of it, and its key."""
+
+import functools
+import hashlib
+import json
+from collections.abc import Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen import discrepancy
+from walkergen.errors import InputError
+from walkergen.exploring.wanted import Wanted
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.simulation import points
+from walkergen.walker.design import Design
+
+KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")
+"""Groups of numbers that a point may be asked for."""
+
+THEORY = "theory"
+"""Model of a point that is not simulated."""
+
+MODELS = (THEORY, "rigid", "relaxed", "compliant", "space", "auto")
+
+Value = float | int | str | None
+Record = dict[str, Value]
+"""Numbers of a point by the names of their columns, with units; None where there is none."""
+
+STATUS = "status"
+"""Name of the column that says how a point went: OK, or what is wrong with its numbers."""
+OK = "ok"
+
+
+class Point(NamedTuple):
+    """Point that can be evaluated, in this process or in another."""
+
+    design: Design
+    scene: Scene
+    """Scene, with the model and the runs that shall be simulated."""
+    simulated: bool = False
+    """False for the theory alone."""
+    keep: tuple[str, ...] = ("speed",)
+    """Some of KEPT."""
+    wanted: Wanted | None = None
+    """Error up to which runs are added; None for the runs of the scene."""
+    printer: Printer | None = None
+    """Printer of the group "printability"."""
+
+
+def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
+    """Refuse groups and models that are not known, or do not go together. Raises InputError."""
+    for name in keep:
+        if name not in KEPT:
+            raise InputError(f"--keep {name[:30]!r}: must be one of {', '.join(KEPT)}")
+    if model not in MODELS:
+        raise InputError(f"--model {model[:30]!r}: must be one of {', '.join(MODELS)}")
+    for name in ("persistence", "impacts"):
+        if name in keep and model == THEORY:
+            raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
+    if "persistence" in keep and model not in ("space", "auto"):
+        raise InputError(f"--keep persistence: model {model} cannot turn: --model space")
+    if "printability" in keep and printer is None:
+        raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
+
+
+def key(point: Point) -> str:
+    """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
+    printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
+    asked = [
+        *points.facts(point.scene, point.design),
+        point.scene.prediction.model_dump(),
+        point.simulated, sorted(point.keep), point.wanted, printer, digest(),
+    ]  # fmt: skip
+    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:32]
+
+
+@functools.cache
+def digest() -> str:
+    """Hash of the program's sources and tables that numbers come from, 16 hexadecimal digits.
+
+    Pictures, commands and jobs do not count: they change no number of a point.
+    """
+    package, found = Path(__file__).parent.parent, hashlib.sha256()
+    counted = ("*.py", "analysis/*.py", "exploring/*.py", "numerics/*.py", "printing/*.py",
+               "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
+    for source in sorted(path for pattern in counted for path in package.glob(pattern)):
+        found.update(source.read_bytes())
+    found.update(discrepancy.digest().encode())
+    return found.hexdigest()[:16]

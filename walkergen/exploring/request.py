@@ -1,0 +1,79 @@
+"""Request of an exploration: which keys vary, and what to know of each point."""
+
+from collections.abc import Iterator, Mapping
+from typing import Any, NamedTuple
+
+from walkergen.errors import InputError, WalkergenError
+from walkergen.exploring import point as points
+from walkergen.exploring.axes import Space
+from walkergen.exploring.evaluate import refused
+from walkergen.exploring.point import THEORY, Point
+from walkergen.exploring.run import Asked
+from walkergen.exploring.wanted import Wanted
+from walkergen.files import assignments
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+SCENE = "scene."
+"""Beginning of the keys of a scene; all others are a design's."""
+
+
+class Request(NamedTuple):
+    """Points to evaluate: a design in a scene, with keys that vary."""
+
+    design: Design
+    scene: Scene
+    space: Space
+    model: str = THEORY
+    """One of `point.MODELS`."""
+    keep: tuple[str, ...] = ("speed",)
+    wanted: Wanted | None = None
+    printer: Printer | None = None
+
+    def check(self) -> None:
+        """Refuse unknown keys, groups and models, before anything runs. Raises InputError."""
+        points.check(self.keep, self.model, self.printer)
+        if self.wanted is not None and self.model == THEORY:
+            raise InputError(f"--error {self.wanted}: the theory has no runs: --model compliant")
+        for key in self.space.keys:
+            own = key.removeprefix(SCENE)
+            assignments.check(own, Design if own == key else Scene, f"--set {key}")
+
+    def at(self, values: Mapping[str, Any]) -> Asked:
+        """Point at values of the keys, or the record of one that is refused."""
+        try:
+            return self.point(values)
+        except WalkergenError as error:
+            return refused(error)
+
+    def point(self, values: Mapping[str, Any]) -> Point:
+        """Point at values of the keys. Raises InputError for one that cannot be built."""
+        design, scene = changed(self.design, self.scene, values)
+        if self.model != THEORY:
+            legs = scene.legs.model_copy(update={"model": self.model})
+            scene = scene.model_copy(update={"legs": legs})
+        return Point(design, scene, self.model != THEORY, self.keep, self.wanted, self.printer)
+
+    def asked(self) -> Iterator[Asked]:
+        """All points, in the order of `space.rows`."""
+        keys = self.space.keys
+        for row in self.space.rows():
+            yield self.at(dict(zip(keys, row, strict=True)))
+
+
+def changed(
+    design: Design, scene: Scene, values: Mapping[str, Any], source: str = "--set"
+) -> tuple[Design, Scene]:
+    """Design and scene with other values of dotted keys; those of the scene begin with "scene.".
+
+    Raises InputError, or GeometryError, with a line for every mistake.
+    """
+    own = {key: value for key, value in values.items() if not key.startswith(SCENE)}
+    scenes = {
+        key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)
+    }
+    return (
+        assignments.changed(design, own, source),
+        assignments.changed(scene, scenes, f"{source} scene"),
+    )

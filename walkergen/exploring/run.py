@@ -1,0 +1,171 @@
+"""Evaluation of many points: those that are known come from the store, others from a crew."""
+
+from collections import deque
+from collections.abc import Iterable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Future, wait
+from itertools import islice
+from typing import NamedTuple
+
+from walkergen.errors import WalkergenError
+from walkergen.exploring.crew import Crew
+from walkergen.exploring.evaluate import evaluate
+from walkergen.exploring.point import Point, Record, digest, key
+from walkergen.exploring.store import Store
+
+AHEAD = 4
+"""Tasks for each worker that are sent ahead, so that none is idle."""
+
+BLOCK = 64
+"""Points that are looked up together, and by the theory evaluated in one task: 2 ms each, of which
+sending one alone costs half."""
+
+MOST_AHEAD = 4096
+"""Points that may be ahead of one that takes long: they are kept, to be yielded in order."""
+
+Asked = Point | Record
+"""Point, or the record of one that was refused before it can be evaluated."""
+
+Answer = tuple[str, list[Record]]
+
+
+class Done(NamedTuple):
+    """Evaluated point."""
+
+    key: str
+    """Key of the point; "" for one that was refused."""
+    record: Record
+    known: bool
+    """True when the store had it."""
+
+
+class _Task(NamedTuple):
+    """Points that are evaluated together."""
+
+    keys: list[str]
+    future: "Future[Answer]"
+
+
+class _Slot(NamedTuple):
+    """Place of a point in the order: done, or under way as the n-th of a task."""
+
+    done: Done | None
+    task: _Task | None = None
+    place: int = 0
+
+
+def each(asked: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iterator[Done]:
+    """Evaluate points and yield them in their order; those that are evaluated are in the store.
+
+    Without a crew they are evaluated here, in turn. Raises OutputError where the store fails, and
+    WalkergenError when a worker is lost or has another version of walkergen; all that was finished
+    is then in the store.
+    """
+    stream = iter(asked)
+    if crew is None:
+        while block := list(islice(stream, BLOCK)):
+            yield from _here(block, store)
+        return
+    slots: deque[_Slot] = deque()
+    under_way: dict[Future[Answer], _Task] = {}
+    more = True
+    while more or slots:
+        while more and len(under_way) < AHEAD * crew.workers and len(slots) < MOST_AHEAD:
+            block = list(islice(stream, BLOCK))
+            more = bool(block)
+            for slot in _sent(block, store, crew):
+                slots.append(slot)
+                if slot.task is not None:
+                    under_way[slot.task.future] = slot.task
+        if under_way and slots[0].task is not None and slots[0].task.future in under_way:
+            finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
+            for future in finished:
+                task = under_way.pop(future)
+                store.put(zip(task.keys, _answer(future), strict=True))
+        while slots and (slots[0].task is None or slots[0].task.future not in under_way):
+            yield _done(slots.popleft())
+
+
+def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
+    """Evaluate a block in this process; simulated points are saved one by one."""
+    keys = [key(one) if isinstance(one, Point) else "" for one in block]
+    known = store.get([one for one in keys if one])
+    unsaved: list[tuple[str, Record]] = []
+    found: list[Done] = []
+    for one, name in zip(block, keys, strict=True):
+        if not isinstance(one, Point):
+            found.append(Done(name, one, False))
+        elif name in known:
+            found.append(Done(name, known[name], True))
+        else:
+            found.append(Done(name, evaluate(one), False))
+            unsaved.append((name, found[-1].record))
+            if one.simulated:
+                store.put(unsaved)
+                unsaved.clear()
+                yield from found
+                found.clear()
+    store.put(unsaved)
+    yield from found
+
+
+def _sent(block: Sequence[Asked], store: Store, crew: Crew) -> list[_Slot]:
+    """Places of a block's points, the unknown ones sent to the crew."""
+    keys = [key(one) if isinstance(one, Point) else "" for one in block]
+    known = store.get([one for one in keys if one])
+    fresh = {
+        name: one
+        for name, one in zip(keys, block, strict=True)
+        if isinstance(one, Point) and name not in known
+    }
+    simulated = any(one.simulated for one in fresh.values())
+    size = 1 if simulated else BLOCK
+    names = list(fresh)
+    places: dict[str, tuple[_Task, int]] = {}
+    for first in range(0, len(names), size):
+        part = names[first : first + size]
+        task = _Task(part, crew.executor.submit(_work, [fresh[name] for name in part]))
+        places |= {name: (task, place) for place, name in enumerate(part)}
+    slots = []
+    for name, one in zip(keys, block, strict=True):
+        if not isinstance(one, Point):
+            slots.append(_Slot(Done(name, one, False)))
+        elif name in known:
+            slots.append(_Slot(Done(name, known[name], True)))
+        else:
+            slots.append(_Slot(None, *places[name]))
+    return slots
+
+
+def _work(asked: Sequence[Point]) -> Answer:
+    """Records of points, and by which sources; runs on a worker."""
+    return digest(), [evaluate(one) for one in asked]
+
+
+def _answer(future: "Future[Answer]") -> list[Record]:
+    """Records that a worker has sent. Raises WalkergenError."""
+    try:
+        sources, records = future.result()
+    except BrokenExecutor as error:
+        raise WalkergenError(
+            "a worker process ended at once, as when the memory is full: what was finished is "
+            f"kept; the same command goes on, with fewer --workers ({error})"
+        ) from error
+    except ImportError as error:
+        raise WalkergenError(
+            f"a worker has no such walkergen: {error}; install it there"
+        ) from error
+    if sources != digest():
+        raise WalkergenError(
+            f"a worker has another version of walkergen, {sources}, here {digest()}: its numbers "
+            "are left out; install the same one there"
+        )
+    return records
+
+
+def _done(slot: _Slot) -> Done:
+    """Point of a slot whose task has ended."""
+    if slot.done is not None:
+        return slot.done
+    assert slot.task is not None
+    _, records = slot.task.future.result()
+    return Done(slot.task.keys[slot.place], records[slot.place], False)

@@ -1,0 +1,66 @@
+"""Store of evaluated points in the user's cache: a table of SQLite, which survives any kill.
+
+Points are found by their keys, so that explorations share them, and one that was stopped goes on.
+"""
+
+import json
+import sqlite3
+from collections.abc import Iterable, Sequence
+from pathlib import Path
+
+from walkergen.errors import OutputError
+from walkergen.exploring.point import Record
+from walkergen.numerics import kernels
+
+WAIT_S = 60.0
+"""Time for which a store waits until another program has written, s."""
+
+
+class Store:
+    """Records by the keys of their points. Every call raises OutputError where it cannot go on."""
+
+    def __init__(self, path: Path | None = None) -> None:
+        self.path = kernels.cache("points") / "points.sqlite" if path is None else path
+        try:
+            self._base = sqlite3.connect(self.path, timeout=WAIT_S, isolation_level=None)
+            self._base.execute(
+                "CREATE TABLE IF NOT EXISTS points (key TEXT PRIMARY KEY, record TEXT NOT NULL) "
+                "WITHOUT ROWID"
+            )
+        except sqlite3.Error as error:
+            raise self._told(error) from None
+
+    def get(self, keys: Sequence[str]) -> dict[str, Record]:
+        """Records of those keys that are known."""
+        marks = ",".join("?" * len(keys))
+        try:
+            rows = self._base.execute(
+                f"SELECT key, record FROM points WHERE key IN ({marks})", keys
+            ).fetchall()
+            return {key: json.loads(text) for key, text in rows}
+        except (sqlite3.Error, ValueError) as error:
+            raise self._told(error) from None
+
+    def put(self, rows: Iterable[tuple[str, Record]]) -> None:
+        """Save records, all of them or none; on the disk when this returns."""
+        texts = [(key, json.dumps(record, allow_nan=False)) for key, record in rows]
+        try:
+            self._base.execute("BEGIN IMMEDIATE")
+            try:
+                self._base.executemany("INSERT OR REPLACE INTO points VALUES (?, ?)", texts)
+            except BaseException:
+                self._base.execute("ROLLBACK")
+                raise
+            self._base.execute("COMMIT")
+        except sqlite3.Error as error:
+            raise self._told(error) from None
+
+    def close(self) -> None:
+        """Close the file."""
+        self._base.close()
+
+    def _told(self, error: Exception) -> OutputError:
+        return OutputError(
+            f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
+            "file, after which its points are computed anew"
+        )
