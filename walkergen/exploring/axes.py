@@ -91,18 +91,43 @@ def of_text(key: str, value: str, source: str) -> Axis | Span:
         if ranged and len(numbers) == 3:
             found += _range(numbers, source)
         elif ranged and len(pieces) == 1:
-            low, high = (_finite(one, source) for one in numbers)
-            if not low < high:
-                raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
-            return Span(key, low, high)
+            return span(key, float(numbers[0]), float(numbers[1]), source)
+        elif ranged:
+            raise InputError(
+                f"{source}: bounds LOW:HIGH stand alone; write FIRST:LAST:STEP in a list"
+            )
         elif not piece.strip():
             raise InputError(f"{source}: an empty value in the list: remove a comma")
         else:
             found.append(assignments.value_of(piece.strip()))
         if len(found) > MOST_VALUES:
-            raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
-    unique = list(dict.fromkeys(found)) if all(map(_hashable, found)) else found
-    return Axis(key, tuple(unique))
+            break
+    return axis(key, found, source)
+
+
+def axis(key: str, values: Sequence[Any], source: str) -> Axis:
+    """Axis of these values, each once. Raises InputError for none, too many, inf and NaN."""
+    if not values:
+        raise InputError(f"{source}: no values: write one at least")
+    if len(values) > MOST_VALUES:
+        raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
+    for value in values:
+        if isinstance(value, float) and not math.isfinite(value):
+            raise InputError(f"{source}: {value} is no value: write finite numbers")
+    if not all(isinstance(value, (str, int, float)) for value in values):
+        return Axis(key, tuple(values))
+    # True equals 1, but is another value.
+    unique = dict.fromkeys((isinstance(value, bool), value) for value in values)
+    return Axis(key, tuple(value for _, value in unique))
+
+
+def span(key: str, low: float, high: float, source: str) -> Span:
+    """Bounds of samples. Raises InputError unless they are finite and rise."""
+    for end in (low, high):
+        _finite(str(end), source)
+    if not low < high:
+        raise InputError(f"{source}: the first of LOW:HIGH must lie below the second")
+    return Span(key, low, high)
 
 
 def check(axes: Sequence[Axis | Span]) -> None:
@@ -141,7 +166,7 @@ def _range(words: Sequence[str], source: str) -> list[float]:
     if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
         return [int(first) + number * int(step) for number in range(count)]
     # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
-    digits = 9 - math.floor(math.log10(max(abs(first), abs(last), abs(step))))
+    digits = 13 - math.floor(math.log10(max(abs(first), abs(last), abs(step))))
     return [round(first + number * step, digits) + 0.0 for number in range(count)]
 
 
@@ -152,12 +177,8 @@ def _finite(word: str, source: str) -> float:
     return value
 
 
-def _hashable(value: Any) -> bool:
-    return isinstance(value, (str, int, float))
-
-
 def _sampled(sample: Sample) -> Any:
-    """Samples, shape (count, spans), rounded to 9 digits, as tables show them."""
+    """Samples, shape (count, spans), rounded to what a table shows without harm: 9 digits."""
     from scipy.stats import qmc
 
     wide, rng = len(sample.spans), np.random.default_rng(sample.seed)
@@ -166,5 +187,8 @@ def _sampled(sample: Sample) -> Any:
     else:
         sequence = qmc.Sobol(wide, rng=rng)
         cube = sequence.random_base2(math.ceil(math.log2(max(sample.samples, 1))))[: sample.samples]
-    low, high = (np.array([getattr(span, end) for span in sample.spans]) for end in ("low", "high"))
-    return low + cube * (high - low)
+    for one, column in zip(sample.spans, cube.T, strict=True):
+        digits = 8 - math.floor(math.log10(max(abs(one.low), abs(one.high))))
+        values = np.round(one.low + column * (one.high - one.low), min(digits, 300))
+        column[:] = np.clip(values, one.low, one.high)
+    return cube

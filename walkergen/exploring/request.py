@@ -37,8 +37,7 @@ class Request(NamedTuple):
         if self.wanted is not None and self.model == THEORY:
             raise InputError(f"--error {self.wanted}: the theory has no runs: --model compliant")
         for key in self.space.keys:
-            own = key.removeprefix(SCENE)
-            assignments.check(own, Design if own == key else Scene, f"--set {key}")
+            check(key, f"--set {key}")
 
     def at(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""
@@ -60,6 +59,12 @@ class Request(NamedTuple):
         keys = self.space.keys
         for row in self.space.rows():
             yield self.at(dict(zip(keys, row, strict=True)))
+
+
+def check(key: str, source: str) -> None:
+    """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
+    own = key.removeprefix(SCENE)
+    assignments.check(own, Design if own == key else Scene, source)
 
 
 def changed(

@@ -51,13 +51,7 @@ def read(path: Path, model: type[Model]) -> Model:
 
     Raises InputError when the file cannot be read, or with every mistake in it and its line.
     """
-    text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
-    try:
-        data = tomllib.loads(text)
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise InputError(f"{path}: not valid TOML: nested too deeply") from None
+    data, text = load(path)
     if not data:
         raise InputError(
             f"{path}: the file sets nothing; start from a template: walkergen templates copy NAME"
@@ -65,6 +59,23 @@ def read(path: Path, model: type[Model]) -> Model:
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
     return validate(model.beside(data, path.parent), model, str(path), text)
+
+
+def load(path: Path) -> tuple[dict[str, Any], str]:
+    """Contents of a TOML file, and its text. Raises InputError when it cannot be read."""
+    text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
+    try:
+        return tomllib.loads(text), text
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {error}") from None
+    except RecursionError:
+        raise InputError(f"{path}: not valid TOML: nested too deeply") from None
+
+
+def where(location: tuple[str, ...], source: str, text: str) -> str:
+    """Source of a text, with the line of a key where that is found: "my.toml:12"."""
+    line = _line_of(location, text)
+    return f"{source}:{line}" if line else source
 
 
 def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "") -> Model:
@@ -77,8 +88,8 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
     except GeometryError as error:
         lines = []
         for problem in str(error).splitlines():  # each begins with its key
-            line = _line_of(_split_key(problem.split(" ", 1)[0]), text)
-            lines.append(f"{source}:{line}: {problem}" if line else f"{source}: {problem}")
+            location = _split_key(problem.split(" ", 1)[0])
+            lines.append(f"{where(location, source, text)}: {problem}")
         raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
         lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
@@ -88,21 +99,20 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
 def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
     location = _path_of(mistake["loc"], model)
-    line = _line_of(location, text)
-    where = f"{source}:{line}" if line else source
+    place = where(location, source, text)
     key = ".".join(location) or "file"
     if mistake["type"] == "extra_forbidden":
-        return f"{where}: {key}: unknown key{_spelling_hint(location, model)}"
+        return f"{place}: {key}: unknown key{_spelling_hint(location, model)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
-        return f"{where}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
+        return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
         words, limit = {
             "too_short": ("at least", "min_length"), "too_long": ("at most", "max_length")
         }[mistake["type"]]  # fmt: skip
         count = len(mistake["input"])
-        return f"{where}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
+        return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    return f"{where}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
+    return f"{place}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
 
 
 def _shown(value: Any) -> str:
@@ -155,7 +165,7 @@ def _line_of(location: tuple[str, ...], text: str) -> int | None:
                 return number
             if table == location[:-1]:
                 fallback = fallback or number
-        elif pair := re.match(r"\s*([\w.\s\"'-]+?)\s*=", line):
+        elif pair := re.match(r"\s*([\w.\s\"'\[\]-]+?)\s*=", line):
             key = table + _split_key(pair[1])
             if key in (location, plain, location[:-1], own):
                 return number

@@ -1,0 +1,109 @@
+"""Scales of the axes of a picture: the values of a key as places, in words and with units."""
+
+from collections.abc import Sequence
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from matplotlib.axes import Axes
+from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
+
+Array = npt.NDArray[np.float64]
+
+UNITS = {
+    "_g_cm3": "g/cm³", "_mm_s": "mm/s", "_percent": "%", "_seconds": "s", "_gpa": "GPa",
+    "_deg": "deg", "_mm": "mm", "_um": "µm", "_us": "µs", "_hz": "Hz", "_g": "g", "_s": "s",
+}  # fmt: skip
+"""Units by the ends of keys, the longest first where one ends in another."""
+
+WIDE, LOW = 30.0, 1 / 3
+"""Ratio of the ends of positive values beyond which their axis is logarithmic, if their median lies
+below this share of the last: values in even steps stay on a linear axis."""
+
+MOST_WORD_TICKS = 12
+
+
+class Scale(NamedTuple):
+    """Distinct values of a key, where they lie on an axis, and where each row lies among them."""
+
+    key: str
+    values: tuple[Any, ...]
+    """Distinct values, numbers in rising order, words in the order of the rows."""
+    places: Array
+    """Places of `values` on the axis: the numbers themselves, or 0, 1, 2 of words."""
+    which: npt.NDArray[np.intp]
+    """Place in `values` of each row."""
+    words: bool
+    log: bool
+
+    @property
+    def at(self) -> Array:
+        """Places of the rows on the axis."""
+        return self.places[self.which]
+
+
+def scale_of(key: str, values: Sequence[Any]) -> Scale:
+    """Scale of a key by its values at one row at least; of words where one is no number."""
+    words = not all(_is_number(value) for value in values)
+    seen = [_word(value) if words else value for value in values]
+    distinct = list(dict.fromkeys(seen)) if words else sorted(set(seen))
+    number = {value: place for place, value in enumerate(distinct)}
+    places = np.array(range(len(distinct)) if words else distinct, dtype=float)
+    log = not words and places[0] > 0 and places[-1] > WIDE * places[0]
+    log = bool(log and np.median(places) < LOW * places[-1])
+    index = np.array([number[value] for value in seen], dtype=np.intp)
+    return Scale(key, tuple(distinct), places, index, words, log)
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+def _word(value: Any) -> str:
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
+def label(key: str) -> str:
+    """Key in words with its unit: "legs.tilt (deg)" of legs.tilt_deg."""
+    own = key.removeprefix("scene.")
+    for end, unit in UNITS.items():
+        if own.endswith(end):
+            return f"{own.removesuffix(end).replace('_', ' ')} ({unit})"
+    return own.replace("_", " ")
+
+
+def told(scale: Scale, number: int, named: bool = True) -> str:
+    """One value of a scale in words: "legs.tilt 10 deg" or, not named, "10 deg"."""
+    name, _, unit = label(scale.key).partition(" (")
+    value = scale.values[number]
+    shown = value if scale.words else f"{value:.5g}"
+    parts = (name if named else "", shown, unit.rstrip(")"))
+    return " ".join(part for part in parts if part)
+
+
+def edges(scale: Scale) -> Array:
+    """Edges of the cells about the values, half-way to the next; one more than there are values."""
+    places = np.log(scale.places) if scale.log else scale.places
+    if len(places) == 1:
+        return np.array([places[0] - 0.5, places[0] + 0.5])
+    middle = 0.5 * (places[1:] + places[:-1])
+    found = np.concatenate([[2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]]])
+    return np.exp(found) if scale.log else found
+
+
+def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
+    """Name an axis, and make it logarithmic, or of words, where its scale is."""
+    axis = axes.xaxis if direction == "x" else axes.yaxis
+    axis.set_label_text(label(scale.key))
+    if scale.log:
+        axes.set(**{f"{direction}scale": "log"})
+        decades = np.log10(scale.places[-1] / scale.places[0])
+        axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0) if decades < 2.5 else (1.0,)))
+        axis.set_major_formatter(StrMethodFormatter("{x:g}"))
+        axis.set_minor_formatter(NullFormatter())
+    elif scale.words:
+        every = -(-len(scale.values) // MOST_WORD_TICKS)
+        shown = [one if len(one) <= 14 else one[:13] + "…" for one in scale.values][::every]
+        axis.set_ticks(scale.places[::every].tolist(), shown)
+        if direction == "x" and sum(map(len, shown)) > 30:
+            axes.tick_params(axis="x", rotation=30)
