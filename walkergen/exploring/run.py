@@ -65,8 +65,20 @@ def each(asked: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iter
         while block := list(islice(stream, BLOCK)):
             yield from _here(block, store)
         return
-    slots: deque[_Slot] = deque()
     under_way: dict[Future[Answer], _Task] = {}
+    try:
+        yield from _there(stream, store, crew, under_way)
+    finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
+        for future, task in under_way.items():
+            if future.done() and not future.cancelled() and future.exception() is None:
+                store.put(zip(task.keys, _answer(future), strict=True))
+
+
+def _there(
+    stream: Iterator[Asked], store: Store, crew: Crew, under_way: dict["Future[Answer]", _Task]
+) -> Iterator[Done]:
+    """Evaluate points by a crew; `under_way` holds the tasks whose records are not yet saved."""
+    slots: deque[_Slot] = deque()
     more = True
     while more or slots:
         while more and len(under_way) < AHEAD * crew.workers and len(slots) < MOST_AHEAD:
@@ -79,8 +91,8 @@ def each(asked: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iter
         if under_way and slots[0].task is not None and slots[0].task.future in under_way:
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
             for future in finished:
-                task = under_way.pop(future)
-                store.put(zip(task.keys, _answer(future), strict=True))
+                store.put(zip(under_way[future].keys, _answer(future), strict=True))
+                del under_way[future]
         while slots and (slots[0].task is None or slots[0].task.future not in under_way):
             yield _done(slots.popleft())
 

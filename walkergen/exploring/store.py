@@ -44,12 +44,15 @@ class Store:
     def put(self, rows: Iterable[tuple[str, Record]]) -> None:
         """Save records, all of them or none; on the disk when this returns."""
         texts = [(key, json.dumps(record, allow_nan=False)) for key, record in rows]
+        if not texts:
+            return
         try:
             self._base.execute("BEGIN IMMEDIATE")
             try:
                 self._base.executemany("INSERT OR REPLACE INTO points VALUES (?, ?)", texts)
             except BaseException:
-                self._base.execute("ROLLBACK")
+                if self._base.in_transaction:  # SQLite has ended it itself when the disk is full
+                    self._base.execute("ROLLBACK")
                 raise
             self._base.execute("COMMIT")
         except sqlite3.Error as error:

@@ -30,9 +30,10 @@ def split(text: str, option: str = "--set") -> tuple[str, str]:
 def value_of(text: str) -> Any:
     """Value that a text stands for: a TOML value, or the text itself where it is none (braced)."""
     try:
-        return tomllib.loads(f"value = {text}")["value"]
+        found = tomllib.loads(f"value = {text}")
     except (tomllib.TOMLDecodeError, RecursionError):
         return text
+    return found["value"] if len(found) == 1 else text  # lines of their own below it are no value
 
 
 def check(key: str, model: type[Section], source: str) -> None:
