@@ -162,7 +162,7 @@ def _range(words: Sequence[str], source: str) -> list[float]:
         raise InputError(f"{source}: step {step:g} does not lead from first to last")
     if (last - first) / step > MOST_VALUES:
         raise InputError(f"{source}: more than {MOST_VALUES} values: take a larger step")
-    count = int((last - first) / step + 1e-9) + 1
+    count = int((last - first) / step * (1 + 1e-12)) + 1  # 0.3 / 0.1 lies below 3
     if all(re.fullmatch(r"\s*[+-]?[0-9]+\s*", word) for word in words):
         return [int(first) + number * int(step) for number in range(count)]
     # Rounded to what people write, so that 0:1:0.1 gives 0.3 and not 0.30000000000000004.
