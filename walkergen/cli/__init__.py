@@ -23,6 +23,7 @@ from walkergen.cli import (
     reproduce,
     selftest,
     simulate,
+    sweep,
     templates,
     validate,
     weigh,
@@ -38,8 +39,8 @@ app = typer.Typer(
 )
 for command in (
     family.family, predict.predict, export.export, check.check, plate.plate, simulate.simulate,
-    explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit, movie.movie,
-    report.report, reproduce.reproduce, validate.validate, weigh.weigh,
+    sweep.sweep, explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit,
+    movie.movie, report.report, reproduce.reproduce, validate.validate, weigh.weigh,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(bench.app, name="bench")

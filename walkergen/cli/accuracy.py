@@ -7,13 +7,11 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
-from walkergen.errors import InputError
+from walkergen.cli.times import parse_time
 
 if TYPE_CHECKING:
     from walkergen.jobs.accuracy.make import Study
 
-
-MOST_BUDGET = 86_400.0
 
 MOST_ROWS = 60
 """Number of rows of a ladder beyond which only its notes are printed: files have the rows."""
@@ -60,21 +58,6 @@ def accuracy(
         )
     elif not quiet:
         _show_study(found, folder)
-
-
-def parse_time(text: str) -> float:
-    """Convert "60s", "5min" or "1h" into seconds. Raises InputError outside 1 s to 24 h."""
-    units = {"min": 60.0, "s": 1.0, "h": 3600.0}
-    unit = next((unit for unit in units if text.endswith(unit)), "")
-    try:
-        seconds = float(text.removesuffix(unit)) * units[unit]
-    except (ValueError, KeyError):
-        raise InputError(
-            f"--budget {text[:30]!r}: write a time with its unit: 60s, 5min, 1h"
-        ) from None
-    if not 1.0 <= seconds <= MOST_BUDGET:
-        raise InputError(f"--budget {text[:30]!r}: must lie in 1s..{MOST_BUDGET / 3600:g}h")
-    return seconds
 
 
 def _show_study(found: "Study", folder: Path) -> None:

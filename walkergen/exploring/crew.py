@@ -19,6 +19,8 @@ from walkergen.errors import InputError
 from walkergen.exploring.point import digest
 
 MOST_WORKERS = 1024
+ANSWER_S = 10.0
+"""Time in which a scheduler must answer, s."""
 
 
 class Crew(NamedTuple):
@@ -78,7 +80,7 @@ def dask(address: str) -> Iterator[Crew]:
             "--dask: dask is not installed: pip install 'walkergen[cluster]'"
         ) from None
     try:
-        client = Client(address, timeout=10, set_as_default=False)
+        client = Client(address, timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
         told = str(error).partition("\n")[0][:200]
         raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {told}") from None
@@ -89,7 +91,7 @@ def dask(address: str) -> Iterator[Crew]:
         check(_digests(client))
         yield Crew(client.get_executor(pure=False, retries=3), sum(threads.values()))
     finally:
-        client.close(timeout=10)
+        client.close(timeout=ANSWER_S)
 
 
 def _digests(client: Any) -> dict[str, str]:

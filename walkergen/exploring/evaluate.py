@@ -51,8 +51,7 @@ def refused(error: WalkergenError) -> Record:
 
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
-    parts = solids.build(design)
-    mass = solids.weigh(design, parts)
+    mass = solids.mass_of(design)
     contact = scene.contact
     each = stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
     theory = float(each.factor) * scene.impact_speed
@@ -72,7 +71,7 @@ def _evaluated(point: Point) -> Record:
         }  # fmt: skip
     if "printability" in keep:
         assert point.printer is not None
-        lying = solids.as_printed(design, parts.walker)
+        lying = solids.as_printed(design, solids.build(design).walker)
         findings = checks.of_part(design.name, design, lying, point.printer)
         found |= {f"print_{level}s": sum(one.level == level for one in findings)
                   for level in ("error", "warning")}  # fmt: skip
@@ -86,7 +85,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
     design, scene, wanted = point.design, point.scene, point.wanted
     if wanted is not None:
         seconds = min(scene.run.seconds, LONGEST_S)
-        scene = _with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
+        scene = with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
     while True:
         made = points.measure(Asked(scene, design, mass), _silent, threads=1)
         if made.summary.runs < scene.run.runs:
@@ -103,7 +102,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         # Variances fall as runs are added; the scatter of few runs is itself known badly.
         short = (half**2 - floor**2) / (most**2 - floor**2) if math.isfinite(half) else 2.0
         more = math.ceil(runs * min(max(SLACK * short, 1.5), 8.0))
-        scene = _with_runs(scene, runs=min(MOST_RUNS, more))
+        scene = with_runs(scene, runs=min(MOST_RUNS, more))
     found = made.summary
     record: Record = {
         STATUS: _status(found, half, most),
@@ -161,7 +160,8 @@ def _status(found: Summary, half: float, most: float) -> str:
     return OK
 
 
-def _with_runs(scene: Scene, **run: float) -> Scene:
+def with_runs(scene: Scene, **run: float) -> Scene:
+    """Scene with other settings of its runs."""
     return scene.model_copy(update={"run": scene.run.model_copy(update=run)})
 
 

@@ -39,6 +39,13 @@ class Request(NamedTuple):
         for key in self.space.keys:
             check(key, f"--set {key}")
 
+    def fixed(self, values: Mapping[str, Any]) -> "Request":
+        """Request with keys set for all points. Raises InputError."""
+        for key in values:
+            check(key, f"--set {key}")
+        design, scene = changed(self.design, self.scene, values)
+        return self._replace(design=design, scene=scene)
+
     def at(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""
         try:

@@ -79,10 +79,10 @@ def _there(
 ) -> Iterator[Done]:
     """Evaluate points by a crew; `under_way` holds the tasks whose records are not yet saved."""
     slots: deque[_Slot] = deque()
-    more = True
+    more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
     while more or slots:
-        while more and len(under_way) < AHEAD * crew.workers and len(slots) < MOST_AHEAD:
-            block = list(islice(stream, BLOCK))
+        while more and len(under_way) < most and len(slots) < MOST_AHEAD:
+            block = list(islice(stream, BLOCK if most > 1 else 1))
             more = bool(block)
             for slot in _sent(block, store, crew):
                 slots.append(slot)
@@ -90,6 +90,7 @@ def _there(
                     under_way[slot.task.future] = slot.task
         if under_way and slots[0].task is not None and slots[0].task.future in under_way:
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
+            most = AHEAD * crew.workers
             for future in finished:
                 store.put(zip(under_way[future].keys, _answer(future), strict=True))
                 del under_way[future]

@@ -32,9 +32,13 @@ def write(path: Path, data: bytes) -> None:
                 temporary.unlink()
             raise
     except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
-        reason = getattr(error, "strerror", None) or str(error)
-        told = f"{str(path)!r}: cannot be written: {reason}; try another --out"
-        raise OutputError(told) from None
+        raise refused(path, error) from None
+
+
+def refused(path: Path, error: Exception) -> OutputError:
+    """Error, in words, for a file or folder that the system does not let us write."""
+    reason = getattr(error, "strerror", None) or str(error)
+    return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another --out")
 
 
 class Folder:
@@ -53,26 +57,47 @@ class Folder:
         write(self.path / name, data)
         self.hashes[name] = hashlib.sha256(data).hexdigest()
 
+    def add(self, name: str) -> None:
+        """Take in a file that was written by other means, as row by row."""
+        self.hashes[name] = _hash(self.path / name)
+
     def finish(self, facts: dict[str, Any]) -> None:
         """Write the manifest, after removing what an earlier run left and this one did not make.
 
         Only files that the earlier manifest lists, and that nobody changed since, are removed.
         """
-        for name, digest in self._earlier().items():
-            path = self.path / name
-            inside = self.path.resolve() in path.resolve().parents
-            if name not in self.hashes and inside and path.is_file() and _hash(path) == digest:
-                path.unlink()
+        for name, digest in self._listed().items():
+            if name not in self.hashes and self._ours(name, digest):
+                (self.path / name).unlink()
         manifest = {**facts, "files": dict(sorted(self.hashes.items()))}
         text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
         write(self.path / self.manifest, text.encode())
 
-    def _earlier(self) -> dict[str, str]:
+    def earlier(self) -> dict[str, Any]:
+        """Manifest of an earlier run; nothing where there is none, or one that is not ours."""
         try:
-            files = json.loads((self.path / self.manifest).read_text(encoding="utf-8"))["files"]
-            return {str(name): str(digest) for name, digest in files.items()}
-        except (OSError, ValueError, KeyError, TypeError, AttributeError):
-            return {}  # no manifest, or not one of ours: nothing is known to be left over
+            found = json.loads((self.path / self.manifest).read_text(encoding="utf-8"))
+        except (OSError, ValueError):
+            return {}
+        return found if isinstance(found, dict) else {}
+
+    def untouched(self) -> bool:
+        """True when every file of an earlier run is as it was left."""
+        listed = self._listed()
+        return bool(listed) and all(self._ours(name, digest) for name, digest in listed.items())
+
+    def _listed(self) -> dict[str, str]:
+        """Hashes of the files of an earlier run, by their names."""
+        files = self.earlier().get("files")
+        if not isinstance(files, dict):
+            return {}
+        return {str(name): str(digest) for name, digest in files.items()}
+
+    def _ours(self, name: str, digest: str) -> bool:
+        """True for a file inside the folder that nobody changed since."""
+        path = self.path / name
+        inside = self.path.resolve() in path.resolve().parents
+        return inside and path.is_file() and _hash(path) == digest
 
 
 def versions() -> dict[str, str]:

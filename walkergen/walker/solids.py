@@ -65,8 +65,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     body, depth, limbs = _body_profile(design), design.size.depth, design.limbs
     sections = _sections(limbs, foot_segments)
     digits = Engraving(_engraved(design), design.marks.depth_mm)
-    top = extruded([body], depth, 0, digits)
-    legs = _legs(limbs, sections)
+    top, legs = extruded([body], depth, 0, digits), _legs(limbs, sections)
     if all(limb.width == depth and limb.across == 0.0 for limb in limbs):
         windows = sum(has_window(limb) for limb in limbs)
         placed = [
@@ -229,15 +228,26 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
     """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
-    mass = assemble(design, solids.body, solids.legs)
-    if not design.pair:
-        stance.check(design.limbs, mass)
-    return mass
+    return _weighed(design, solids.body, solids.legs)
 
 
 def mass_of(design: Design) -> MassProperties:
-    """Mass properties of a design's own solids. Raises SolidError."""
-    return weigh(design, build(design))
+    """Mass properties of a design's own solids, without their union where none is needed.
+
+    Raises SolidError, GeometryError for a walker that cannot stand.
+    """
+    if not design.body.plain:
+        return weigh(design, build(design))
+    digits = Engraving(_engraved(design), design.marks.depth_mm)
+    top = extruded([_body_profile(design)], design.size.depth, 0, digits)
+    return _weighed(design, top, _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS)))
+
+
+def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
+    mass = assemble(design, body, legs)
+    if not design.pair:
+        stance.check(design.limbs, mass)
+    return mass
 
 
 def has_window(limb: Limb) -> bool:

@@ -1,0 +1,128 @@
+"""What a sweep costs beyond the simulations in it: overhead, workers, re-runs, memory.
+
+Rivals, in the same run: the bare simulation of the same points in a loop, one worker in place of
+two, the first run in place of the second, a tenth of the points.
+
+    python benchmarks/sweeps.py [--points 10000] [--simulated 48]
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+from walkergen.exploring import axes, run
+from walkergen.exploring.crew import local
+from walkergen.exploring.evaluate import with_runs
+from walkergen.exploring.point import Point
+from walkergen.exploring.request import Request
+from walkergen.exploring.store import Store
+from walkergen.files import templates
+from walkergen.jobs.sweep.make import Job, make
+from walkergen.scene import Scene
+from walkergen.simulation import ensemble
+from walkergen.simulation.plan import prepare
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+MEMORY = """
+import resource, sys
+from walkergen.cli import app
+if __name__ == "__main__":
+    try:
+        app(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",
+             "--out", sys.argv[2]])
+    except SystemExit:
+        pass
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024)
+"""
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """Progress that reports nothing."""
+
+
+def request_of(count: int, model: str = "theory") -> Request:
+    design = templates.load("koumakis2016", "walkers", Design)
+    scene = with_runs(templates.load("lane-90hz", "scenes", Scene), runs=4, seconds=4.0)
+    space = axes.Space((axes.parse(f"legs.tilt_deg=1:40:{39 / (count - 1):.9g}"),))
+    return Request(design, scene, space, model)
+
+
+def overhead(count: int, folder: Path) -> None:
+    """Points through the store against their bare simulations, both on one thread."""
+    request = request_of(count, "compliant")
+    asked = [one for one in request.asked() if isinstance(one, Point)]
+    list(run.each(asked[:1], Store(folder / "warm")))
+    plans = [prepare(one.scene, one.design, solids.mass_of(one.design)) for one in asked]
+    started = time.perf_counter()
+    for plan in plans:
+        ensemble.summarise(ensemble.run(plan, silent, 1), 0.0)
+    bare = time.perf_counter() - started
+    started = time.perf_counter()
+    list(run.each(asked, Store(folder / "overhead")))
+    whole = time.perf_counter() - started
+    extra = 1e3 * (whole - bare) / count
+    print(f"{count} simulated points: {1e3 * bare / count:.1f} ms each bare, {extra:.2f} ms more")
+
+
+def workers(count: int, folder: Path) -> None:
+    """One worker process against two, after they have started."""
+    times = []
+    for number in (1, 2):
+        request = request_of(count, "compliant")
+        asked = [one for one in request.asked() if isinstance(one, Point)]
+        asked = [one._replace(scene=with_runs(one.scene, runs=16)) for one in asked]
+        with local(number) as crew:
+            store = Store(folder / f"workers{number}")
+            list(run.each(asked[: 2 * number], store, crew))
+            started = time.perf_counter()
+            list(run.each(asked[4:], store, crew))
+            times.append(time.perf_counter() - started)
+    print(f"two workers: {times[0] / times[1]:.2f} times one ({times[0]:.1f} s, {times[1]:.1f} s)")
+
+
+def predicted(count: int, folder: Path) -> None:
+    """Predicted points on one core, and the same sweep again, finished, and extended by one."""
+    request, store = request_of(count), Store(folder / "predicted")
+    for told, one in (
+        ("first", request),
+        ("again", request),
+        ("one more", request_of(count)._replace(space=axes.Space((
+            axes.Axis("legs.tilt_deg", (*request.space.axes[0].values, 40.5)),
+        )))),
+    ):  # fmt: skip
+        started, used = time.perf_counter(), time.process_time()
+        make(Job(one, "benchmark", pictures=False), folder / "table", store, None, silent)
+        print(f"{count} predicted points, {told}: {time.perf_counter() - started:.2f} s "
+              f"({time.process_time() - used:.2f} s CPU)")  # fmt: skip
+
+
+def memory(count: int, folder: Path) -> None:
+    """Peak memory of a sweep, and of one with a tenth of its points."""
+    script = folder / "memory.py"
+    script.write_text(MEMORY)
+    for number in (count // 10, count):
+        step = f"legs.tilt_deg=1:40:{39 / number:.9g}"
+        words = [sys.executable, str(script), step, str(folder / f"memory{number}")]
+        told = subprocess.run(words, capture_output=True, text=True, check=True).stdout
+        print(f"{number} points: {float(told):.0f} MB at most")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
+    parser.add_argument("--points", type=int, default=10_000)
+    parser.add_argument("--simulated", type=int, default=48)
+    chosen = parser.parse_args()
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        overhead(chosen.simulated, folder)
+        workers(chosen.simulated, folder)
+        predicted(chosen.points, folder)
+        memory(chosen.points, folder)
+
+
+if __name__ == "__main__":
+    main()

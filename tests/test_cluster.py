@@ -1,0 +1,82 @@
+"""A sweep on a cluster of dask's: a real scheduler, two workers, one of which is killed."""
+
+import json
+import signal
+import subprocess
+import sys
+import time
+
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.exploring import crew
+
+POINTS = ["sweep", "koumakis2016", "--set", "legs.tilt_deg=1:40:1",
+          "--set", "scene.contact.friction=0.1:0.34:0.01", "--no-pictures",
+          "--quiet"]  # fmt: skip
+
+
+def started(module, *arguments):
+    """Program of dask's in a process of its own."""
+    return subprocess.Popen(
+        [sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
+        stderr=subprocess.DEVNULL,
+    )
+
+
+@pytest.fixture
+def cluster(tmp_path):
+    """Address of a scheduler, and its two workers."""
+    file = tmp_path / "scheduler.json"
+    programs = [started("dask_scheduler", "--port", "0", "--scheduler-file", str(file))]
+    one = ("--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--local-directory")
+    programs += [started("dask_worker", *one, str(tmp_path / name)) for name in "ab"]
+    try:
+        from distributed import Client
+
+        until = time.monotonic() + 60.0
+        while not file.exists() and time.monotonic() < until:
+            time.sleep(0.1)
+        address = json.loads(file.read_text())["address"]
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(2, timeout=60)
+        yield address, programs[1:]
+    finally:
+        for program in programs:
+            program.kill()
+            program.wait()
+
+
+@pytest.mark.slow
+def test_killing_a_worker_changes_no_bit(cluster, tmp_path, monkeypatch):
+    address, workers = cluster
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    command = [sys.executable, "-m", "walkergen", *POINTS]
+    sweep = subprocess.Popen([*command, "--dask", address, "--out", str(tmp_path / "cluster")])
+    table = tmp_path / "cluster" / "table.csv"
+    until = time.monotonic() + 120.0
+    while (not table.exists() or table.stat().st_size < 2000) and time.monotonic() < until:
+        time.sleep(0.05)
+    assert sweep.poll() is None  # in the middle
+    workers[0].send_signal(signal.SIGKILL)
+    assert sweep.wait(timeout=120) == 0
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "other"))
+    here = CliRunner().invoke(app, [*POINTS, "--out", str(tmp_path / "here")])
+    assert here.exit_code == 0, here.output
+    assert table.read_bytes() == (tmp_path / "here" / "table.csv").read_bytes()
+    assert table.read_bytes().count(b"\n") == 1 + 1000
+
+
+def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
+    monkeypatch.setattr(crew, "ANSWER_S", 0.5)
+    with pytest.raises(InputError, match="no scheduler answers there"), crew.dask("tcp://[::1]:9"):
+        pass
+
+
+def test_workers_of_another_version_are_refused():
+    with pytest.raises(InputError, match="worker b has another version of walkergen"):
+        crew.check({"a": crew.digest(), "b": "0123456789abcdef"})
+    with pytest.raises(InputError, match="worker b has ModuleNotFoundError: No module named"):
+        crew.check({"b": "ModuleNotFoundError: No module named 'walkergen'"})

@@ -1,0 +1,307 @@
+"""Sweeps: a table that survives, is taken up again, shares points, and trusts no edited row."""
+
+import csv
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+
+import numpy as np
+import pytest
+from filelock import FileLock
+from typer.testing import CliRunner
+
+from walkergen import prediction
+from walkergen.cli import app
+from walkergen.exploring import axes, evaluate
+from walkergen.exploring.request import Request
+from walkergen.exploring.store import Store
+from walkergen.files import templates
+from walkergen.jobs.sweep import budget, make, table
+from walkergen.jobs.sweep.make import LOCK, Job
+from walkergen.scene import Scene
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+TILTS = "legs.tilt_deg=2:20:2"
+GAMMAS = "scene.drive.gamma=1.5,1.8,2.2"
+
+
+@pytest.fixture
+def home(tmp_path, monkeypatch):
+    """Empty cache and working folder."""
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    return tmp_path
+
+
+def swept(*arguments, code=0):
+    """Result of a sweep by the command line, without pictures."""
+    found = CliRunner().invoke(app, ["sweep", *arguments, "--no-pictures"])
+    assert found.exit_code == code, found.output
+    return found
+
+
+def rows_of(path):
+    with path.open() as stream:
+        return list(csv.DictReader(stream))
+
+
+def request_of(*texts, **choices):
+    design = templates.load("koumakis2016", "walkers", Design)
+    scene = templates.load("lane-90hz", "scenes", Scene)
+    return Request(design, scene, axes.Space(tuple(map(axes.parse, texts))), **choices)
+
+
+def test_the_table_holds_the_predictions(home):
+    swept("--set", TILTS, "--set", GAMMAS, "--keep", "speed,masses,printability",
+          "--printer", "prusa-mk3s", "--out", "map")  # fmt: skip
+    rows = rows_of(home / "map" / "table.csv")
+    assert len(rows) == 30
+    one = request_of().point({"legs.tilt_deg": 14, "scene.drive.gamma": 2.2})
+    expected = prediction.predict(one.design, solids.mass_of(one.design), one.scene)
+    key = ("14", "2.2")
+    (row,) = [r for r in rows if (r["legs.tilt_deg"], r["scene.drive.gamma"]) == key]
+    assert float(row["speed_mm_s"]) == expected.speed_mm_s
+    assert float(row["M_g"]) == expected.M_g
+    assert row["print_errors"] == "0"
+
+
+def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(home, monkeypatch):
+    swept("--set", TILTS, "--out", "one")
+    first = (home / "one" / "table.csv").read_bytes()
+    counted = []
+    real = evaluate.evaluate
+    monkeypatch.setattr("walkergen.exploring.run.evaluate", lambda p: counted.append(p) or real(p))
+    assert "all 10 points were there before" in swept("--set", TILTS, "--out", "one").output
+    swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")
+    assert [one.design.tilt_deg for one in counted] == [22, 24, 26, 28, 30]
+    assert (home / "one" / "table.csv").read_bytes()[: len(first)] == first
+    counted.clear()
+    swept("--set", "legs.tilt_deg=20,4,40", "--out", "two")  # shared with another sweep
+    assert [one.design.tilt_deg for one in counted] == [40]
+
+
+def test_a_table_alone_is_enough_to_go_on(home, monkeypatch):
+    swept("--set", TILTS, "--out", "one")
+    first = (home / "one" / "table.csv").read_bytes()
+    monkeypatch.setenv("XDG_CACHE_HOME", str(home / "another"))  # as on another machine
+    cut = first[: first.rindex(b"\n", 0, len(first) - 1) - 30]  # killed within a line
+    (home / "one" / "table.csv").write_bytes(cut)
+    (home / "one" / "manifest.json").unlink()
+    counted = []
+    real = evaluate.evaluate
+    monkeypatch.setattr("walkergen.exploring.run.evaluate", lambda p: counted.append(p) or real(p))
+    swept("--set", TILTS, "--out", "one")
+    assert (home / "one" / "table.csv").read_bytes() == first
+    assert len(counted) == 2
+
+
+def test_an_edited_row_is_named_kept_and_not_trusted(home, monkeypatch):
+    swept("--set", TILTS, "--out", "one")
+    path = home / "one" / "table.csv"
+    first = path.read_text()
+    lines = first.splitlines(keepends=True)
+    speed = lines[3].split(",")[1]
+    lines[3] = lines[3].replace(speed, "99.0")
+    path.write_text("".join(lines))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(home / "another"))
+    told = swept("--set", TILTS, "--out", "one")
+    assert "changed by hand in line 4" in told.stderr
+    assert path.read_text() == first
+    assert "99.0" in (home / "one" / "table.edited.csv").read_text()
+
+
+def test_a_table_of_another_version_is_named_and_evaluated_anew(home):
+    swept("--set", TILTS, "--out", "one")
+    manifest = home / "one" / "manifest.json"
+    facts = json.loads(manifest.read_text())
+    manifest.write_text(json.dumps(facts | {"sources": "0" * 16, "request": "of then"}))
+    assert "another version" in swept("--set", TILTS, "--out", "one").stderr
+
+
+def test_a_person_s_own_table_is_left_alone(home):
+    (home / "one").mkdir()
+    (home / "one" / "table.csv").write_text("speed,notes\n1,mine\n")
+    assert "is no table of a sweep" in str(swept("--set", TILTS, "--out", "one", code=1).exception)
+    assert (home / "one" / "table.csv").read_text() == "speed,notes\n1,mine\n"
+
+
+def test_points_that_cannot_be_are_rows_with_a_reason(home):
+    swept("--set", "legs.tilt_deg=10,80,-90", "--out", "one")
+    good, steep, beyond = rows_of(home / "one" / "table.csv")
+    assert good["status"] == "ok"
+    assert steep["status"].startswith("refused:")
+    assert beyond["speed_mm_s"] == ""
+
+
+@pytest.mark.parametrize(
+    ("arguments", "told"),
+    [
+        (["--set", "legs.tilt=5"], "did you mean legs.tilt_deg?"),
+        (["--set", "scene.drive.gama=1,2"], "did you mean"),
+        (["--set", "legs.tilt_deg=0:inf:1"], "finite"),
+        (["--set", "legs.tilt_deg=nan:5:1"], "finite"),
+        (["--set", "legs.tilt_deg=0:10:0"], "does not lead"),
+        (["--set", "legs.tilt_deg=0:10"], "--sample"),
+        (["--set", TILTS, "--set", TILTS], "given 2 times"),
+        (["--set", TILTS, "--sample", "sobol:8"], "no key to sample"),
+        (["--set", "legs.tilt_deg=0:9", "--sample", "halton:8"], "sobol:N or latin:N"),
+        (["--set", TILTS, "--error", "5%"], "the theory has no runs"),
+        (["--set", TILTS, "--budget", "10m"], "the theory has no runs"),
+        (["--set", TILTS, "--model", "string"], "must be one of theory"),
+        (["--set", TILTS, "--keep", "speed,mass"], "must be one of speed"),
+        (["--set", TILTS, "--keep", "printability"], "needs a printer"),
+        (["--set", TILTS, "--keep", "persistence"], "needs a simulation"),
+        (["--set", TILTS, "--workers", "0"], "1..1024"),
+        (["--set", TILTS, "--workers", "2", "--dask", "tcp://x:1"], "not with --dask"),
+    ],
+)
+def test_what_means_nothing_is_refused_before_anything_is_written(home, arguments, told):
+    found = swept(*arguments, "--out", "one", code=1)
+    assert told in str(found.exception)
+    assert not (home / "one").exists()
+
+
+def test_a_thousand_million_points_ask_first(home):
+    axes_ = [f"scene.contact.{key}=0:1:0.001" for key in ("restitution", "friction", "friction_sd")]
+    given = [part for text in axes_ for part in ("--set", text)]
+    found = str(swept(*given, "--out", "one", code=1).exception)
+    assert "1.003e+09 points" in found
+    assert "give --yes" in found
+    assert not (home / "one").exists()
+
+
+def test_two_sweeps_do_not_write_one_folder(home):
+    (home / "one").mkdir()
+    with FileLock(home / "one" / LOCK):
+        found = swept("--set", TILTS, "--out", "one", code=1)
+    assert "another sweep writes there" in str(found.exception)
+
+
+def test_samples_are_the_same_for_a_seed(home):
+    for name in ("one", "two"):
+        swept("--set", "legs.tilt_deg=2:40", "--set", "legs.length_mm=5:10", "--sample", "sobol:16",
+              "--out", name)  # fmt: skip
+    one, two = ((home / name / "table.csv").read_bytes() for name in ("one", "two"))
+    assert one == two
+    tilts = [float(row["legs.tilt_deg"]) for row in rows_of(home / "one" / "table.csv")]
+    assert len(tilts) == 16
+    # Of a Sobol sequence each half holds half of the points.
+    assert sum(tilt < 21.0 for tilt in tilts) == 8
+
+
+def test_parquet_holds_the_table(home):
+    from pyarrow import parquet
+
+    swept("--set", TILTS, "--set", "legs.kind=flexible,braced", "--out", "one")
+    found = parquet.read_table(home / "one" / "table.parquet")
+    rows = rows_of(home / "one" / "table.csv")
+    assert found["legs.kind"].to_pylist() == [row["legs.kind"] for row in rows]
+    assert found["speed_mm_s"].to_pylist() == [float(row["speed_mm_s"]) for row in rows]
+
+
+def test_a_full_disk_is_one_line_and_loses_no_point(home):
+    program = "\n".join([
+        "import resource, signal, sys",
+        "from walkergen.cli import main",
+        "resource.setrlimit(resource.RLIMIT_FSIZE, (20_000, 20_000))",
+        "signal.signal(signal.SIGXFSZ, signal.SIG_IGN)",
+        "sys.argv[1:] = ['sweep', '--set', 'legs.tilt_deg=0:40:0.1', '--no-pictures',",
+        "                '--out', 'one']",
+        "if __name__ == '__main__':",
+        "    main()",
+    ])  # fmt: skip
+    (home / "full.py").write_text(program)
+    found = subprocess.run([sys.executable, "full.py"], capture_output=True, text=True, check=False)
+    assert found.returncode == 2
+    assert found.stderr.count("\n") == 1
+    assert "File too large" in found.stderr or "cannot be used" in found.stderr
+    swept("--set", "legs.tilt_deg=0:40:0.1", "--out", "one")
+    assert len(rows_of(home / "one" / "table.csv")) == 401
+
+
+ENDLESS_ENOUGH = "legs.tilt_deg=1:40:0.1"
+
+
+def killed(folder, seconds):
+    """A sweep in a process of its own, killed so long after its first rows; the rows it left."""
+    path = folder / "table.csv"
+    path.unlink(missing_ok=True)
+    command = [sys.executable, "-m", "walkergen", "sweep", "--set", ENDLESS_ENOUGH,
+               "--no-pictures", "--quiet", "--out", str(folder)]  # fmt: skip
+    started = subprocess.Popen(command, start_new_session=True)
+    until = time.monotonic() + 60.0
+    while (not path.exists() or path.stat().st_size < 3000) and time.monotonic() < until:
+        time.sleep(0.002)
+    time.sleep(seconds)
+    os.kill(started.pid, signal.SIGKILL)
+    started.wait()
+    return len(path.read_bytes().splitlines()) - 1
+
+
+def ends_whole(folder, home, texts):
+    """Assert that the sweep completes to the bytes of one that was never killed."""
+    swept("--set", texts, "--out", str(folder))
+    swept("--set", texts, "--out", "never-killed")
+    first, second = ((home / one / "table.csv").read_bytes() for one in (folder, "never-killed"))
+    assert first == second
+
+
+def test_a_killed_sweep_goes_on(home):
+    assert 0 < killed(home / "one", 0.0) < 391
+    ends_whole("one", home, ENDLESS_ENOUGH)
+
+
+@pytest.mark.nightly
+def test_fifty_kills_lose_nothing(home, monkeypatch):
+    rng = np.random.default_rng(1)
+    for number in range(50):
+        monkeypatch.setenv("XDG_CACHE_HOME", str(home / f"cache{number // 5}"))
+        assert killed(home / "one", 0.5 * rng.random()) > 0
+    ends_whole("one", home, ENDLESS_ENOUGH)
+
+
+def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
+    """A stand-in for the simulation: bars of known widths that shrink as one over the root."""
+    widths = {4.0: 1.0, 8.0: 4.0, 12.0: 2.0}
+
+    def measured(one):
+        half = widths[one.design.tilt_deg] * (8 / one.scene.run.runs) ** 0.5
+        return {"status": "ok", "speed_mm_s": 10.0, "low_95_mm_s": 10.0 - half,
+                "high_95_mm_s": 10.0 + half, "runs": one.scene.run.runs}  # fmt: skip
+
+    clock = iter(np.arange(0.0, 100.0))
+    monkeypatch.setattr("walkergen.exploring.run.evaluate", measured)
+    monkeypatch.setattr(budget.time, "monotonic", lambda: float(next(clock)))
+    monkeypatch.setattr(budget, "BATCH", 1)
+    request = request_of("legs.tilt_deg=4,8,12", model="compliant")
+    found = budget.spend(request, 8.5, Store(home / "points"), None, lambda *told: None)
+    # Eight doublings: of 4 five times, of 2 twice, of 1 once; of equal ones the first comes first.
+    assert [one.scene.run.runs for one in found] == [16, 256, 32]
+    again = budget.spend(request, 0.5, Store(home / "points"), None, lambda *told: None)
+    assert [one.scene.run.runs for one in again] == [one.scene.run.runs for one in found]
+
+
+def test_columns_are_those_that_records_have():
+    found = evaluate.evaluate(
+        Request.point(request_of(TILTS, keep=("speed", "spread", "masses")), {"legs.tilt_deg": 8})
+    )
+    assert set(found) == set(table.columns("theory", ("speed", "spread", "masses")))
+
+
+def test_memory_does_not_grow_with_the_points():
+    space = axes.Space(tuple(axes.parse(f"scene.{key}=0:1:0.001") for key in ("a", "b", "c")))
+    rows = space.rows()
+    assert space.points == 1001**3
+    assert next(rows) == (0.0, 0.0, 0.0)
+
+
+def test_a_job_reports_its_progress(home):
+    told = []
+    job = Job(request_of(TILTS), "title", pictures=False)
+    store = Store(home / "points")
+    make.make(job, home / "one", store, None, lambda *one: told.append(one))
+    assert told[-1] == ("points", 10, 10)

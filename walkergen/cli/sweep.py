@@ -1,0 +1,190 @@
+"""The command `sweep`."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.cli.times import parse_time
+from walkergen.errors import InputError
+
+if TYPE_CHECKING:
+    from walkergen.exploring.crew import Crew
+    from walkergen.exploring.request import Request
+    from walkergen.exploring.store import Store
+    from walkergen.jobs.sweep.ask import Ask
+    from walkergen.jobs.sweep.make import Made
+
+FEW_POINTS = 512
+"""Number of points by the theory that take less time here than processes take to start."""
+
+
+def sweep(
+    design: Annotated[
+        str | None, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.")
+    ] = None,
+    values: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--set",
+            metavar="KEY=VALUES",
+            help="Values of any key: KEY=5, KEY=5,10,15, KEY=FIRST:LAST:STEP, or, with --sample, "
+            "KEY=LOW:HIGH. Keys of the scene begin with scene.",
+        ),
+    ] = None,
+    scene: Annotated[
+        str | None,
+        typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file."),
+    ] = None,
+    model: Annotated[
+        str, typer.Option("--model", metavar="MODEL", help="theory, or a model to simulate by.")
+    ] = "theory",
+    error: Annotated[
+        str | None,
+        typer.Option(
+            "--error", metavar="ERROR", help="Error of each simulated speed: 5% or 3mm/s."
+        ),
+    ] = None,
+    sample: Annotated[
+        str | None,
+        typer.Option(
+            "--sample", metavar="METHOD:N", help="Samples of LOW:HIGH: sobol:256, latin:99."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the samples.")] = 1,
+    keep: Annotated[
+        str,
+        typer.Option(
+            "--keep",
+            metavar="GROUPS",
+            help="Numbers to keep: speed,spread,persistence,impacts,masses,printability.",
+        ),
+    ] = "speed",
+    printer: Annotated[
+        str | None,
+        typer.Option("--printer", metavar="PRINTER", help="Printer of --keep printability."),
+    ] = None,
+    file: Annotated[
+        Path | None, typer.Option("--file", metavar="FILE", help="All of this from a sweep.toml.")
+    ] = None,
+    budget: Annotated[
+        str | None,
+        typer.Option("--budget", metavar="TIME", help="Time to spend where errors are worst: 10m."),
+    ] = None,
+    workers: Annotated[
+        int | None, typer.Option("--workers", help="Processes; all cores by default.")
+    ] = None,
+    dask: Annotated[
+        str | None,
+        typer.Option("--dask", metavar="ADDRESS", help="Cluster instead: tcp://scheduler:8786."),
+    ] = None,
+    yes: Annotated[bool, typer.Option("--yes", help="Begin, however long it takes.")] = False,
+    out: opt.Out = None,
+    pictures: opt.Pictures = True,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
+    from walkergen.exploring.store import Store
+    from walkergen.jobs.sweep import ask, make
+
+    if file is None:
+        asked = _ask(design, values or [], scene, printer, model, error, sample, seed, keep)
+    else:
+        _check_file(DESIGN=design, set=values, scene=scene, printer=printer, error=error,
+                    sample=sample)  # fmt: skip
+        asked = ask.of_file(file)
+    request = asked.request()
+    seconds = None if budget is None else parse_time(budget)
+    if seconds is not None and error is not None:
+        raise InputError(
+            f"--error {error[:30]}: not with --budget, which adds runs until it is spent"
+        )
+    folder = out or Path("out") / "sweeps" / asked.name()
+    store = Store()
+    with _crew(request, workers, dask) as crew:
+        _check_cost(request, store, crew, yes)
+        job = make.Job(request, asked.title(), pictures, seconds)
+        with show.progress("sweep", wanted=not quiet) as progress:
+            made = make.make(job, folder, store, crew, progress)
+    for line in made.told:
+        print(f"warning: {line}", file=sys.stderr)
+    if json:
+        show.as_json({"points": made.points, "known": made.known, "bad": made.bad,
+                      "files": [str(path) for path in made.files]})  # fmt: skip
+    elif not quiet:
+        _show(made, folder)
+
+
+def _ask(
+    design: str | None, values: list[str], scene: str | None, printer: str | None, model: str,
+    error: str | None, sample: str | None, seed: int, keep: str,
+) -> "Ask":  # fmt: skip
+    """Sweep that a command line asks for. Raises InputError."""
+    from walkergen.exploring.wanted import parse
+    from walkergen.files import templates
+    from walkergen.jobs.sweep import ask
+    from walkergen.printing.printers import Printer
+
+    space, constants = ask.space_of(values, sample, seed)
+    return ask.Ask(
+        opt.design_of(design or opt.PAPER),
+        opt.scene_of(scene or opt.SCENE, opt.Changes()),
+        None if printer is None else templates.load(printer, "printers", Printer),
+        space, constants, model, None if error is None else parse(error),
+        [word.strip() for word in keep.split(",")],
+    )  # fmt: skip
+
+
+def _check_file(**given: object) -> None:
+    """Refuse what a file of a sweep says itself. Raises InputError."""
+    for name, value in given.items():
+        if value is not None:
+            flag = name if name.isupper() else f"--{name}"
+            raise InputError(f"{flag} {value}: not with --file, which says it")
+
+
+@contextmanager
+def _crew(request: "Request", workers: int | None, dask: str | None) -> "Iterator[Crew | None]":
+    """Crew that a command line asks for; none for so few points that this process is faster."""
+    from walkergen.exploring import crew
+    from walkergen.exploring.point import THEORY
+
+    if dask is not None:
+        if workers is not None:
+            raise InputError(f"--workers {workers}: not with --dask, which has its own")
+        with crew.dask(dask) as found:
+            yield found
+    elif workers is None and request.model == THEORY and request.space.points <= FEW_POINTS:
+        yield None
+    else:
+        with crew.local(workers) as found:
+            yield found
+
+
+def _check_cost(request: "Request", store: "Store", crew: "Crew | None", yes: bool) -> None:
+    """Say what a large sweep costs and refuse it without --yes. Raises InputError."""
+    from walkergen.jobs.sweep import cost
+
+    if yes or request.space.points <= cost.UNASKED:
+        return
+    found = cost.estimate(request, store, 1 if crew is None else crew.workers)
+    raise InputError(f"{cost.in_words(found)}; give --yes to begin, or take fewer points")
+
+
+def _show(made: "Made", folder: Path) -> None:
+    """Print what was made, and what is wrong with points."""
+    from walkergen.jobs.sweep import table
+
+    if made.finished:
+        print(f"all {made.points} points were there before: {folder / table.NAME}")
+    else:
+        known = f", {made.known} of them known before" if made.known else ""
+        print(f"{made.points} points{known}: " + ", ".join(str(path) for path in made.files))
+    for name, count in made.bad.items():
+        print(f"{count} of them: {name} (see the column status)")

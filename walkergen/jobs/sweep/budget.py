@@ -1,0 +1,103 @@
+"""Budget of time: more runs where the error bars are worst."""
+
+import math
+import time
+
+from walkergen.errors import InputError
+from walkergen.exploring import run
+from walkergen.exploring.crew import Crew
+from walkergen.exploring.evaluate import FIRST_RUNS, LONGEST_S, with_runs
+from walkergen.exploring.point import THEORY, Point, Record, key
+from walkergen.exploring.request import Request
+from walkergen.exploring.run import Asked
+from walkergen.exploring.store import Store
+from walkergen.files.progress import Progress
+
+BATCH = 4
+"""Points for each worker that get more runs together."""
+
+MOST_DOUBLINGS = 12
+"""Number of times that the runs of a point are doubled at most: to a bar 64 times narrower."""
+
+MOST_POINTS = 100_000
+"""Number of points that may share a budget: they are kept in memory."""
+
+
+def spend(
+    request: Request, seconds: float, store: Store, crew: Crew | None, progress: Progress
+) -> list[Asked]:
+    """Points of a request, each with as many runs as it got in so many seconds.
+
+    All points get FIRST_RUNS short runs, however long that takes; then those with the widest
+    bounds get twice as many, again and again. Runs that an earlier budget bought are kept. Raises
+    InputError for the theory, which has no runs, and for too many points.
+    """
+    check(request)
+    until = time.monotonic() + seconds
+    asked = [_doubled(one, 0) for one in request.asked()]
+    for number, one in enumerate(asked):
+        asked[number] = _known(one, store)
+    half = []
+    for number, done in enumerate(run.each(asked, store, crew), start=1):
+        half.append(_half(done.record))
+        progress("one pass", number, len(asked))
+    batch = BATCH * (1 if crew is None else crew.workers)
+    most = FIRST_RUNS * 2**MOST_DOUBLINGS
+    while (left := until - time.monotonic()) > 0.0:
+        open_ = [n for n, one in enumerate(asked) if half[n] > 0.0 and _runs(one) < most]
+        worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
+        if not worst:
+            break
+        progress(f"widest bars, ± {half[worst[0]]:.2g} mm/s", round(seconds - left), round(seconds))
+        more = [_doubled(asked[n], 1) for n in worst]
+        for n, one, done in zip(worst, more, run.each(more, store, crew), strict=True):
+            asked[n], half[n] = one, _half(done.record)
+    return asked
+
+
+def check(request: Request) -> None:
+    """Refuse a budget that buys nothing. Raises InputError."""
+    if request.model == THEORY:
+        raise InputError("--budget: the theory has no runs to add: --model compliant, or space")
+    if request.space.points > MOST_POINTS:
+        raise InputError(
+            f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget"
+        )
+
+
+def _doubled(one: Asked, times: int) -> Asked:
+    """Point with its runs doubled so many times; with 0 times the first runs, short ones."""
+    if not isinstance(one, Point):
+        return one
+    run_ = one.scene.run
+    if times == 0:
+        seconds = min(run_.seconds, LONGEST_S)
+        return one._replace(
+            scene=with_runs(one.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None
+        )
+    return one._replace(scene=with_runs(one.scene, runs=run_.runs * 2**times))
+
+
+def _known(one: Asked, store: Store) -> Asked:
+    """Point with the most runs that the store has, or with the first ones."""
+    if not isinstance(one, Point):
+        return one
+    levels = [one, *(_doubled(one, times) for times in range(1, MOST_DOUBLINGS + 1))]
+    keys = [key(level) for level in levels if isinstance(level, Point)]
+    known = store.get(keys)
+    best = max((number for number, name in enumerate(keys) if name in known), default=0)
+    return levels[best]
+
+
+def _runs(one: Asked) -> int:
+    return one.scene.run.runs if isinstance(one, Point) else 0
+
+
+def _half(record: Record) -> float:
+    """Half-width of the bounds of a point, mm/s; infinite where runs are too few for any, 0 where
+    more runs would not help.
+    """
+    low, high = record.get("low_95_mm_s"), record.get("high_95_mm_s")
+    if isinstance(low, float) and isinstance(high, float):
+        return 0.5 * (high - low)
+    return 0.0 if record.get("speed_mm_s") is None else math.inf
