@@ -1,0 +1,227 @@
+"""Evaluated points: the numbers of the parts of the program that they come from, and their keys."""
+
+import json
+import math
+
+import pytest
+
+from walkergen import prediction
+from walkergen.errors import InputError
+from walkergen.exploring import point as points
+from walkergen.exploring import wanted
+from walkergen.exploring.axes import Space
+from walkergen.exploring.evaluate import FEWEST_AT_ALL, allowed, evaluate
+from walkergen.exploring.point import key
+from walkergen.exploring.request import Request
+from walkergen.files import templates
+from walkergen.printing import checks
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.simulation import points as simulated
+from walkergen.theory.stationary import stationary
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+LANE = templates.load("lane-90hz", "scenes", Scene)
+PAPER = templates.load("koumakis2016", "walkers", Design)
+UNEQUAL = templates.load("unequal-legs", "walkers", Design)
+ENDER = templates.load("ender3", "printers", Printer)
+SHORT = {"scene.run.seconds": 0.5, "scene.run.discard_seconds": 0.1, "scene.run.runs": 4}
+
+
+def point_at(model="theory", design=PAPER, keep=("speed",), error=None, printer=None, **values):
+    asked = wanted.parse(error) if error else None
+    dotted = {name.replace("__", "."): value for name, value in values.items()}
+    request = Request(design, LANE, Space(()), model, keep, asked, printer)
+    request.check()
+    return request.point(SHORT | dotted)
+
+
+def silent(what, done, total):
+    """Progress that nobody sees."""
+
+
+@pytest.mark.parametrize("law", ["poisson", "newton"])
+def test_the_theory_is_that_of_predictions(law):
+    point = point_at(keep=("speed", "spread", "masses"), scene__contact__law=law)
+    found = evaluate(point)
+    row = prediction.predict(point.design, solids.mass_of(point.design), point.scene)
+    assert found["status"] == "ok"
+    assert found["model"] == "theory"
+    assert found["speed_mm_s"] == pytest.approx(row.speed_mm_s, rel=1e-12)
+    for name in (f"{end}_{level}_mm_s" for level in (68, 95) for end in ("low", "high")):
+        assert found[f"predicted_{name}"] == getattr(row, f"speed_{name}")
+    assert (found["M_g"], found["J_g_mm2"]) == (row.M_g, row.J_g_mm2)
+    assert (found["m_g"], found["j_g_mm2"]) == (row.m_g, row.j_g_mm2)
+
+
+def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one():
+    point = point_at(design=UNEQUAL, keep=("masses",))
+    found, mass = evaluate(point), solids.mass_of(UNEQUAL)
+    each = stationary(UNEQUAL, mass, 0.8, 0.25, "coulomb", "poisson")
+    contact = LANE.contact
+    assert (contact.restitution, contact.friction, contact.law) == (0.8, 0.25, "poisson")
+    assert found["speed_mm_s"] == pytest.approx(float(each.factor) * LANE.impact_speed)
+    assert found["total_g"] == pytest.approx(float(mass.total))
+
+
+def test_a_simulated_point_is_the_simulation_bit_for_bit():
+    point = point_at("compliant", keep=("speed", "impacts"))
+    found = evaluate(point)
+    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
+    summary = simulated.measure(asked, silent).summary  # on every core, a point on one
+    assert found["speed_mm_s"] == summary.speed_mm_s
+    assert found["se_mm_s"] == summary.speed_se_mm_s
+    assert found["impacts_per_s"] == summary.impacts_per_s
+    assert (found["runs"], found["seconds"], found["model"]) == (4, 0.5, "compliant")
+    assert found["low_95_mm_s"] <= summary.speed_low_95_mm_s < found["speed_mm_s"]
+    assert found["theory_mm_s"] == evaluate(point_at())["speed_mm_s"]
+    assert evaluate(point) == found
+    assert json.loads(json.dumps(found)) == found
+
+
+@pytest.mark.parametrize("error", ["4%", "2mm/s"])
+def test_runs_are_added_until_the_error_is_met(error):
+    found = evaluate(point_at("compliant", error=error))
+    assert found["status"] == "ok"
+    half = 0.5 * (found["high_95_mm_s"] - found["low_95_mm_s"])
+    asked = wanted.parse(error)
+    assert half <= (asked.value * abs(found["speed_mm_s"]) if asked.relative else asked.value)
+    assert found["runs"] >= 8
+    # An error ten times larger needs fewer runs, and the first that it tries are enough.
+    assert evaluate(point_at("compliant", error="80%"))["runs"] == 8
+
+
+NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
+
+
+def test_an_error_that_cannot_be_met_is_said():
+    found = evaluate(point_at("compliant", error="0.001mm/s", **NO_TIME))
+    assert found["runs"] == 512
+    assert found["status"].startswith("error ")
+    assert found["status"].endswith("not within the 0.001 asked")
+    assert math.isfinite(found["speed_mm_s"])
+
+
+def test_a_share_of_no_speed_counts_of_the_plates():
+    peak = LANE.drive.peak_speed
+    five = wanted.parse("5%")
+    assert allowed(five, 0.0, LANE) == pytest.approx(0.05 * FEWEST_AT_ALL * peak)
+    assert allowed(five, None, LANE) == allowed(five, 0.0, LANE)
+    assert allowed(five, -10 * peak, LANE) == pytest.approx(0.5 * peak)
+    assert allowed(wanted.parse("3 mm/s"), 500.0, LANE) == 3.0
+
+
+@pytest.mark.parametrize(
+    "text", ["5", "-5%", "0%", "nan%", "inf mm/s", "101%", "5 %%", "1e999%", ""]
+)
+def test_a_wrong_error_is_refused(text):
+    with pytest.raises(InputError, match=r"^--error "):
+        wanted.parse(text)
+
+
+def test_what_is_not_asked_is_not_there():
+    assert set(evaluate(point_at())) == {"status", "speed_mm_s", "model"}
+    kept = evaluate(point_at(keep=("speed", "masses")))
+    assert set(kept) == {"status", "speed_mm_s", "model", "total_g", "M_g", "J_g_mm2", "m_g",
+                         "j_g_mm2"}  # fmt: skip
+    assert "impacts_per_s" not in evaluate(point_at("compliant"))
+
+
+def test_printability_is_what_the_checks_find():
+    design = {"legs__flexible_thickness_mm": 0.2}
+    found = evaluate(point_at(keep=("printability",), printer=ENDER, **design))
+    point = point_at(**design)
+    walker = solids.build(point.design).walker
+    findings = checks.of_part("x", point.design, solids.as_printed(point.design, walker), ENDER)
+    for level in ("error", "warning"):
+        assert found[f"print_{level}s"] == sum(one.level == level for one in findings)
+    assert found["print_errors"] + found["print_warnings"] > 0
+    assert "\n" not in found["print_told"]
+    assert evaluate(point_at(keep=("printability",), printer=ENDER))["print_errors"] == 0
+
+
+def test_a_braced_walker_has_no_leg_of_its_own():
+    found = evaluate(point_at(keep=("masses",), legs__kind="braced"))
+    assert (found["m_g"], found["j_g_mm2"]) == (None, None)
+
+
+def test_a_point_that_cannot_be_says_why_on_one_line():
+    request = Request(PAPER, LANE, Space(()))
+    for values, told in (
+        ({"legs.tilt_deg": 85.0}, "a leg leaves"),
+        ({"legs.tilt_deg": math.nan}, "legs.tilt_deg = nan"),
+        ({"legs.tilt_deg": 99, "scene.contact.friction": "ice"}, "legs.tilt_deg = 99"),
+        ({"scene.contact.friction": "ice"}, "contact.friction = 'ice'"),
+    ):
+        record = request.at(values)
+        assert isinstance(record, dict)
+        assert list(record) == ["status"]
+        assert record["status"].startswith("refused: ")
+        assert told in record["status"]
+        assert "\n" not in record["status"]
+    # Refused by the simulation, which first sees design and scene together.
+    record = evaluate(point_at("space", scene__contact__law="newton"))
+    assert list(record) == ["status"]
+    assert record["status"].startswith("refused: ")
+    assert "newton" in record["status"]
+
+
+@pytest.mark.parametrize(
+    ("model", "keep", "told"),
+    [
+        ("theory", ("sped",), "--keep 'sped': must be one of"),
+        ("warp", ("speed",), "--model 'warp': must be one of"),
+        ("theory", ("impacts",), "--keep impacts: needs a simulation"),
+        ("compliant", ("persistence",), "--keep persistence: model compliant cannot turn"),
+        ("theory", ("printability",), "--keep printability: needs a printer"),
+    ],
+)
+def test_groups_and_models_that_do_not_go_together_are_refused(model, keep, told):
+    with pytest.raises(InputError) as refused:
+        points.check(keep, model, None)
+    assert str(refused.value).startswith(told)
+
+
+CHANGES = {
+    "tilt": {"legs__tilt_deg": 10.0000001},
+    "density": {"material__density_g_cm3": 1.3},
+    "friction": {"scene__contact__friction": 0.26},
+    "seed": {"scene__run__seed": 2},
+    "runs": {"scene__run__runs": 5},
+    "prediction": {"scene__prediction__impact_speed_factor": 0.5},
+    "keep": {"keep": ("speed", "masses")},
+    "model": {"model": "compliant"},
+    "error": {"model": "compliant", "error": "5%"},
+    "share or speed": {"model": "compliant", "error": "0.05mm/s"},
+    "printer": {"keep": ("printability",), "printer": ENDER},
+    "bed": {"keep": ("printability",), "printer": ENDER.model_copy(update={"nozzle_mm": 0.31})},
+}
+
+
+def test_a_key_changes_with_every_input_that_matters():
+    keys = {name: key(point_at(**change)) for name, change in CHANGES.items()}
+    keys["none"] = key(point_at())
+    assert len(set(keys.values())) == len(keys)
+    assert all(len(one) == 32 for one in keys.values())
+
+
+def test_a_key_does_not_change_with_names_and_order():
+    plain = point_at(keep=("speed", "masses"))
+    named = plain._replace(
+        design=plain.design.model_copy(update={"name": "other", "description": "text"}),
+        scene=plain.scene.model_copy(update={"name": "other"}),
+        keep=("masses", "speed"),
+    )
+    assert key(named) == key(plain)
+    other = ENDER.model_copy(update={"name": "other", "description": "text"})
+    asked = point_at(keep=("printability",), printer=ENDER)
+    assert key(asked._replace(printer=other)) == key(asked)
+    # A value that is set to what it was is the same point.
+    assert key(point_at(legs__tilt_deg=PAPER.tilt_deg)) == key(point_at())
+
+
+def test_a_key_changes_with_the_program(monkeypatch):
+    before = key(point_at())
+    monkeypatch.setattr(points, "digest", lambda: "another")
+    assert key(point_at()) != before
