@@ -1,6 +1,7 @@
 """A sweep on a cluster of dask's: a real scheduler, two workers, one of which is killed."""
 
 import json
+import os
 import signal
 import subprocess
 import sys
@@ -18,12 +19,18 @@ POINTS = ["sweep", "koumakis2016", "--set", "legs.tilt_deg=1:40:1",
           "--quiet"]  # fmt: skip
 
 
-def started(module, *arguments):
+def started(module, *arguments, cwd=None, **environment):
     """Program of dask's in a process of its own."""
     return subprocess.Popen(
         [sys.executable, "-m", f"distributed.cli.{module}", *arguments, "--no-dashboard"],
-        stderr=subprocess.DEVNULL,
-    )
+        stderr=subprocess.DEVNULL, cwd=cwd, env=os.environ | environment,
+    )  # fmt: skip
+
+
+def worker(folder, name, **others):
+    """Worker of one thread, of the scheduler whose address a file in the folder has."""
+    words = ("--scheduler-file", str(folder / "scheduler.json"), "--nthreads", "1", "--no-nanny")
+    return started("dask_worker", *words, "--local-directory", str(folder / name), **others)
 
 
 @pytest.fixture
@@ -31,8 +38,7 @@ def cluster(tmp_path):
     """Address of a scheduler, and its two workers."""
     file = tmp_path / "scheduler.json"
     programs = [started("dask_scheduler", "--port", "0", "--scheduler-file", str(file))]
-    one = ("--scheduler-file", str(file), "--nthreads", "1", "--no-nanny", "--local-directory")
-    programs += [started("dask_worker", *one, str(tmp_path / name)) for name in "ab"]
+    programs += [worker(tmp_path, name) for name in "ab"]
     try:
         from distributed import Client
 
@@ -67,6 +73,24 @@ def test_killing_a_worker_changes_no_bit(cluster, tmp_path, monkeypatch):
     assert here.exit_code == 0, here.output
     assert table.read_bytes() == (tmp_path / "here" / "table.csv").read_bytes()
     assert table.read_bytes().count(b"\n") == 1 + 1000
+
+
+@pytest.mark.slow
+def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
+    from distributed import Client
+
+    address, _ = cluster
+    (tmp_path / "none").mkdir()
+    (tmp_path / "none" / "walkergen.py").write_text('raise ModuleNotFoundError("none here")')
+    third = worker(tmp_path, "c", cwd=tmp_path, PYTHONPATH=str(tmp_path / "none"))
+    try:
+        with Client(address, set_as_default=False) as client:
+            client.wait_for_workers(3, timeout=60)
+        with pytest.raises(InputError, match=r"worker tcp.* has .*none here"), crew.dask(address):
+            pass
+    finally:
+        third.kill()
+        third.wait()
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):

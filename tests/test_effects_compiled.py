@@ -44,7 +44,7 @@ def texts_of(scenes, folder):
         return dict(zip(scenes, found, strict=True))
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_an_effect_that_is_off_leaves_no_code(tmp_path):
     """Air drag needs its own sines, which must not be there without it."""
     found = texts_of(("rigid, steps", "rigid, steps, air"), tmp_path)

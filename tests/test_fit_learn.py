@@ -136,13 +136,9 @@ def test_speeds_that_no_parameters_explain_are_called_so():
     assert lessons.misfit(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
-    "measured",
-    [
-        pytest.param((0, 2, 4), id="three"),
-        pytest.param((1, 3), id="two", marks=pytest.mark.nightly),
-    ],
+    "measured", [pytest.param((0, 2, 4), id="three"), pytest.param((1, 3), id="two")]
 )
 def test_ninety_percent_of_prints_not_measured_lie_in_the_ninety_percent_band(measured):
     known = responses(64, range(5))

@@ -275,6 +275,7 @@ def test_only_settings_in_space_are_chosen_even_where_a_plane_is_right_by_luck()
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_orders_in_space_are_those_claimed():
     """Smooth sliding errs by second order; landings by first, in the mean over drops."""
     ladder = elastic.short(survey_of(model="auto"), silent)

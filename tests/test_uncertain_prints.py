@@ -121,7 +121,8 @@ def test_a_folder_is_for_uncertain_prints_only(tmp_path):
     assert "only --uncertain writes a folder" in str(result.exception)
 
 
-def test_predict_says_what_to_measure_next():
+def test_predict_says_what_to_measure_next(monkeypatch):
+    monkeypatch.setattr("walkergen.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
     result = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain", "--json"])
     (row,) = json.loads(result.stdout)["rows"]
     first = row["shares"][0]
