@@ -103,6 +103,13 @@ def test_an_error_that_cannot_be_met_is_said():
     assert math.isfinite(found["speed_mm_s"])
 
 
+def test_runs_that_tell_no_error_say_so():
+    found = evaluate(point_at("compliant", scene__run__runs=2))
+    assert found["status"] == "error unknown: too few data; take more runs, or longer ones"
+    assert found["speed_mm_s"] > 0
+    assert (found["low_95_mm_s"], found["high_95_mm_s"]) == (None, None)
+
+
 def test_a_share_of_no_speed_counts_of_the_plates():
     peak = LANE.drive.peak_speed
     five = wanted.parse("5%")

@@ -243,6 +243,13 @@ def test_samples_of_more_keys_are_a_panel_each():
         assert sum(len(one.get_xdata()) for one in marks_of(axes, "o")) == 39
 
 
+def test_bounds_that_nobody_could_see_are_neither_drawn_nor_claimed():
+    for count, label in ((500, "speed (mm/s), bounds of 95 %"), (5000, "speed (mm/s)")):
+        _, (axes, *_) = drawn(cloud(count, TILT, MU, DRIVE))
+        assert axes.get_ylabel() == label
+        assert bool(axes.containers) == (count == 500)
+
+
 def test_there_is_no_figure_of_nothing():
     assert figures.figure(Columns({TILT: []}, *(np.empty(0),) * 3, []), [TILT], "") is None
     assert figures.figure(columns(tilt=[5]), [TILT], "") is None

@@ -14,7 +14,7 @@ from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
-from walkergen.simulation.run import ENDED_WELL
+from walkergen.simulation.run import ENDED_WELL, Outcome
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
@@ -150,11 +150,14 @@ def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | N
 
 def _status(found: Summary, half: float, most: float) -> str:
     """How the runs of a point went."""
-    bad = {name: count for name, count in found.outcomes.items() if name not in ("ok", "stuck")}
+    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW)]
+    bad = {name: count for name, count in found.outcomes.items() if name not in fine}
     if found.speed_mm_s is None:
         return f"no speed: {listed(found.outcomes)}"
     if bad:
         return f"some runs ended badly: {listed(bad)}"
+    if Outcome.TOO_FEW.value in found.outcomes:
+        return "error unknown: too few data; take more runs, or longer ones"
     if half > most:
         return f"error {half:.3g} mm/s, not within the {most:.3g} asked"
     return OK

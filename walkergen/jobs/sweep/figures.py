@@ -140,7 +140,7 @@ def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
             )
             dress(axes, "x", scale)
             if place % wide == 0:
-                axes.set_ylabel(draw.speed_label(columns))
+                axes.set_ylabel(draw.speed_label(columns, draw.MOST_SEEN))
         _legend(drawn, _mark_handles(columns))
     return drawn
 

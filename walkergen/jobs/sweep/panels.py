@@ -21,6 +21,9 @@ Mask = npt.NDArray[np.bool_]
 MOST_BARS = 40
 """Points of a line up to which bounds are bars, and beyond a band."""
 
+MOST_SEEN = 1000
+"""Points of a cloud up to which their bounds can be seen, and are drawn."""
+
 SMOOTH = 4
 """Values that both keys of a map need for contours between them."""
 
@@ -112,7 +115,7 @@ def dots(
         axes.plot(places, speed, linestyle=dash, color=colour)
     if crowded and joined and bounded.any():
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
-    elif bounded.any():
+    elif bounded.any() and len(order) <= MOST_SEEN:
         ends = np.abs([speed[bounded] - low[bounded], high[bounded] - speed[bounded]])
         axes.errorbar(places[bounded], speed[bounded], ends, fmt="none", ecolor=colour,
                       elinewidth=0.8, alpha=0.5 if crowded else 1.0)  # fmt: skip
@@ -120,7 +123,8 @@ def dots(
     plain = np.flatnonzero(~doubtful & np.isfinite(speed))
     if crowded and joined:  # enough of them to tell the lines apart
         plain = plain[:: max(1, len(plain) // 12)]
-    dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3}
+    dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3,
+                 "rasterized": len(order) > MOST_SEEN}  # fmt: skip
     axes.plot(places[plain], speed[plain], **dots)
     axes.plot(places[doubtful], speed[doubtful], markerfacecolor="white", **dots)
     missing = places[np.isnan(speed)]
@@ -130,9 +134,9 @@ def dots(
         axes.plot(missing, height, "x", color=colour, transform=foot, clip_on=False)
 
 
-def speed_label(columns: Columns) -> str:
+def speed_label(columns: Columns, most: int | None = None) -> str:
     """Label of an axis of speeds, with what the bars and bands are, if there are any."""
-    known = np.isfinite(columns.low).any()
+    known = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
     return "speed (mm/s), bounds of 95 %" if known else "speed (mm/s)"
 
 
