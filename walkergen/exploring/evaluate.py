@@ -25,6 +25,10 @@ FIRST_RUNS, MOST_RUNS = 8, 512
 SLACK = 1.2
 """Factor by which more runs are made than the estimated error needs, since it fluctuates."""
 
+STEPS_PART, FINEST_US = 0.8, 0.05
+"""Part of the error that a step in space may take up, else it is halved, and step (us) at which
+that ends."""
+
 LONGEST_S = 4.0
 """Measured time of a run of such a point, at most: more runs tell more than longer ones."""
 
@@ -95,14 +99,13 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         low, high = _bounds(made.summary, step)
         half = math.inf if low is None or high is None else 0.5 * (high - low)
         most = math.inf if wanted is None else allowed(wanted, made.summary.speed_mm_s, scene)
-        runs = scene.run.runs
-        floor = step or 0.0
-        if half <= most or runs >= MOST_RUNS or floor >= most or made.summary.speed_mm_s is None:
+        if half <= most or made.summary.speed_mm_s is None:
             break
-        # Variances fall as runs are added; the scatter of few runs is itself known badly.
-        short = (half**2 - floor**2) / (most**2 - floor**2) if math.isfinite(half) else 2.0
-        more = math.ceil(runs * min(max(SLACK * short, 1.5), 8.0))
-        scene = with_runs(scene, runs=min(MOST_RUNS, more))
+        own = float(plan.world.options.step) if made.model == "space" else None
+        finer = _refined(scene, half, most, step or 0.0, own)
+        if finer is None:
+            break
+        scene = finer
     found = made.summary
     record: Record = {
         STATUS: _status(found, half, most),
@@ -116,6 +119,26 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
     if "persistence" in point.keep:
         record |= _motion(made, scene)
     return record
+
+
+def _refined(
+    scene: Scene, half: float, most: float, step: float, own: float | None
+) -> Scene | None:
+    """Scene with more runs, or in space half the step, for half-widths (mm/s) that exceed `most`.
+
+    `step` is the step's own part (mm/s), `own` a step that may be halved (s). None where neither
+    would help.
+    """
+    run = scene.run
+    if step > STEPS_PART * most:
+        finest = own is None or 1e6 * own < 2.0 * FINEST_US
+        return None if finest or own is None else with_runs(scene, step_us=0.5e6 * own)
+    if run.runs >= MOST_RUNS:
+        return None
+    # Variances fall as runs are added; the scatter of few runs is itself known badly.
+    short = (half**2 - step**2) / (most**2 - step**2) if math.isfinite(half) else 2.0
+    more = math.ceil(run.runs * min(max(SLACK * short, 1.5), 8.0))
+    return with_runs(scene, runs=min(MOST_RUNS, more))
 
 
 def _motion(made: points.Point, scene: Scene) -> Record:
