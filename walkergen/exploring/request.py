@@ -38,7 +38,10 @@ class Request(NamedTuple):
             raise InputError(f"--error {self.wanted}: the theory has no runs: --model compliant")
         for key in self.space.keys:
             own = key.removeprefix(SCENE)
-            assignments.check(own, Design if own == key else Scene, f"--set {key}")
+            if own == key:
+                assignments.check(own, Design, f"--set {key}")
+            else:
+                assignments.check(own, Scene, f"--set {key}", SCENE)
 
     def at(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""
@@ -75,5 +78,5 @@ def changed(
     }
     return (
         assignments.changed(design, own, source),
-        assignments.changed(scene, scenes, f"{source} scene"),
+        assignments.changed(scene, scenes, source, SCENE),
     )
