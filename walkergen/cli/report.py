@@ -41,6 +41,10 @@ def report(
     from walkergen.jobs.page import contents
     from walkergen.jobs.page import make as page
 
+    asked = loading.asked(keys, "scene")
+    if run is None and asked.values:
+        raise InputError("--set scene.KEY=VALUE: changes the scene of --run SCENE; give it")
+    scene = None if run is None else asked.scene(run)
     found = contents.read(folder)
     target = out or folder / "report.html"
     sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
@@ -48,10 +52,7 @@ def report(
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     if run is None and not (tilt is None and legs is None):
         raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")
-    asked = loading.asked(keys, "scene")
-    if run is None and asked.values:
-        raise InputError("--set scene.KEY=VALUE: changes the scene of --run SCENE; give it")
-    played = None if run is None else _played(found, asked.scene(run), tilt, legs)
+    played = None if scene is None else _played(found, scene, tilt, legs)
     output.write(target, page.render(found, __version__, played))
     _show_page(target, found, json)
 

@@ -38,9 +38,9 @@ def reproduce(
 
     asked = loading.asked(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
     asked.refuse(
-        loading.TILTS + loading.KINDS, "the paper's tilts and both kinds of legs are compared: "
-        "leave it out, or give --tilt"
-    )  # fmt: skip
+        loading.TILTS + loading.KINDS,
+        "the paper's tilts, or those of --tilt, are compared with both kinds of legs: leave it out",
+    )
     own = {"seconds": side_by_side.SECONDS, "runs": side_by_side.RUNS}
     job = side_by_side.Job(
         asked.design(design),

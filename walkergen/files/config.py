@@ -21,6 +21,12 @@ MOST_BYTES = 1_000_000
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Signs of the limits of a number, by pydantic's names of them."""
+FORMS = {
+    "string_type": "must be text, in quotes",
+    "bool_type": "must be true or false",
+    "list_type": "must be a list, in brackets",
+}
+"""Forms of a value in words, by pydantic's names of the mistake of another."""
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
@@ -111,7 +117,8 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
         count = len(mistake["input"])
         return f"{where}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    return f"{where}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
+    told = FORMS.get(mistake["type"]) or _allowed(location, model) or mistake["msg"]
+    return f"{where}: {key}{seen}: {told}"
 
 
 def _shown(value: Any) -> str:

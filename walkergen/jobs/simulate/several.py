@@ -7,6 +7,7 @@ from rich import box
 from rich.table import Table
 
 from walkergen import prediction
+from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution
@@ -73,7 +74,7 @@ def to_table(rows: Sequence[Row], title: str) -> Table:
         table.add_column(heading, justify="left" if left else "right", no_wrap=not left)
     for row in rows:
         table.add_row(
-            f"{row.tilt_deg:g}", row.legs, row.model, f"{row.theory_mm_s:.1f}", _speed(row),
+            f"{row.tilt_deg:g}", row.legs, row.model, _fixed(row.theory_mm_s), _speed(row),
             _bounds(row), str(row.runs), listed(row.outcomes),
         )  # fmt: skip
     return table
@@ -83,10 +84,16 @@ def _speed(row: Row) -> str:
     """Mean speed of the runs with its standard error."""
     if row.speed_mm_s is None:
         return "none"
-    error = "?" if row.speed_se_mm_s is None else f"{row.speed_se_mm_s:.2g}"
-    return f"{row.speed_mm_s:.2f} ± {error}"
+    if row.speed_se_mm_s is None:
+        return f"{row.speed_mm_s:.2f} ± ?"
+    return with_error(Estimate(row.speed_mm_s, row.speed_se_mm_s))
 
 
 def _bounds(row: Row) -> str:
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
-    return "unknown" if low is None or high is None else f"{low:.1f} to {high:.1f}"
+    return "unknown" if low is None or high is None else f"{_fixed(low)} to {_fixed(high)}"
+
+
+def _fixed(value: float) -> str:
+    """Format a number with a decimal, without a minus on zero."""
+    return f"{round(value, 1) + 0.0:.1f}"
