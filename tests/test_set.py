@@ -234,7 +234,8 @@ def test_what_is_said_twice_or_would_be_void_is_refused(run, words, expected):
         ("legs.tilt_deg\nname=1", "write KEY=VALUE"),
         ("body.length_mm=" + "9" * 20_000, "at most 10000"),
         ("body.length_mm=" + "9" * 9_000, "must be a number"),
-        ("body.length_mm=" + "[" * 9_000, "must be a number"),
+        ("body.length_mm=" + "[" * 9_000, "no list or table of TOML"),
+        ("family.legs=[braced]", "in a shell quote all: --set 'family.legs=[\"braced\"]'"),
         ("x" * 9_000 + "=1", "unknown key"),
         ("a=b=c", "a: unknown key"),
         ("__class__=1", "__class__: unknown key"),
@@ -304,7 +305,8 @@ def test_a_default_of_a_command_gives_way(tmp_path):
     assert asked.scene("lane-90hz", seconds=4.0, runs=3).run.seconds == 7
     assert asked.scene("lane-90hz", seconds=4.0, runs=3).run.runs == 3
     whole = loading.asked(["scene.run={seconds=7}"], "design scene")
-    assert whole.scene("lane-90hz", seconds=4.0).run.seconds == 7
+    assert whole.scene("lane-90hz", seconds=4.0, runs=3).run.seconds == 7
+    assert whole.values == {"scene.run": {"seconds": 7}}
     with pytest.raises(InputError, match="takes no printer"):
         loading.asked(["printer.gap_mm=1"], "design scene")
 

@@ -119,9 +119,9 @@ class Asked(NamedTuple):
         """Refuse keys that --tilt and --legs set too, and of a family those that it replaces."""
         if whole:
             told = "a family has the tilts of family.tilt_deg: --tilt 12, or --set"
-            self.refuse(TILTS, f"{told} family.tilt_deg=[12]")
+            self.refuse(TILTS, f"{told} 'family.tilt_deg=[12]'")
             told = "a family has the kinds of family.legs: --legs braced, or --set"
-            self.refuse(KINDS, f'{told} family.legs=["braced"]')
+            self.refuse(KINDS, f"{told} 'family.legs=[\"braced\"]'")
         for flag, value, keys in (
             ("--tilt", tilt, FAMILY_TILTS if whole else TILTS),
             ("--legs", legs, FAMILY_KINDS if whole else KINDS),

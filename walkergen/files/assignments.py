@@ -3,6 +3,7 @@
 Keys are dotted, entries of lists numbered from 1 as in messages: legs[2].tilt_deg.
 """
 
+import copy
 import re
 import tomllib
 from collections.abc import Mapping
@@ -33,11 +34,19 @@ def split(text: str, option: str = "--set") -> tuple[str, str]:
     return re.sub(r"\[0+(?=[0-9])", "[", key), value
 
 
-def value_of(text: str) -> Any:
-    """Value that a text stands for: a TOML value, or the text itself where it is none (braced)."""
+def value_of(text: str, option: str = "--set") -> Any:
+    """Value that a text stands for: a TOML value, or the text itself where it is none (braced).
+
+    Raises InputError for what begins as a list or a table and is none: a shell takes quotes away.
+    """
     try:
         data = tomllib.loads(f"value = {text}")
     except (ValueError, RecursionError):  # no TOML; a number of more digits than Python reads
+        if text.startswith(("[", "{")):
+            raise InputError(
+                f"{option} ...={text[:60]!r}: no list or table of TOML, in which words have "
+                f"quotes; in a shell quote all: {option} 'family.legs=[\"braced\"]'"
+            ) from None
         return text
     return data["value"] if len(data) == 1 else text
 
@@ -85,7 +94,7 @@ def _assigned(
     """Validated data in which keys are set to values; `section` is what the data stood for."""
     for key, value in values.items():
         try:
-            _put(data, key.split("."), value)
+            _put(data, key.split("."), copy.deepcopy(value))
         except InputError as error:
             raise InputError(f"{source}: {prefix}{key}: {error}") from None
     return validate(section.settled(data, values), type(section), source, prefix=prefix)
