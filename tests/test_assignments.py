@@ -34,7 +34,7 @@ def test_key_and_value_are_told_apart(text, pair):
     if pair:
         assert assignments.split(text) == pair
         return
-    with pytest.raises(InputError, match="write KEY=VALUE"):
+    with pytest.raises(InputError, match="write KEY=VALUE|at most 10000"):
         assignments.split(text)
 
 
@@ -43,13 +43,19 @@ def test_key_and_value_are_told_apart(text, pair):
     [
         ("12", 12), ("-1.5e3", -1500.0), ("true", True), ("braced", "braced"), ('"12"', "12"),
         ("[1, 2]", [1, 2]), ("{a = 1}", {"a": 1}), ("07", "07"), ("1\nother = 2", "1\nother = 2"),
-        ("1\n[table]", "1\n[table]"), ("[" * 5000, "[" * 5000),
+        ("1\n[table]", "1\n[table]"),
     ],
 )  # fmt: skip
 def test_a_value_is_tomls_or_the_text(text, value):
     found = assignments.value_of(text)
     assert found == value
     assert type(found) is type(value)
+
+
+@pytest.mark.parametrize("text", ["[" * 5000, "[braced]", "{a = }"])
+def test_lists_that_are_none_are_refused(text):
+    with pytest.raises(InputError, match="no list or table of TOML"):
+        assignments.value_of(text)
 
 
 def test_an_unknown_key_names_the_one_that_is_most_like_it():
@@ -80,7 +86,7 @@ def test_entries_are_numbered_from_one():
         (PAPER, {"legs.tilt_deg": math.nan}, ["legs.tilt_deg = nan"]),
         (PAPER, {"legs.tilt_deg": 95, "body.depth_mm": -1}, ["body.depth_mm", "legs.tilt_deg"]),
         (PAPER, {"legs.tlit_deg": 1}, ["unknown key; did you mean legs.tilt_deg?"]),
-        (PAPER, {"legs[1].tilt_deg": 1}, ["there is no legs[1]: legs is no list of tables"]),
+        (PAPER, {"legs[1].tilt_deg": 1}, ["there is no legs[1]: legs is no list"]),
         (PAPER, {"name.tilt_deg": 1}, ["name is a value, not a table"]),
         (UNEQUAL, {"legs.tilt_deg": 1}, ["legs is a list: number its entry"]),
         (UNEQUAL, {"legs[0].tilt_deg": 1}, ["there is no legs[0]: legs has"]),
@@ -167,5 +173,5 @@ def test_keys_of_the_scene_go_to_the_scene_and_messages_say_so():
         PAPER, LANE, {"scene.legs.damping_ratio": 0.1, "legs.tilt_deg": 12}
     )
     assert (scene.legs.damping_ratio, design.tilt_deg) == (0.1, 12)
-    with pytest.raises(InputError, match=r"^--set scene: contact\.friction = -1: must be"):
+    with pytest.raises(InputError, match=r"^--set: scene\.contact\.friction = -1: must be"):
         request.changed(PAPER, LANE, {"scene.contact.friction": -1})

@@ -69,14 +69,14 @@ def test_two_numbers_are_bounds():
         ("=1", "write KEY=VALUE"),
         ("a", "write KEY=VALUE"),
         ("a b=1", "write KEY=VALUE"),
-        ("a." * 5000 + "a=1", "write KEY=VALUE"),
+        ("a." * 5000 + "a=1", "at most 10000"),
     ],
 )
 def test_bad_writing_is_one_line_that_shows_it(text, told):
     with pytest.raises(InputError) as refused:
         axes.parse(text)
     (line,) = str(refused.value).splitlines()
-    assert line.startswith(f"--set {text[:60]!r}: ")
+    assert line.startswith(f"--set {text[:60]!r}")
     assert told in line
     assert len(line) < 250
 

@@ -256,9 +256,9 @@ class Scene(Section):
         if given and isinstance(data.get("drive"), dict):
             drive = {k: v for k, v in data["drive"].items() if k not in four or k in given}
             if given == ["frequency_hz"]:
-                drive["gamma"] = self.drive.peak_gamma
+                drive["gamma"] = self.drive.gamma or self.drive.peak_gamma
             elif len(given) == 1:
-                drive["frequency_hz"] = self.drive.frequency
+                drive["frequency_hz"] = self.drive.frequency_hz or self.drive.frequency
             data["drive"] = drive
         return data
 

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.cli.times import parse_time
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ def accuracy(
     legs: opt.OneKind = None,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
+    keys: opt.Values = None,
     only: Annotated[
         str, typer.Option("--only", metavar="LADDERS", help="Comma-separated ladders to measure.")
     ] = "models,steps,statistics,shape",
@@ -39,8 +40,8 @@ def accuracy(
 
     chosen = study.check(only)
     seconds = parse_time(budget)
-    resolved = opt.scene_of(scene, opt.Changes(restitution=restitution, friction=friction))
-    member = opt.one_design(design, tilt, legs)
+    asked = loading.asked(keys, "design scene", restitution=restitution, friction=friction)
+    resolved, member = asked.scene(scene), asked.one(design, tilt, legs)
     name = f"{member.name}_t{member.tilt_deg:.1f}_{member.kind}_{resolved.name}"
     folder = out or Path("out") / "accuracy" / name
     with show.progress("accuracy", wanted=not quiet) as progress:

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -53,6 +53,7 @@ def drop(
     ] = 1.0,
     drops: Annotated[int, typer.Option("--drops", help="Drops from the hand for each point.")] = 24,
     seed: opt.Seed = None,
+    keys: opt.Values = None,
     movie: Annotated[
         Path | None,
         typer.Option("--movie", metavar="FILE", help="GIF of a drop from the hand; MP4 beside it."),
@@ -67,10 +68,12 @@ def drop(
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
-    chosen = opt.one_design(design, tilt, legs)
-    changes = opt.Changes(restitution=restitution, friction=friction, seed=seed)
+    asked = loading.asked(
+        keys, "design scene", restitution=restitution, friction=friction, seed=seed
+    )
+    chosen = asked.one(design, tilt, legs)
     found = inverse.measured(measured, measured_sd, tries, 1.0)
-    test = make.Test(chosen, opt.scene_of(scene, changes), found, pictures)
+    test = make.Test(chosen, asked.scene(scene), found, pictures)
     how = make.Drop(height_mm, roll_deg, drops)
 
     def dropped(folder: Path, progress: "Progress") -> "Report":
@@ -105,6 +108,7 @@ def slide(
         float | None, typer.Option("--measured", help="Slope at which it slid, deg.")
     ] = None,
     measured_sd: MeasuredSd = None,
+    keys: opt.Values = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -113,9 +117,10 @@ def slide(
     """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
     from walkergen.jobs.bench import inverse, make
 
-    chosen = opt.one_design(design, tilt, legs)
+    asked = loading.asked(keys, "design scene")
+    chosen = asked.one(design, tilt, legs)
     found = inverse.measured(measured, measured_sd, 1, 89.0)
-    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), found, pictures)
+    test = make.Test(chosen, asked.scene(scene), found, pictures)
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
@@ -136,6 +141,7 @@ def pluck(
     decrement_sd: Annotated[
         float | None, typer.Option("--decrement-sd", help="Standard error of the decrement.")
     ] = None,
+    keys: opt.Values = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -144,10 +150,11 @@ def pluck(
     """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
     from walkergen.jobs.bench import inverse, make
 
-    chosen = opt.one_design(design, tilt, legs)
+    asked = loading.asked(keys, "design scene")
+    chosen = asked.one(design, tilt, legs)
     heard = inverse.measured(measured, measured_sd, 1, 1e6)
     decay = inverse.measured(decrement, decrement_sd, 1, 100.0, "--decrement")
-    test = make.Test(chosen, opt.scene_of(scene, opt.Changes()), heard, pictures)
+    test = make.Test(chosen, asked.scene(scene), heard, pictures)
     _report("pluck", chosen, out, json, quiet, lambda *where: make.plucked(test, decay, *where))
 
 

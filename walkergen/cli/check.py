@@ -2,8 +2,8 @@
 
 from typing import TYPE_CHECKING
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 
 if TYPE_CHECKING:
     from walkergen.jobs.orders.make import Checked
@@ -15,19 +15,18 @@ def check(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     printer: opt.PrinterName = opt.PRINTER,
+    keys: opt.Values = None,
     copies: opt.Copies = None,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
 ) -> None:
     """Check whether walkers will print as designed, without writing any file."""
-    from walkergen.files import templates
     from walkergen.jobs.orders import make as batch
     from walkergen.printing import checks
-    from walkergen.printing.printers import Printer
 
-    chosen = opt.design_of(design)
-    machine = templates.load(printer, "printers", Printer)
-    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    asked = loading.asked(keys, "design printer")
+    chosen, machine = asked.design(design), asked.printer(printer)
+    members, counts = asked.batch(chosen, tilt, legs, copies, whole=True)
     found = batch.check(members, counts, machine)
     if json:
         show.as_json({

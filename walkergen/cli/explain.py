@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 
 if TYPE_CHECKING:
     from walkergen.scene import Scene
@@ -25,6 +25,7 @@ def explain(
     friction: opt.Friction = None,
     gamma: opt.Gamma = None,
     frequency: opt.Frequency = None,
+    keys: opt.Values = None,
     cost: Annotated[bool, typer.Option(help="Measure the CPU time that each effect costs.")] = True,
     json: opt.AsJson = False,
 ) -> None:
@@ -33,11 +34,11 @@ def explain(
     from walkergen.simulation.plan import prepare
     from walkergen.walker import solids
 
-    changes = opt.Changes(
-        friction=friction, gamma=gamma, frequency=frequency, method=method, model=model
-    )
-    resolved_scene = opt.scene_of(scene, changes)
-    chosen = opt.one_design(design, tilt, legs)
+    asked = loading.asked(
+        keys, "design scene",
+        friction=friction, gamma=gamma, frequency=frequency, method=method, model=model,
+    )  # fmt: skip
+    resolved_scene, chosen = asked.scene(scene), asked.one(design, tilt, legs)
     mass = solids.mass_of(chosen)
     plan = prepare(resolved_scene, chosen, mass)
     with show.progress("explain", wanted=True) as progress:

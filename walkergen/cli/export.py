@@ -5,8 +5,8 @@ from typing import Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 HELP = (
@@ -20,6 +20,7 @@ def export(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     formats: Annotated[str, typer.Option("--format", metavar="FORMAT", help=HELP)] = "stl",
+    keys: opt.Values = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -31,8 +32,9 @@ def export(
     for word in wanted:
         if word not in batch.FORMATS:
             raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(batch.FORMATS)}")
-    chosen = opt.design_of(design)
-    members = opt.members_of(chosen, tilt, legs, whole=False)
+    asked = loading.asked(keys, "design")
+    chosen = asked.design(design)
+    members = asked.members(chosen, tilt, legs, whole=False)
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         files = batch.export_parts(members, wanted, folder, progress)

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 
 if TYPE_CHECKING:
     from walkergen.analysis.speeds import Measured
@@ -23,9 +23,12 @@ def family(
     scene: opt.SceneName = opt.SCENE,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
+    gamma: opt.Gamma = None,
+    frequency: opt.Frequency = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     printer: opt.PrinterName = opt.PRINTER,
+    keys: opt.Values = None,
     copies: opt.Copies = None,
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
@@ -46,23 +49,22 @@ def family(
     quiet: opt.Quiet = False,
 ) -> None:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
-    from walkergen.files import templates
     from walkergen.jobs.family import make as families
-    from walkergen.printing.printers import Printer
     from walkergen.walker import weights as balance
 
-    chosen = opt.design_of(design)
-    changes = opt.Changes(
-        restitution=restitution, friction=friction, law=law, seconds=seconds, runs=runs
-    )
-    resolved = opt.scene_of(scene, changes)
-    members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=True)
+    asked = loading.asked(
+        keys, "design scene printer",
+        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
+        seconds=seconds, runs=runs,
+    )  # fmt: skip
+    chosen, resolved = asked.design(design), asked.scene(scene)
+    members, counts = asked.batch(chosen, tilt, legs, copies, whole=True)
     job = families.Job(
         design=chosen,
         members=members,
         scene=resolved,
-        printer=templates.load(printer, "printers", Printer),
-        mode=opt.mode_of(mode, resolved),
+        printer=asked.printer(printer),
+        mode=loading.mode_of(mode, resolved),
         pictures=pictures,
         simulate=simulate,
         copies=counts,

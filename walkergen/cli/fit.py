@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated, cast
 
 import typer
 
+from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -57,6 +57,7 @@ def fit(
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
     seed: opt.Seed = None,
+    keys: opt.Values = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -80,8 +81,10 @@ def fit(
         raise InputError(f"{name}: the theory has none; add --model compliant or --model space")
     if simulated and mode != "coulomb":
         raise InputError(f"--mode {mode[:30]!r}: a mode of the theory; --model {model} has none")
-    changes = opt.Changes(law=law, seed=seed, model=model if simulated else None)
-    resolved, chosen = opt.scene_of(scene, changes), opt.design_of(design)
+    asked = loading.asked(
+        keys, "design scene", law=law, seed=seed, model=model if simulated else None
+    )
+    resolved, chosen = asked.scene(scene), asked.design(design)
     folder = output.results(file, out, "fit")
     with show.progress("fit", wanted=not quiet) as progress:
         if simulated:
@@ -110,7 +113,7 @@ def _fit(
     """Fit the theory."""
     from walkergen.jobs.fit import fixed, make
 
-    job = make.Job(design, scene, opt.mode_of(mode, scene), fixed.of_theory(fix), pictures)
+    job = make.Job(design, scene, loading.mode_of(mode, scene), fixed.of_theory(fix), pictures)
     return make.fit(file, job, folder, progress)
 
 
@@ -132,7 +135,7 @@ def _learn(
     if prior not in parameters.PRIORS:
         known = ", ".join(parameters.PRIORS)
         raise InputError(f"--prior {prior[:30]!r}: must be one of {known}")
-    ahead = None if predict is None else opt.parse_tilts(predict)
+    ahead = None if predict is None else variants.parse_tilts(predict)
     job = learn.Job(
         design, scene, model, prior, fixed.of_model(fix, model), ahead,
         pictures,

@@ -5,8 +5,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -44,6 +44,7 @@ def movie(
     frequency: opt.Frequency = None,
     step: opt.Step = None,
     seed: opt.Seed = None,
+    keys: opt.Values = None,
     out: Annotated[
         Path | None,
         typer.Option("--out", metavar="FILE", help="GIF to write; the MP4 comes beside it."),
@@ -60,12 +61,13 @@ def movie(
 
     if out is not None and out.suffix.lower() != ".gif":
         raise InputError(f"--out {str(out)[:80]!r}: must end in .gif (the MP4 comes beside it)")
-    changes = opt.Changes(
-        restitution, friction, law, gamma, frequency, None, None, seed, method, step, model
-    )
-    resolved = opt.scene_of(scene, changes)
-    chosen = opt.design_of(design)
-    members = opt.members_of(chosen, tilt, legs, whole=False)
+    asked = loading.asked(
+        keys, "design scene",
+        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
+        seed=seed, method=method, step=step, model=model,
+    )  # fmt: skip
+    resolved, chosen = asked.scene(scene), asked.design(design)
+    members = asked.members(chosen, tilt, legs, whole=False)
     job = movies.plan(
         members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view
     )

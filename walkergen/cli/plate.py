@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -40,6 +40,7 @@ def plate(
     printers: Annotated[
         str, typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files.")
     ] = opt.PRINTER,
+    keys: opt.Values = None,
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
@@ -61,16 +62,17 @@ def plate(
     from walkergen.files import output
     from walkergen.jobs.orders import make as batch
 
+    asked = loading.asked(keys, "design printer")
     if orders is not None:
-        members, counts = _ordered(
-            orders, {"DESIGN": design, "--tilt": tilt, "--legs": legs, "--copies": copies}
-        )
+        given = {"DESIGN": design, "--tilt": tilt, "--legs": legs, "--copies": copies}
+        given |= {f"--set {key}": key for key in asked.of("design")}
+        members, counts = _ordered(orders, given)
         name = output.named_after(orders)
     else:
-        chosen = opt.design_of(opt.PAPER if design is None else design)
-        members, counts = opt.batch_of(chosen, tilt, legs, copies, whole=False)
+        chosen = asked.design(opt.PAPER if design is None else design)
+        members, counts = asked.batch(chosen, tilt, legs, copies, whole=False)
         name = chosen.name
-    machines = opt.printers_of(printers)
+    machines = asked.printers(printers)
     if how_many:
         room = batch.how_many(members, machines, max_parts)
         if json:

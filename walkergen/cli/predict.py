@@ -2,8 +2,8 @@
 
 from typing import Any, NamedTuple
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.cli import uncertain as told
 
 
@@ -20,8 +20,11 @@ def predict(
     scene: opt.SceneName = opt.SCENE,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
+    gamma: opt.Gamma = None,
+    frequency: opt.Frequency = None,
     mode: opt.ModeName = "coulomb",
     law: opt.LawName = None,
+    keys: opt.Values = None,
     weights: opt.WeightsFile = None,
     uncertain: opt.Uncertain = False,
     json: opt.AsJson = False,
@@ -35,11 +38,13 @@ def predict(
     from walkergen.walker import solids
     from walkergen.walker import weights as balance
 
-    chosen = opt.design_of(design)
-    changes = opt.Changes(restitution=restitution, friction=friction, law=law)
-    resolved = opt.scene_of(scene, changes)
-    checked = opt.mode_of(mode, resolved)
-    members = opt.members_of(chosen, tilt, legs, whole=False)
+    asked = loading.asked(
+        keys, "design scene",
+        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
+    )  # fmt: skip
+    chosen, resolved = asked.design(design), asked.scene(scene)
+    checked = loading.mode_of(mode, resolved)
+    members = asked.members(chosen, tilt, legs, whole=False)
     built = [solids.build(member) for member in members]
     masses = {} if weights is None else balance.read(weights, members)
     made = list(families.predicted(members, built, resolved, checked, masses))

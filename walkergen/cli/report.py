@@ -5,12 +5,13 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.jobs.page.contents import Contents
+    from walkergen.scene import Scene
 
 
 def report(
@@ -27,6 +28,7 @@ def report(
     ] = None,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
+    keys: opt.Values = None,
     json: opt.AsJson = False,
 ) -> None:
     """Show a family on one self-contained HTML page that opens offline.
@@ -39,6 +41,10 @@ def report(
     from walkergen.jobs.page import contents
     from walkergen.jobs.page import make as page
 
+    asked = loading.asked(keys, "scene")
+    if run is None and asked.values:
+        raise InputError("--set scene.KEY=VALUE: changes the scene of --run SCENE; give it")
+    scene = None if run is None else asked.scene(run)
     found = contents.read(folder)
     target = out or folder / "report.html"
     sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
@@ -46,21 +52,21 @@ def report(
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     if run is None and not (tilt is None and legs is None):
         raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")
-    played = None if run is None else _played(found, run, tilt, legs)
+    played = None if scene is None else _played(found, scene, tilt, legs)
     output.write(target, page.render(found, __version__, played))
     _show_page(target, found, json)
 
 
 def _played(
-    found: "Contents", scene: str, tilt: float | None, legs: str | None
+    found: "Contents", scene: "Scene", tilt: float | None, legs: str | None
 ) -> "dict[str, Any]":
     """Simulate the member that the command line asks for."""
     from walkergen.jobs.page import play
 
-    kinds = [None] if legs is None else opt.parse_kinds(legs)
+    kinds = [None] if legs is None else variants.parse_kinds(legs)
     if len(kinds) != 1:
         raise InputError(f"--legs {legs!r}: one kind at a time")
-    return play.simulate(found.manifest, opt.scene_of(scene, opt.Changes()), tilt, kinds[0])
+    return play.simulate(found.manifest, scene, tilt, kinds[0])
 
 
 def _show_page(path: Path, found: "Contents", json: bool) -> None:

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -28,6 +28,7 @@ def reproduce(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     seed: opt.Seed = None,
+    keys: opt.Values = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -35,17 +36,17 @@ def reproduce(
     """Compare the paper's figures and mechanisms with theory and simulation (takes minutes)."""
     from walkergen.jobs.paper import make as side_by_side
 
-    chosen = opt.design_of(design)
-    changes = opt.Changes(
-        seconds=side_by_side.SECONDS if seconds is None else seconds,
-        runs=side_by_side.RUNS if runs is None else runs,
-        seed=seed,
+    asked = loading.asked(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
+    asked.refuse(
+        loading.TILTS + loading.KINDS,
+        "the paper's tilts, or those of --tilt, are compared with both kinds of legs: leave it out",
     )
+    own = {"seconds": side_by_side.SECONDS, "runs": side_by_side.RUNS}
     job = side_by_side.Job(
-        chosen,
-        opt.scene_of(scene, changes),
-        opt.scene_of(scene_fitted, changes),
-        side_by_side.TILTS if tilt is None else opt.parse_tilts(tilt),
+        asked.design(design),
+        asked.scene(scene, **own),
+        asked.scene(scene_fitted, **own),
+        side_by_side.TILTS if tilt is None else variants.parse_tilts(tilt),
         side_by_side.GAMMAS if gamma is None else parse_gammas(gamma),
     )
     folder = out or Path("out") / "reproduce"

@@ -2,13 +2,14 @@
 
 import math
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import show
 from walkergen.cli import uncertain as prints
 from walkergen.errors import InputError
 
@@ -23,12 +24,15 @@ if TYPE_CHECKING:
 UNCERTAIN_SECONDS = 4.0
 """Measured time of a run of --uncertain unless asked otherwise, s."""
 
+CHOSEN = tuple(loading.FLAGS[name] for name in ("model", "method", "step", "seconds", "runs"))
+"""Keys whose values --error chooses itself."""
+
 
 def simulate(
     design: opt.DesignName = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
-    tilt: opt.OneTilt = None,
-    legs: opt.OneKind = None,
+    tilt: opt.Tilt = None,
+    legs: opt.LegKinds = None,
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     model: opt.Model = None,
@@ -40,6 +44,7 @@ def simulate(
     frequency: opt.Frequency = None,
     step: opt.Step = None,
     seed: opt.Seed = None,
+    keys: opt.Values = None,
     trajectory: Annotated[
         Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
     ] = None,
@@ -69,7 +74,10 @@ def simulate(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Bounce a walker on the plate and measure its speed; on a plane also how it turns."""
+    """Bounce a walker on the plate and measure its speed; on a plane also how it turns.
+
+    Several tilts, or both kinds of legs, make a table.
+    """
     from walkergen.jobs.simulate import make
     from walkergen.simulation import points
     from walkergen.simulation import trajectory as trajectories
@@ -79,21 +87,29 @@ def simulate(
     if form not in trajectories.FORMATS:
         known = ", ".join(trajectories.FORMATS)
         raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    asked = loading.asked(
+        keys, "design scene",
+        restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
+        seconds=seconds, runs=runs, seed=seed, method=method, step=step, model=model,
+    )  # fmt: skip
     if uncertain:
-        _check_uncertain(error=error, trajectory=trajectory, tracks=tracks, runs=runs)
+        why = "not with --uncertain; leave one of them out"
+        _refuse(why, error=error, trajectory=trajectory, tracks=tracks)
+        asked.refuse((loading.FLAGS["runs"],), why)
     elif out is not None:
         raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
     if error is not None:
-        _check_error(model=model, method=method, step=step, seconds=seconds, runs=runs)
+        asked.refuse(CHOSEN, "--error chooses it; leave one of them out")
     elif of != "speed_mm_s":
         raise InputError(f"--of {of[:60]}: names what --error is about; give --error as well")
-    changes = opt.Changes(
-        restitution, friction, law, gamma, frequency, seconds, runs, seed, method, step, model
-    )
-    if uncertain and seconds is None:
-        changes = changes._replace(seconds=UNCERTAIN_SECONDS)
-    resolved_scene = opt.scene_of(scene, changes)
-    chosen = opt.one_design(design, tilt, legs)
+    resolved_scene = asked.scene(scene, **({"seconds": UNCERTAIN_SECONDS} if uncertain else {}))
+    members = asked.members(asked.design(design), tilt, legs, whole=False)
+    if len(members) > 1:
+        why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs"
+        _refuse(why, trajectory=trajectory, tracks=tracks, error=error, uncertain=uncertain or None)
+        _simulate_several(resolved_scene, members, json, quiet)
+        return
+    (chosen,) = members
     if uncertain:
         prints.simulate(resolved_scene, chosen, draws, out, json, quiet)
         return
@@ -103,18 +119,18 @@ def simulate(
     met, interval = None, None if tracks is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
         if error is None:
-            asked = make.asked(resolved_scene, chosen, mass, interval)
-            found = make.measure(asked, progress)
+            one = make.asked(resolved_scene, chosen, mass, interval)
+            found = make.measure(one, progress)
         else:
             met = _met(error, of, resolved_scene, chosen, mass, progress)
             resolved_scene = met.scene
             found = make.measured(
                 met.point, points.Asked(met.scene, chosen, mass), {met.of: met.choice.bias_bound}
             )
-            asked = make.asked(met.scene, chosen, mass, interval)
+            one = make.asked(met.scene, chosen, mass, interval)
         runs_asked = resolved_scene.run.runs
         if tracks is not None:
-            make.write_tracks(tracks, asked, found.point, progress)
+            make.write_tracks(tracks, one, found.point, progress)
         if trajectory is not None:
             progress("trajectory", runs_asked, runs_asked)
             plan = prepare(resolved_scene, chosen, mass)
@@ -139,18 +155,43 @@ def _met(
     return choose.meet(scene, design, mass, wanted.parse(error), progress, of)
 
 
-def _check_uncertain(**chosen: object) -> None:
-    """Refuse options that mean nothing for a run a draw. Raises InputError."""
+def _refuse(why: str, **chosen: object) -> None:
+    """Refuse options that are given. Raises InputError."""
     for name, value in chosen.items():
         if value is not None:
-            raise InputError(f"--{name} {value}: not with --uncertain; leave one of them out")
+            told = f"--{name}" if value is True else f"--{name} {value}"
+            raise InputError(f"{told}: {why}")
 
 
-def _check_error(**chosen: object) -> None:
-    """Refuse options whose values --error chooses itself. Raises InputError."""
-    for name, value in chosen.items():
-        if value is not None:
-            raise InputError(f"--{name} {value}: --error chooses it; leave one of them out")
+def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, quiet: bool) -> None:
+    """Simulate walkers one after the other and print a row each; after Ctrl-C those that are done.
+
+    Raises InputError for one that cannot be simulated, before any is.
+    """
+    from rich.console import Console
+
+    from walkergen.jobs.simulate import several
+
+    wanted, rows = several.asked(scene, members), []
+    with show.progress("simulate", wanted=not quiet) as progress:
+        try:
+            for row in several.each(wanted, progress):
+                rows.append(row)
+        except KeyboardInterrupt:
+            print(f"interrupted after {len(rows)} of {len(wanted)} walkers", file=sys.stderr)
+    for warning in dict.fromkeys(warning for row in rows for warning in row.warnings):
+        print(f"warning: {warning}", file=sys.stderr)
+    if json:
+        show.rows_as_json(rows)
+    elif rows and not quiet:
+        drive = scene.drive
+        plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
+        title = f"{members[0].name} on {scene.name}, {plate}"
+        Console(highlight=False).print(several.to_table(rows, title))
+    if missing := members[len(rows) :]:
+        told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
+        print(f"missing: {told}", file=sys.stderr)
+        raise typer.Exit(130)
 
 
 def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> dict[str, Any]:

@@ -127,18 +127,13 @@ def _ask(
 ) -> "Ask":  # fmt: skip
     """Sweep that a command line asks for. Raises InputError."""
     from walkergen.exploring.wanted import parse
-    from walkergen.files import templates
     from walkergen.jobs.sweep import ask
-    from walkergen.printing.printers import Printer
 
     space, constants = ask.space_of(values, sample, seed)
-    return ask.Ask(
-        opt.design_of(design or opt.PAPER),
-        opt.scene_of(scene or opt.SCENE, opt.Changes()),
-        None if printer is None else templates.load(printer, "printers", Printer),
-        space, constants, model, None if error is None else parse(error),
-        [word.strip() for word in keep.split(",")],
-    )  # fmt: skip
+    groups = [word.strip() for word in keep.split(",")]
+    wanted = None if error is None else parse(error)
+    names = design, scene, printer
+    return ask.of(names, Path(), space, constants, model, wanted, groups, "--set")
 
 
 def _check_file(**given: object) -> None:

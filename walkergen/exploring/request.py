@@ -39,13 +39,6 @@ class Request(NamedTuple):
         for key in self.space.keys:
             check(key, f"--set {key}")
 
-    def fixed(self, values: Mapping[str, Any]) -> "Request":
-        """Request with keys set for all points. Raises InputError."""
-        for key in values:
-            check(key, f"--set {key}")
-        design, scene = changed(self.design, self.scene, values)
-        return self._replace(design=design, scene=scene)
-
     def at(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""
         try:
@@ -71,7 +64,10 @@ class Request(NamedTuple):
 def check(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
     own = key.removeprefix(SCENE)
-    assignments.check(own, Design if own == key else Scene, source)
+    if own == key:
+        assignments.check(own, Design, source)
+    else:
+        assignments.check(own, Scene, source, SCENE)
 
 
 def changed(
@@ -87,5 +83,5 @@ def changed(
     }
     return (
         assignments.changed(design, own, source),
-        assignments.changed(scene, scenes, f"{source} scene"),
+        assignments.changed(scene, scenes, source, SCENE),
     )

@@ -1,8 +1,9 @@
-"""Assignments KEY=VALUE, as on a command line: any key of a TOML file, validated as its line is.
+"""Assignments as on a command line: any key of a TOML file, validated as its line is.
 
-Keys are dotted, entries of a list of tables numbered from 1 as in messages: legs[2].tilt_deg.
+Keys are dotted, entries of lists numbered from 1 as in messages: legs[2].tilt_deg.
 """
 
+import copy
 import re
 import tomllib
 from collections.abc import Mapping
@@ -10,75 +11,128 @@ from pathlib import Path
 from typing import Any
 
 from walkergen.errors import InputError
-from walkergen.files.config import Model, Section, unknown, validate
+from walkergen.files.config import Model, Section, contents, unknown, validate
 
-KEY = re.compile(r"[A-Za-z_]\w*(\[[0-9]{1,4}\])?(\.[A-Za-z_]\w*(\[[0-9]{1,4}\])?)*")
+STEP = r"[A-Za-z_]\w*(\[[0-9]{1,4}\])?"
+KEY = re.compile(rf"{STEP}(\.{STEP})*")
 MOST_LETTERS = 10_000
 
 
 def split(text: str, option: str = "--set") -> tuple[str, str]:
     """Key and value, as written, of KEY=VALUE. Raises InputError."""
     key, sign, value = (part.strip() for part in text.partition("="))
-    if not sign or not value or not KEY.fullmatch(key) or len(text) > MOST_LETTERS:
+    if len(text) > MOST_LETTERS:
+        raise InputError(
+            f"{option} {text[:60]!r}...: {len(text)} letters; at most {MOST_LETTERS}: write long "
+            "values into the TOML file"
+        )
+    if not sign or not value or not KEY.fullmatch(key):
         raise InputError(
             f"{option} {text[:60]!r}: write KEY=VALUE with a key of the TOML file, as in "
             "legs.tilt_deg=12, legs[2].friction=0.1 or scene.drive.gamma=2.2"
         )
-    return key, value
+    return re.sub(r"\[0+(?=[0-9])", "[", key), value
 
 
-def value_of(text: str) -> Any:
-    """Value that a text stands for: a TOML value, or the text itself where it is none (braced)."""
+def value_of(text: str, option: str = "--set") -> Any:
+    """Value that a text stands for: a TOML value, or the text itself where it is none (braced).
+
+    Raises InputError for what begins as a list or a table and is none: a shell takes quotes away.
+    """
     try:
-        found = tomllib.loads(f"value = {text}")
-    except (tomllib.TOMLDecodeError, RecursionError):
+        data = tomllib.loads(f"value = {text}")
+    except (ValueError, RecursionError):  # no TOML; a number of more digits than Python reads
+        if text.startswith(("[", "{")):
+            raise InputError(
+                f"{option} ...={text[:60]!r}: no list or table of TOML, in which words have "
+                f"quotes; in a shell quote all: {option} 'family.legs=[\"braced\"]'"
+            ) from None
         return text
-    return found["value"] if len(found) == 1 else text  # lines of their own below it are no value
+    return data["value"] if len(data) == 1 else text
 
 
-def check(key: str, model: type[Section], source: str) -> None:
-    """Raise InputError, which begins with `source`, for a key that a file has not."""
-    if told := unknown(tuple(key.split(".")), model):
+def check(key: str, model: type[Section], source: str, prefix: str = "") -> None:
+    """Raise InputError, which begins with `source`, for a key that a file has not.
+
+    Known keys are told after a prefix.
+    """
+    if told := unknown(tuple(key.split(".")), model, prefix):
         raise InputError(f"{source}: {told}")
 
 
-def changed(section: Model, values: Mapping[str, Any], source: str = "--set") -> Model:
+def read(
+    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set",
+    prefix: str = "",
+) -> Model:  # fmt: skip
+    """Contents of a TOML file in which these keys have other values, as if they stood in it.
+
+    Files that values name are found from the folder that walkergen runs in. Raises InputError, or
+    GeometryError, with a line for every mistake: in the file, else in the values, which begins
+    with `source` and tells keys after a prefix.
+    """
+    data, text = contents(path, model)
+    found = validate(data, model, str(path), text)
+    return _assigned(found, data, values, source, prefix) if values else found
+
+
+def changed(
+    section: Model, values: Mapping[str, Any], source: str = "--set", prefix: str = ""
+) -> Model:
     """Validated copy of a file's contents with other values of these keys.
 
-    Raises InputError, or GeometryError, with a line for every mistake, which begins with `source`.
+    Raises InputError, or GeometryError, with a line for every mistake, which begins with `source`
+    and tells keys after a prefix.
     """
     if not values:
         return section
-    data: dict[str, Any] = section.model_dump(exclude_unset=True)
+    return _assigned(section, section.model_dump(exclude_unset=True), values, source, prefix)
+
+
+def _assigned(
+    section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str
+) -> Model:
+    """Validated data in which keys are set to values; `section` is what the data stood for."""
     for key, value in values.items():
-        _put(data, key, value, source)
-    data = section.settled(data, values)
-    return validate(section.beside(data, Path()), type(section), source)
+        try:
+            _put(data, key.split("."), copy.deepcopy(value))
+        except InputError as error:
+            raise InputError(f"{source}: {prefix}{key}: {error}") from None
+    return validate(section.settled(data, values), type(section), source, prefix=prefix)
 
 
-def _put(data: dict[str, Any], key: str, value: Any, source: str) -> None:
-    """Set the value at the end of a dotted key. Raises InputError for entries that are not there.
+def _put(data: dict[str, Any], path: list[str], value: Any) -> None:
+    """Set the value at the end of a path of keys. Raises InputError for entries that are not there.
 
     Below a key that holds no table nothing is set that validation would not name.
     """
-    *path, last = key.split(".")
-    place: Any = data
-    for step in path:
-        name, _, number = step.rstrip("]").partition("[")
-        if not number:
-            place = place.setdefault(name, {})
-        else:
-            entries = place.get(name)
-            count = len(entries) if isinstance(entries, list) else 0
-            if not 1 <= int(number) <= count:
-                raise InputError(
-                    f"{source}: {key}: there is no {step}: "
-                    + (f"{name} has {count} entries" if count else f"{name} is no list of tables")
-                )
-            place = entries[int(number) - 1]
-        if not isinstance(place, dict):
-            told = (
-                "is a list: number its entry, from 1" if isinstance(place, list) else "is a value"
-            )
-            raise InputError(f"{source}: {key}: {step} {told}, not a table")
-    place[last] = value
+    place, last = data, path[-1]
+    for step in path[:-1]:
+        name, number = _numbered(step)
+        inner = place.setdefault(name, {}) if number is None else _entries(place, step)[number - 1]
+        if not isinstance(inner, dict):
+            listed = isinstance(inner, list)
+            told = "is a list: number its entry, from 1" if listed else "is a value, not a table"
+            raise InputError(f"{step} {told}")
+        place = inner
+    name, number = _numbered(last)
+    if number is None:
+        place[name] = value
+    else:
+        _entries(place, last)[number - 1] = value
+
+
+def _numbered(step: str) -> tuple[str, int | None]:
+    """Name of a step of a path, and the number of its entry: 2 of legs[2]; None without."""
+    name, _, number = step.rstrip("]").partition("[")
+    return name, int(number) if number else None
+
+
+def _entries(place: Mapping[str, Any], step: str) -> list[Any]:
+    """List whose entry a step numbers. Raises InputError where it has no such entry."""
+    name, number = _numbered(step)
+    entries = place.get(name)
+    if not isinstance(entries, list):
+        raise InputError(f"there is no {step}: {name} is no list")
+    if number is None or not 1 <= number <= len(entries):
+        raise InputError(f"there is no {step}: {name} has {len(entries)} entries, from 1")
+    return entries

@@ -21,6 +21,12 @@ MOST_BYTES = 1_000_000
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Signs of the limits of a number, by pydantic's names of them."""
+FORMS = {
+    "string_type": "must be text, in quotes",
+    "bool_type": "must be true or false",
+    "list_type": "must be a list, in brackets",
+}
+"""Forms of a value in words, by pydantic's names of the mistake of another."""
 
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
@@ -51,6 +57,12 @@ def read(path: Path, model: type[Model]) -> Model:
 
     Raises InputError when the file cannot be read, or with every mistake in it and its line.
     """
+    data, text = contents(path, model)
+    return validate(data, model, str(path), text)
+
+
+def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
+    """Data of a TOML file, not validated yet, and its text. Raises InputError."""
     data, text = load(path)
     if not data:
         raise InputError(
@@ -58,7 +70,7 @@ def read(path: Path, model: type[Model]) -> Model:
         )
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
-    return validate(model.beside(data, path.parent), model, str(path), text)
+    return dict(model.beside(data, path.parent)), text
 
 
 def load(path: Path) -> tuple[dict[str, Any], str]:
@@ -66,7 +78,7 @@ def load(path: Path) -> tuple[dict[str, Any], str]:
     text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
     try:
         return tomllib.loads(text), text
-    except tomllib.TOMLDecodeError as error:
+    except ValueError as error:  # not TOML, or a whole number of more digits than Python reads
         raise InputError(f"{path}: not valid TOML: {error}") from None
     except RecursionError:
         raise InputError(f"{path}: not valid TOML: nested too deeply") from None
@@ -78,10 +90,13 @@ def where(location: tuple[str, ...], source: str, text: str) -> str:
     return f"{source}:{line}" if line else source
 
 
-def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str = "") -> Model:
+def validate(
+    data: Mapping[str, Any], model: type[Model], source: str, text: str = "", prefix: str = ""
+) -> Model:
     """Validate plain data; `source` (a file, a flag) and the file's text locate the mistakes.
 
-    Raises InputError, or GeometryError for parts that cannot be built, a line for every mistake.
+    Keys are told after a prefix. Raises InputError, or GeometryError for parts that cannot be
+    built, a line for every mistake.
     """
     try:
         return model.model_validate(data)
@@ -92,17 +107,17 @@ def validate(data: Mapping[str, Any], model: type[Model], source: str, text: str
             lines.append(f"{where(location, source, text)}: {problem}")
         raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
-        lines = [_explain(mistake, model, source, text) for mistake in error.errors()]
+        lines = [_explain(mistake, model, source, text, prefix) for mistake in error.errors()]
         raise InputError("\n".join(lines)) from None
 
 
-def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
+def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix: str) -> str:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
     location = _path_of(mistake["loc"], model)
     place = where(location, source, text)
-    key = ".".join(location) or "file"
+    key = prefix + ".".join(location) or "file"
     if mistake["type"] == "extra_forbidden":
-        return f"{place}: {key}: unknown key{_spelling_hint(location, model)}"
+        return f"{place}: {_cut(key)}: unknown key{_spelling_hint(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
         return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
@@ -112,13 +127,17 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str) -> str:
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    return f"{place}: {key}{seen}: {_allowed(location, model) or mistake['msg']}"
+    told = FORMS.get(mistake["type"]) or _allowed(location, model) or mistake["msg"]
+    return f"{place}: {key}{seen}: {told}"
 
 
 def _shown(value: Any) -> str:
     if isinstance(value, dict):
         return "a table"
-    shown = repr(value)
+    return _cut(repr(value))
+
+
+def _cut(shown: str) -> str:
     return shown if len(shown) <= 60 else shown[:57] + "..."
 
 
@@ -181,14 +200,17 @@ def _split_key(dotted: str) -> tuple[str, ...]:
     return tuple(part.strip().strip("\"'") for part in dotted.split("."))
 
 
-def unknown(location: tuple[str, ...], model: type[Section]) -> str:
-    """Words on a key that a file has not, with the known key most like it; "" for a known one."""
+def unknown(location: tuple[str, ...], model: type[Section], prefix: str = "") -> str:
+    """Words on a key that a file has not, with the known key most like it; "" for a known one.
+
+    Known keys are told after a prefix.
+    """
     if _field_at(location, model) is not None:
         return ""
-    return f"unknown key{_spelling_hint(location, model)}"
+    return f"unknown key{_spelling_hint(location, model, prefix)}"
 
 
-def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:
+def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
     """End of a line on an unknown key: the known key most like it, or all of its table."""
     table = _model_at(location[:-1], model)
     known = [".".join(path) for path in _keys(model)]
@@ -196,9 +218,9 @@ def _spelling_hint(location: tuple[str, ...], model: type[Section]) -> str:
         known = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
     if close:
-        return f"; did you mean {close[0]}?"
-    names = ", ".join(table.model_fields) if table else ", ".join(known)
-    return f"; known here: {names}"
+        return f"; did you mean {prefix}{close[0]}?"
+    names = list(table.model_fields) if table else [key for key in known if "." not in key]
+    return f"; known here: {', '.join(names)}"
 
 
 def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:

@@ -42,15 +42,23 @@ def find(name: str) -> Path:
 
 
 def load(name_or_path: str, kind: str, model: type[Model], near: Path = Path()) -> Model:
-    """Read a template by bare name, or the user's own file by its path (anything with .toml or /).
+    """Read a template by bare name, or the user's own file, as `path_of` finds it.
 
-    Paths begin at the folder `near`, by default the one that walkergen runs in.
     Raises InputError that lists the known names, or every mistake in the file.
     """
+    return read(path_of(name_or_path, kind, near), model)
+
+
+def path_of(name_or_path: str, kind: str, near: Path = Path()) -> Path:
+    """Path of a template by bare name, or of the user's own file (anything with .toml or /).
+
+    Paths begin at the folder `near`, by default the one that walkergen runs in.
+    Raises InputError that lists the known names.
+    """
     if name_or_path in names(kind):
-        return read(folder() / kind / f"{name_or_path}.toml", model)
+        return folder() / kind / f"{name_or_path}.toml"
     if name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path:
-        return read(near / name_or_path, model)
+        return near / name_or_path
     raise InputError(
         f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
         "or give the path of a TOML file"

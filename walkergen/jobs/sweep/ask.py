@@ -5,18 +5,19 @@ from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes
+from walkergen.exploring import axes, request
 from walkergen.exploring.axes import Axis, Method, Sample, Space, Span
 from walkergen.exploring.point import THEORY
+from walkergen.exploring.request import SCENE as SCENES
 from walkergen.exploring.request import Request
 from walkergen.exploring.wanted import Wanted, parse
-from walkergen.files import columns, templates
+from walkergen.files import assignments, columns, templates
 from walkergen.jobs.sweep import sweep_file
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
-PAPER, SCENE = "koumakis2016", "lane-90hz"
+PAPER, LANE = "koumakis2016", "lane-90hz"
 """Templates of the design and the scene that a file need not name."""
 
 ERROR = parse("5%")
@@ -30,8 +31,8 @@ class Ask(NamedTuple):
     scene: Scene
     printer: Printer | None
     space: Space
-    constants: Mapping[str, Any]
-    """Values of dotted keys that all points share."""
+    constants: tuple[str, ...]
+    """Keys that design and scene have set for all points."""
     model: str
     error: Wanted | None
     keep: Sequence[str]
@@ -49,7 +50,7 @@ class Ask(NamedTuple):
             default if self.error is None else self.error, self.printer,
         )  # fmt: skip
         found.check()
-        return found.fixed(self.constants)
+        return found
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
@@ -62,19 +63,37 @@ class Ask(NamedTuple):
         return f"{self.design.name}-{keys}"[:100]
 
 
+def of(
+    names: tuple[str | None, str | None, str | None], near: Path, space: Space,
+    constants: Mapping[str, Any], model: str, error: Wanted | None, keep: Sequence[str],
+    source: str,
+) -> Ask:  # fmt: skip
+    """Sweep of a design, a scene and a printer by name, with keys set for all points.
+
+    Paths begin at the folder `near`. Raises InputError, for constants with `source`.
+    """
+    design, scene, printer = names
+    for key in constants:
+        request.check(key, f"{source} {key}")
+    own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
+    scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
+    walkers = templates.path_of(design or PAPER, "walkers", near)
+    ground = templates.path_of(scene or LANE, "scenes", near)
+    return Ask(
+        assignments.read(walkers, Design, own, source),
+        assignments.read(ground, Scene, scenes, source, SCENES),
+        None if printer is None else templates.load(printer, "printers", Printer, near),
+        space, tuple(constants), model, error, keep,
+    )  # fmt: skip
+
+
 def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
     found = sweep_file.read(path)
-    near = found.folder
-    printer = None
-    if found.printer is not None:
-        printer = templates.load(found.printer, "printers", Printer, near)
-    return Ask(
-        templates.load(found.design or PAPER, "walkers", Design, near),
-        templates.load(found.scene or SCENE, "scenes", Scene, near),
-        printer, found.space, found.constants, found.model or THEORY, found.error,
-        found.keep or ("speed",),
-    )  # fmt: skip
+    names = found.design, found.scene, found.printer
+    model, keep = found.model or THEORY, found.keep or ("speed",)
+    near, error = found.folder, found.error
+    return of(names, near, found.space, found.constants, model, error, keep, f"{path}: set")
 
 
 def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
