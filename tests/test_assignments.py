@@ -34,7 +34,7 @@ def test_key_and_value_are_told_apart(text, pair):
     if pair:
         assert assignments.split(text) == pair
         return
-    with pytest.raises(InputError, match="write KEY=VALUE|at most 10000"):
+    with pytest.raises(InputError, match=r"write KEY=VALUE|at most 10000"):
         assignments.split(text)
 
 
