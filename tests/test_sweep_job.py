@@ -122,6 +122,17 @@ def test_a_table_of_another_version_is_named_and_evaluated_anew(home):
     assert "another version" in swept("--set", TILTS, "--out", "one").stderr
 
 
+def test_a_walker_that_stands_as_built_is_turned_anew_at_every_point(home):
+    built = ("--set", "stance=as built", "--set", "legs[1].foot=square",
+             "--set", "legs[2].foot=square")  # fmt: skip
+    swept("unequal-legs", *built, "--set", "legs[1].length_mm=6,9", "--out", "one")
+    for row in rows_of(home / "one" / "table.csv"):
+        length = f"legs[1].length_mm={row['legs[1].length_mm']}"
+        words = ["predict", "unequal-legs", *built, "--set", length, "--json"]
+        (expected,) = json.loads(CliRunner().invoke(app, words).stdout)["rows"]
+        assert float(row["speed_mm_s"]) == expected["speed_mm_s"]
+
+
 def test_a_person_s_own_table_is_left_alone(home):
     (home / "one").mkdir()
     (home / "one" / "table.csv").write_text("speed,notes\n1,mine\n")

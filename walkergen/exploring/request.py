@@ -1,5 +1,6 @@
 """Request of an exploration: which keys vary, and what to know of each point."""
 
+import copy
 from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
@@ -30,6 +31,9 @@ class Request(NamedTuple):
     keep: tuple[str, ...] = ("speed",)
     wanted: Wanted | None = None
     printer: Printer | None = None
+    data: Mapping[str, Any] | None = None
+    """Data of the design as in its file, where these are known: one that stands as built is turned
+    anew when a key is set."""
 
     def check(self) -> None:
         """Refuse unknown keys, groups and models, before anything runs. Raises InputError."""
@@ -48,7 +52,7 @@ class Request(NamedTuple):
 
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
-        design, scene = changed(self.design, self.scene, values)
+        design, scene = changed(self.design, self.scene, values, data=self.data)
         if self.model != THEORY:
             legs = scene.legs.model_copy(update={"model": self.model})
             scene = scene.model_copy(update={"legs": legs})
@@ -71,17 +75,23 @@ def check(key: str, source: str) -> None:
 
 
 def changed(
-    design: Design, scene: Scene, values: Mapping[str, Any], source: str = "--set"
+    design: Design,
+    scene: Scene,
+    values: Mapping[str, Any],
+    source: str = "--set",
+    data: Mapping[str, Any] | None = None,
 ) -> tuple[Design, Scene]:
     """Design and scene with other values of dotted keys; those of the scene begin with "scene.".
 
-    Raises InputError, or GeometryError, with a line for every mistake.
+    The design's are set in the data of its file, where these are known. Raises InputError, or
+    GeometryError, with a line for every mistake.
     """
     own = {key: value for key, value in values.items() if not key.startswith(SCENE)}
     scenes = {
         key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)
     }
-    return (
-        assignments.changed(design, own, source),
-        assignments.changed(scene, scenes, source, SCENE),
-    )
+    if data is None or not own:
+        found = assignments.changed(design, own, source)
+    else:
+        found = assignments.assigned(design, copy.deepcopy(dict(data)), own, source)
+    return found, assignments.changed(scene, scenes, source, SCENE)

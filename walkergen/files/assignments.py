@@ -70,9 +70,17 @@ def read(
     GeometryError, with a line for every mistake: in the file, else in the values, which begins
     with `source` and tells keys after a prefix.
     """
+    return with_data(path, model, values, source, prefix)[0]
+
+
+def with_data(
+    path: Path, model: type[Model], values: Mapping[str, Any], source: str = "--set",
+    prefix: str = "",
+) -> tuple[Model, dict[str, Any]]:  # fmt: skip
+    """As `read`, with the data that the contents were validated from, for `assigned`."""
     data, text = contents(path, model)
     found = validate(data, model, str(path), text)
-    return _assigned(found, data, values, source, prefix) if values else found
+    return (assigned(found, data, values, source, prefix) if values else found), data
 
 
 def changed(
@@ -85,13 +93,16 @@ def changed(
     """
     if not values:
         return section
-    return _assigned(section, section.model_dump(exclude_unset=True), values, source, prefix)
+    return assigned(section, section.model_dump(exclude_unset=True), values, source, prefix)
 
 
-def _assigned(
-    section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str
+def assigned(
+    section: Model, data: dict[str, Any], values: Mapping[str, Any], source: str, prefix: str = ""
 ) -> Model:
-    """Validated data in which keys are set to values; `section` is what the data stood for."""
+    """Validated data in which keys are set to values; `section` is what the data stood for.
+
+    The data hold the values afterwards. Raises as `changed` does.
+    """
     for key, value in values.items():
         try:
             _put(data, key.split("."), copy.deepcopy(value))

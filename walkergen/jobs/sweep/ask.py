@@ -28,6 +28,8 @@ class Ask(NamedTuple):
     """A sweep as it is asked for; None for what is left to defaults."""
 
     design: Design
+    data: Mapping[str, Any]
+    """Data of the design as in its file."""
     scene: Scene
     printer: Printer | None
     space: Space
@@ -47,7 +49,7 @@ class Ask(NamedTuple):
         default = None if self.model == THEORY or own_runs else ERROR
         found = Request(
             self.design, self.scene, self.space, self.model, tuple(dict.fromkeys(self.keep)),
-            default if self.error is None else self.error, self.printer,
+            default if self.error is None else self.error, self.printer, self.data,
         )  # fmt: skip
         found.check()
         return found
@@ -79,8 +81,10 @@ def of(
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
     walkers = templates.path_of(design or PAPER, "walkers", near)
     ground = templates.path_of(scene or LANE, "scenes", near)
+    walker, data = assignments.with_data(walkers, Design, own, source)
     return Ask(
-        assignments.read(walkers, Design, own, source),
+        walker,
+        data,
         assignments.read(ground, Scene, scenes, source, SCENES),
         None if printer is None else templates.load(printer, "printers", Printer, near),
         space, tuple(constants), model, error, keep,
