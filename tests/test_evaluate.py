@@ -10,7 +10,14 @@ from walkergen.errors import InputError
 from walkergen.exploring import point as points
 from walkergen.exploring import wanted
 from walkergen.exploring.axes import Space
-from walkergen.exploring.evaluate import FEWEST_AT_ALL, allowed, evaluate
+from walkergen.exploring.evaluate import (
+    FEWEST_AT_ALL,
+    SLACK,
+    _refined,
+    allowed,
+    evaluate,
+    with_runs,
+)
 from walkergen.exploring.point import key
 from walkergen.exploring.request import Request
 from walkergen.files import templates
@@ -232,3 +239,17 @@ def test_a_key_changes_with_the_program(monkeypatch):
     before = key(point_at())
     monkeypatch.setattr(points, "digest", lambda: "another")
     assert key(point_at()) != before
+
+
+def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():
+    half_step = _refined(LANE, half=5.0, most=4.0, step=3.9, own=2e-6)
+    assert half_step.run.step_us == pytest.approx(1.0)
+    assert _refined(LANE, half=5.0, most=4.0, step=3.9, own=None) is None
+    assert _refined(LANE, half=5.0, most=4.0, step=3.9, own=0.09e-6) is None
+    few = with_runs(LANE, runs=8)
+    # The runs' own part is half as wide again as it may be: (6/4)^2 as many, and some slack
+    more = _refined(few, half=math.hypot(3.0, 6.0), most=math.hypot(3.0, 4.0), step=3.0,
+                             own=2e-6)  # fmt: skip
+    assert more.run.runs == math.ceil(8 * SLACK * (6.0 / 4.0) ** 2)
+    assert _refined(few, half=100.0, most=4.0, step=0.0, own=None).run.runs == 64
+    assert _refined(with_runs(LANE, runs=512), 5.0, 4.0, 0.0, None) is None
