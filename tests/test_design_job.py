@@ -14,7 +14,7 @@ from walkergen.exploring.point import Point
 from walkergen.exploring.store import Store
 from walkergen.exploring.wanted import Wanted
 from walkergen.files import templates
-from walkergen.jobs.design import box, lab, make, search, wish
+from walkergen.jobs.design import box, lab, make, search, verify, wish
 from walkergen.jobs.design.box import Box
 from walkergen.jobs.design.lab import Bench, Job
 from walkergen.jobs.design.wish import Wish
@@ -62,54 +62,59 @@ def hidden(count, seed):
                "legs.flexible_thickness_mm": thickness}  # fmt: skip
 
 
-def test_wishes_made_from_known_designs_are_met(bench, tmp_path):
-    met = 0
-    for number, values in enumerate(hidden(20, 14)):
-        thick = values.pop("legs.flexible_thickness_mm")
-        job = job_of(**{"legs.flexible_thickness_mm": round(thick / 0.02) * 0.02})
-        speed = theory(job_of(**{"legs.flexible_thickness_mm": thick}), values)
-        job = job._replace(wish=Wish("speed", speed, False, SHARE))
-        result = make.make(job, bench, tmp_path / str(number), pictures=False)
-        text = (tmp_path / str(number) / "design-1.toml").read_text()
-        again = Design.model_validate(tomllib.loads(text))
-        found = evaluate(Point(again, job.scene))["speed_mm_s"]
-        met += result.designs[0].met and abs(found - speed) <= 0.05 * speed
+def test_wishes_made_from_known_designs_are_met(bench):
+    met, seen = 0, search.survey(job_of(), bench)
+    for values in hidden(20, 14):
+        speed = theory(job_of(), values)
+        job = job_of(Wish("speed", speed, False, SHARE))
+        searched = search.search(job, bench, seen)
+        first = searched._replace(chosen=searched.chosen[:1], expected=searched.expected[:1])
+        (best,) = verify.verify(job, bench, first)
+        found = evaluate(Point(Design.model_validate(tomllib.loads(best.text)), job.scene))
+        met += best.met and abs(found["speed_mm_s"] - speed) <= 0.05 * speed
     assert met >= 18
 
 
 def test_the_fastest_is_that_of_a_dense_grid(bench):
     job = job_of(Wish("speed", None, False, SHARE))
-    found = search.search(job, bench)
+    found = search.search(job, bench, search.survey(job, bench))
     grid = [theory(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
-            for tilt in np.linspace(2, 40, 39) for length in (5.0, 6.0, 7.0, 8.0, 9.0, 10.0)]  # fmt: skip
+            for tilt in np.linspace(2, 40, 39) for length in range(5, 11)]  # fmt: skip
     assert found.chosen[0].seen.value >= 0.995 * max(grid)
 
 
 def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
-    job = job_of(Wish("speed", 40.0, True, SHARE))
-    found = search.search(job, bench)
-    mu, step = job.scene.contact.friction, 1e-3
+    # Steeper than where feet stick, which makes a speed blind to friction.
+    spans = (Span("legs.tilt_deg", 16.0, 40.0), LENGTH)
+    job = job_of(Wish("speed", 36.0, True, SHARE), spans=spans)
+    found = search.search(job, bench, search.survey(job, bench))
 
     def rubbed(values, friction):
-        return theory(job._replace(scene=templates_scene(friction)), values)
-
-    def templates_scene(friction):
         contact = job.scene.contact.model_copy(update={"friction": friction})
-        return job.scene.model_copy(update={"contact": contact})
+        scene = job.scene.model_copy(update={"contact": contact})
+        return theory(job._replace(scene=scene), values)
 
-    def slope(values):
+    def slope(values, step=1e-3):
+        mu = job.scene.contact.friction
         return abs(rubbed(values, mu + step) - rubbed(values, mu - step)) / (2 * step)
 
     best = math.inf
-    for tilt in np.linspace(14.0, 21.0, 36):
-        for length in np.linspace(5.0, 10.0, 11):
+    for tilt in np.linspace(17.0, 22.0, 21):
+        for length in np.linspace(5.0, 10.0, 6):
             values = {"legs.tilt_deg": float(tilt), "legs.length_mm": float(length)}
-            if abs(theory(job, values) - 40.0) <= 2.0:
+            if abs(theory(job, values) - 36.0) <= 1.8:
                 best = min(best, slope(values))
     first = found.chosen[0]
-    assert abs(first.seen.value - 40.0) <= 2.0
+    assert abs(first.seen.value - 36.0) <= 1.8
     assert abs(first.slope.value) == pytest.approx(slope(first.values), rel=0.02)
-    assert abs(first.slope.value) <= 1.05 * best
+    assert 5.0 < abs(first.slope.value) <= 1.08 * best
+
+
+def test_where_feet_stick_a_speed_is_blind_to_friction_and_that_is_found(bench):
+    job = job_of(Wish("speed", 40.0, True, SHARE))
+    found = search.search(job, bench, search.survey(job, bench))
+    assert found.chosen[0].values["legs.tilt_deg"] < 4.0
+    assert abs(found.chosen[0].slope.value) < 1e-6
 
 
 def test_designs_are_distinct_and_on_the_steps_that_people_write(bench, tmp_path):
@@ -180,7 +185,9 @@ def test_an_impossible_speed_names_the_limit_and_the_nearest(bench, tmp_path, sp
 
 def test_what_cannot_be_built_says_which_limit_stopped_it(bench, tmp_path):
     job = job_of(spans=(Span("legs.tilt_deg", 70.0, 85.0),), **{"legs.length_mm": 20.0})
-    with pytest.raises(InputError, match=r"none of 256 designs can be made .256 cannot be built"):
+    with pytest.raises(
+        InputError, match=r"none of 256 designs can be made on ender3 .256 cannot be built"
+    ):
         make.make(job, bench, tmp_path / "none")
     assert not (tmp_path / "none").exists()
 
@@ -212,7 +219,7 @@ def test_interrupted_nothing_is_written_and_the_same_command_goes_on(tmp_path):
         make.make(job_of(spans=(TILT,)), Bench(store, None, interrupt), tmp_path / "out")
     assert not (tmp_path / "out").exists()
     rows = store._base.execute("SELECT count(*) FROM points").fetchone()[0]
-    assert rows >= 256
+    assert rows >= 200
     make.make(job_of(spans=(TILT,)), Bench(store, None, unheard), tmp_path / "out", pictures=False)
     assert (tmp_path / "out" / "design-1.toml").exists()
     store.close()
@@ -229,7 +236,7 @@ def test_verification_never_has_the_seed_of_the_runs_that_chose():
 def test_marks_by_notches_do_not_forbid_tilts_between_those_of_a_family(bench):
     job = job_of(spans=(TILT,), **{"marks.kind": "notches"})
     design, _ = lab.made(job, {"legs.tilt_deg": 17.3})
-    assert design.mark == "#"
+    assert design.mark == "### ##"  # the first of a family of one
 
 
 def test_rounding_stays_within_the_bounds():

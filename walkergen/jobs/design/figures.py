@@ -16,6 +16,9 @@ ACROSS = 3
 
 FOUND = "#D55E00"
 
+BESIDE = ((8, 5), (-13, -13), (8, -13))
+"""Places of the numbers of designs beside their marks, points: designs often share a value."""
+
 
 def trade_off(result: "Result") -> Figure:
     """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
@@ -48,8 +51,8 @@ def trade_off(result: "Result") -> Figure:
             axes.errorbar(at, shown.value, bars, fmt="s" if one.met else "X", color=FOUND,
                           markersize=7, capsize=3, markeredgecolor="black", zorder=5,
                           label="designs" if number == 1 else None)  # fmt: skip
-            axes.annotate(str(number), (at, shown.value), xytext=(7, 5), fontsize=10, zorder=6,
-                          textcoords="offset points", fontweight="bold")  # fmt: skip
+            axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
+                          textcoords="offset points", fontsize=10, fontweight="bold")  # fmt: skip
         axes.set_xlabel(span.key, fontsize=9)
         axes.spines[["top", "right"]].set_visible(False)
         axes.tick_params(labelsize=8)

@@ -71,7 +71,7 @@ def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> Result:
     Raises InputError when nothing can be made within the ranges.
     """
     check(job)
-    found = search.search(job, bench)
+    found = search.search(job, bench, search.survey(job, bench))
     designs = verify.verify(job, bench, found)
     stopped = "" if any(one.met for one in designs) else limits.stopped(job, found, designs)
     result = Result(job, found, designs, stopped, folder)

@@ -35,6 +35,15 @@ SETTLED = {True: 0.6, False: 0.1}
 """Loss, in errors allowed, below which a tried design needs no better one beside it: with runs,
 whose error is part of the loss, and by the theory."""
 
+HOPED = 0.5
+"""Gain, in errors allowed, that a new design must promise over a tried one to be tried."""
+
+INSIDE = {True: 0.6, False: 0.95}
+"""Miss of a target, in errors allowed, within which the least sensitive design is looked for."""
+
+FINE = 0.05
+"""Share of the largest slope in friction that counts as much as an error allowed."""
+
 FAR, OUTSIDE = 1e3, 1e6
 """Losses of what is too near another design, and of what cannot be made."""
 
@@ -100,19 +109,20 @@ def _reason(trial: Trial) -> str:
     return told if len(told) <= 160 else told[:157] + "..."
 
 
-def search(job: Job, bench: Bench) -> Found:
-    """Search the box. Raises InputError when nothing in it can be made, or has the quantity."""
-    seen = survey(job, bench)
+def search(job: Job, bench: Bench, seen: Survey) -> Found:
+    """Search what the survey found to be makeable. Raises InputError when too little of it has the
+    wish's quantity.
+    """
     spread, close, _ = job.effort
     first, second = (spread, close) if job.simulated else (None, None)
     trials = lab.tried(job, bench, _first(job, seen), first, "first designs")
+    view = _view(job, seen, trials)
     for number in range(ROUNDS):
-        view = _view(job, seen, trials)
         proposed = _proposed(view, number)
         if not proposed:
             break
         trials += lab.tried(job, bench, proposed, second, f"round {number + 1}")
-    view = _view(job, seen, trials)
+        view = _view(job, seen, trials)
     chosen = view.best()
     return Found(seen, trials, [view.usable[place] for place in chosen],
                  [view.expected(place) for place in chosen])  # fmt: skip
@@ -161,11 +171,6 @@ class View(NamedTuple):
     fastest: float
     """Largest emulated value at a trial."""
 
-    @property
-    def enough(self) -> float:
-        """Loss below which a design with a target is as good as one wants."""
-        return SETTLED[self.job.simulated]
-
     def loss(self, x: Array, hope: float) -> Array:
         """Distance from the wish in errors allowed, `hope` standard deviations to the good side.
 
@@ -182,9 +187,9 @@ class View(NamedTuple):
             lost = np.hypot(mean - target, sd) / allowed
         if self.slope is not None:
             level, error = self.slope(x)
-            share = np.maximum(np.abs(level) - hope * error, 0.0) / self.slope_scale
-            # Among those that run at a speed within the error, the calm ones; else all that do.
-            lost = 10.0 * np.maximum(lost - self.enough, 0.0) + share / wish.error.value
+            calm = np.maximum(np.abs(level) - hope * error, 0.0) / self.slope_scale
+            missed = np.maximum(lost - INSIDE[self.job.simulated], 0.0)
+            lost = 10.0 * missed + calm / FINE
         elif wish.target is None:
             lost = (self.fastest - mean - hope * sd) / wish.allowed(self.fastest)
         return np.asarray(lost)
@@ -245,10 +250,7 @@ def _proposed(view: View, seed: int) -> list[dict[str, float]]:
         at, lost = _optimum(view, taken, WANTED * seed + number)
         own = _loss(view, taken, 0.0)(view.x.T)
         place = int(np.argmin(own))
-        settled = own[place] <= (view.enough if view.job.wish.target is not None else lost + 0.5)
-        if view.slope is not None:
-            settled = bool(own[place] <= lost + 0.5)
-        if settled and own[place] < FAR:
+        if own[place] < FAR and own[place] <= _enough(view, lost):
             taken.append(view.x[place])
             continue
         if lost >= FAR:
@@ -258,6 +260,13 @@ def _proposed(view: View, seed: int) -> list[dict[str, float]]:
         if tuple(row.values()) not in tried:
             rows.append(row)
     return rows
+
+
+def _enough(view: View, lost: float) -> float:
+    """Loss up to which a trial needs nothing better, where the best that may be hoped is `lost`."""
+    if view.job.wish.target is None or view.slope is not None:
+        return lost + HOPED
+    return max(SETTLED[view.job.simulated], lost + 0.1)
 
 
 def _loss(view: View, taken: Sequence[Array], hope: float) -> Callable[[Array], Array]:

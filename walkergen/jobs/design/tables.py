@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from walkergen.exploring.point import THEORY
+from walkergen.files import templates
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.design.lab import Job
 from walkergen.jobs.design.verify import Verified
@@ -131,11 +132,12 @@ def to_markdown(result: "Result") -> str:
         "",
     ]
     lines += ["![Speed against the keys that vary](design.png)", "", "```sh"]
-    folder = result.folder
+    folder, known = result.folder, templates.names("printers")
+    printer = job.printer.name if job.printer.name in known else "PRINTER"
     lines += [f"walkergen {command}" for command in (
-        f"family {folder}/design-1.toml --scene {folder}/scene-1.toml --printer PRINTER",
-        f"plate {folder}/design-1.toml --printer PRINTER",
-        f"simulate {folder}/design-1.toml --scene {folder}/scene-1.toml --error 5%",
+        f"family {folder}/design-1.toml --scene {folder}/scene-1.toml --printer {printer}",
+        f"plate {folder}/design-1.toml --printer {printer}",
+        f"simulate {folder}/design-1.toml --scene {folder}/scene-1.toml --seconds 4 --runs 32",
     )]  # fmt: skip
     return "\n".join([*lines, "```", ""])
 
