@@ -18,10 +18,15 @@ ROOT = Path(__file__).parent.parent
 QUICK = ("--model", "theory", "--vary", "legs.tilt_deg=2:40")
 
 
+@pytest.fixture(scope="module")
+def cache(tmp_path_factory):
+    return tmp_path_factory.mktemp("cache")
+
+
 @pytest.fixture
-def run(monkeypatch, tmp_path):
+def run(monkeypatch, tmp_path, cache):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
+    monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
     return lambda *words: CliRunner().invoke(app, ["design", *words])
 
 

@@ -62,6 +62,7 @@ def hidden(count, seed):
                "legs.flexible_thickness_mm": thickness}  # fmt: skip
 
 
+@pytest.mark.slow
 def test_wishes_made_from_known_designs_are_met(bench):
     met, seen = 0, search.survey(job_of(), bench)
     for values in hidden(20, 14):
@@ -172,7 +173,7 @@ def test_a_drawing_is_found_from_the_new_folder(bench, tmp_path):
     (1e6, "largest", "lower bound of --vary legs.length_mm"),
     (-10.0, "smallest", "upper bound of --vary legs.tilt_deg"),
 ])  # fmt: skip
-def test_an_impossible_speed_names_the_limit_and_the_nearest(bench, tmp_path, speed, side, bound):
+def test_an_impossible_speed_names_the_limit(bench, tmp_path, speed, side, bound):
     job = job_of(Wish("speed", speed, False, SHARE))
     result = make.make(job, bench, tmp_path, pictures=False)
     assert len(result.designs) == 3

@@ -138,7 +138,7 @@ def _show(result: "Result") -> None:
     from walkergen.jobs.design import tables
 
     console = Console(highlight=False)
-    console.print(tables.to_table(result.job, result.designs, box.SIMPLE))
+    console.print(tables.to_table(result.job, result.designs, box.SIMPLE, False))
     console.print(tables.units(result.job), markup=False)
     for line in tables.notes(result):
         console.print(line.removeprefix("- "), markup=False)

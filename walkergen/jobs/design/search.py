@@ -44,7 +44,10 @@ INSIDE = {True: 0.6, False: 0.95}
 FINE = 0.05
 """Share of the largest slope in friction that counts as much as an error allowed."""
 
-FAR, OUTSIDE = 1e3, 1e6
+STILL = 1e-3
+"""Least error allowed of the fastest, mm/s: all may stand still."""
+
+FAR, OUTSIDE = 1e6, 1e9
 """Losses of what is too near another design, and of what cannot be made."""
 
 
@@ -170,6 +173,8 @@ class View(NamedTuple):
     """True where the nearest known point can be made; takes coordinates, shape (k, keys)."""
     fastest: float
     """Largest emulated value at a trial."""
+    seen: tuple[float, float]
+    """Least and largest value that was tried, or their logarithms."""
 
     def loss(self, x: Array, hope: float) -> Array:
         """Distance from the wish in errors allowed, `hope` standard deviations to the good side.
@@ -181,9 +186,14 @@ class View(NamedTuple):
         mean, sd = self.value(x)
         lost = np.zeros(len(x))
         if wish.target is not None:
-            target, allowed = wish.target, wish.allowed(0.0)
+            target, low, high = wish.target, *self.seen
             if wish.logarithmic:
-                target, allowed = float(np.log(target)), allowed / target
+                target, allowed = float(np.log(target)), wish.error.value
+            else:
+                allowed = min(wish.allowed(0.0), wish.allowed_of(max(abs(low), abs(high))))
+                allowed = max(allowed, STILL)
+            # A target far beyond all is as far as their range: else they would be all alike.
+            target = min(max(target, 2.0 * low - high), 2.0 * high - low)
             lost = np.hypot(mean - target, sd) / allowed
         if self.slope is not None:
             level, error = self.slope(x)
@@ -191,7 +201,7 @@ class View(NamedTuple):
             missed = np.maximum(lost - INSIDE[self.job.simulated], 0.0)
             lost = 10.0 * missed + calm / FINE
         elif wish.target is None:
-            lost = (self.fastest - mean - hope * sd) / wish.allowed(self.fastest)
+            lost = (self.fastest - mean - hope * sd) / max(wish.allowed(self.fastest), STILL)
         return np.asarray(lost)
 
     def best(self) -> list[int]:
@@ -235,7 +245,8 @@ def _view(job: Job, seen: Survey, trials: Sequence[Trial]) -> View:
     tree = cKDTree(places)
     with emulator.alone():
         fastest = float(value(x)[0].max())
-    return View(job, usable, x, value, slope, scale, lambda at: can[tree.query(at)[1]], fastest)
+    return View(job, usable, x, value, slope, scale, lambda at: can[tree.query(at)[1]],
+                fastest, (float(y.min()), float(y.max())))  # fmt: skip
 
 
 def _proposed(view: View, seed: int) -> list[dict[str, float]]:

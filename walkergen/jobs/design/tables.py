@@ -67,30 +67,34 @@ def as_dict(result: "Result") -> dict[str, Any]:
     }  # fmt: skip
 
 
-def to_table(job: Job, designs: Sequence[Verified], frame: "Frame") -> "Table":
-    """Table of the designs, as people read it."""
+def to_table(job: Job, designs: Sequence[Verified], frame: "Frame", every: bool) -> "Table":
+    """Table of the designs, as people read it; `every` column, or as fits a terminal."""
     from rich.table import Table
 
-    table = Table(title=title(job), box=frame)
-    how = "by theory" if job.model == THEORY else "verified"
-    heads = ["", *_short(job.box.keys), "theory", "chosen", how, "95 %"]
-    if job.wish.calm:
-        heads.append("dv/dmu")
-    for head in [*heads, "met", "print"]:
-        left = head in ("met", "print")
-        table.add_column(head, justify="left" if left else "right", no_wrap=True)
-    for number, one in enumerate(designs, start=1):
-        bounds = "unknown" if one.bounds is None else "{:.1f}..{:.1f}".format(*one.bounds)
-        cells = [
-            str(number), *(f"{value:g}" for value in one.values.values()),
-            "unknown" if one.theory_mm_s is None else f"{one.theory_mm_s:.1f}",
-            _with_error(one.chosen), _with_error(one.verified), bounds,
-        ]  # fmt: skip
-        if job.wish.calm:
-            cells.append(_with_error(one.slope))
-        noted = "warning" if one.warnings else "ok"
-        table.add_row(*cells, "yes" if one.met else "no", noted)
+    table = Table(title=title(job), box=frame, pad_edge=every)
+    rows = [_cells(job, number, one) for number, one in enumerate(designs, start=1)]
+    left_out = set() if every else {"chosen"} | ({"theory"} if job.model == THEORY else set())
+    heads = [head for head in rows[0] if head not in left_out]
+    for head in heads:
+        table.add_column(head, justify="left" if head in ("met", "print") else "right")
+    for cells in rows:
+        table.add_row(*(cells[head] for head in heads))
     return table
+
+
+def _cells(job: Job, number: int, one: Verified) -> dict[str, str]:
+    """Row of the table by its headings."""
+    known = zip(_short(job.box.keys), one.values.values(), strict=True)
+    cells = {"": str(number)} | {key: f"{value:g}" for key, value in known} | {
+        "theory": "unknown" if one.theory_mm_s is None else f"{one.theory_mm_s:.1f}",
+        "chosen": _with_error(one.chosen),
+        "by theory" if job.model == THEORY else "verified": _with_error(one.verified),
+        "95 %": "unknown" if one.bounds is None else "{:.1f}..{:.1f}".format(*one.bounds),
+    }  # fmt: skip
+    if job.wish.calm:
+        cells["dv/dmu"] = _with_error(one.slope)
+    print_as = "warning" if one.warnings else "ok"
+    return cells | {"met": "yes" if one.met else "no", "print": print_as}
 
 
 def _short(keys: Sequence[str]) -> list[str]:
@@ -143,7 +147,7 @@ def to_markdown(result: "Result") -> str:
 
 
 def _untitled(job: Job, designs: Sequence[Verified], frame: "Frame") -> "Table":
-    table = to_table(job, designs, frame)
+    table = to_table(job, designs, frame, True)
     table.title = None
     return table
 

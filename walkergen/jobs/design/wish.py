@@ -64,9 +64,11 @@ class Wish(NamedTuple):
 
     def allowed(self, value: float) -> float:
         """Error that is allowed: a share counts of the target, without one of `value`."""
-        if not self.error.relative:
-            return self.error.value
-        return self.error.value * abs(value if self.target is None else self.target)
+        return self.allowed_of(value if self.target is None else self.target)
+
+    def allowed_of(self, value: float) -> float:
+        """Error that is allowed of a value, whatever the target."""
+        return self.error.value * (abs(value) if self.error.relative else 1.0)
 
 
 def of_options(
