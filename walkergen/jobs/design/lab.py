@@ -88,6 +88,12 @@ class Trial(NamedTuple):
     """Change of the speed with friction, mm/s; None unless the wish asks for it."""
 
     @property
+    def runs(self) -> int:
+        """Number of runs behind it; 0 by the theory."""
+        found = self.record.get("runs")
+        return found if isinstance(found, int) else 0
+
+    @property
     def buildable(self) -> bool:
         """True when it can be built."""
         return not str(self.record[STATUS]).startswith("refused")

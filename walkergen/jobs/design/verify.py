@@ -18,6 +18,9 @@ from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
 from walkergen.walker.design import Design
 
+SHARPER = 0.5
+"""Error of a verification over the one allowed, so that it is not itself what misses."""
+
 
 class Verified(NamedTuple):
     """A design that was found, and what a run that did not choose it says."""
@@ -71,7 +74,7 @@ def verify(job: Job, bench: Bench, found: Found) -> list[Verified]:
 
 
 def _wanted(job: Job, trial: Trial) -> Wanted | None:
-    """Error up to which a verification is run; None where its step alone exceeds that.
+    """Error up to which a verification is run; None where its step alone exceeds what is allowed.
 
     Of a fast or calm one the error is a share of its own speed.
     """
@@ -79,9 +82,9 @@ def _wanted(job: Job, trial: Trial) -> Wanted | None:
         return None
     most = job.wish.allowed(trial.seen.value)
     step = trial.record.get("step_error_mm_s")
-    if most <= 0.0 or (isinstance(step, float) and step >= most):
+    if most <= 0.0 or (isinstance(step, float) and step >= SHARPER * most):
         return None
-    return Wanted(most, False)
+    return Wanted(SHARPER * most, False)
 
 
 def _written(job: Job, trial: Trial, number: int) -> Design:
