@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
+from walkergen.exploring import crew
 from walkergen.exploring.axes import Span
 from walkergen.exploring.evaluate import evaluate
 from walkergen.exploring.point import Point
@@ -281,6 +282,36 @@ def test_wishes_that_cannot_be_are_refused(given, told):
     with pytest.raises(InputError) as caught:
         wish.of_options(**usual | given, error=SHARE)
     assert told in str(caught.value)
+
+
+def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
+    record = {"status": "ok", "model": "space", "speed_mm_s": -30.0, "se_mm_s": 0.9,
+              "turning_bias_rad_s": 0.6, "turning_bias_se_rad_s": 0.024}  # fmt: skip
+    found = wish.seen(record, "turning radius")
+    assert found.value == pytest.approx(50.0)
+    assert found.se == pytest.approx(50.0 * math.hypot(0.03, 0.04))
+    low, high = wish.bounds(record, "turning radius")
+    assert high - low == pytest.approx(2 * 1.96 * 2.5)
+    assert wish.seen(record | {"turning_bias_rad_s": None}, "turning radius") is None
+    assert wish.seen(record, "persistence length") is None
+
+
+def test_a_walker_that_never_moves_is_no_division_by_nothing(bench, tmp_path):
+    still = job_of(Wish("speed", None, False, SHARE), spans=(TILT,), **{"legs.kind": "braced"})
+    result = make.make(still, bench, tmp_path, pictures=False)
+    assert all(abs(one.speed_mm_s) < 0.1 for one in result.designs)
+
+
+@pytest.mark.slow
+def test_workers_change_no_number(bench, tmp_path):
+    job = job_of(spans=(TILT,))
+    make.make(job, bench, tmp_path / "here")
+    store = Store(tmp_path / "points.sqlite")
+    with crew.local(2) as two:
+        make.make(job, Bench(store, two, unheard), tmp_path / "there")
+    store.close()
+    for name in ("design.csv", "design.png", "design-1.toml"):
+        assert (tmp_path / "here" / name).read_bytes() == (tmp_path / "there" / name).read_bytes()
 
 
 @pytest.mark.nightly
