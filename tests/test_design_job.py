@@ -293,7 +293,10 @@ def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
     low, high = wish.bounds(record, "turning radius")
     assert high - low == pytest.approx(2 * 1.96 * 2.5)
     assert wish.seen(record | {"turning_bias_rad_s": None}, "turning radius") is None
+    assert wish.seen(record | {"turning_bias_rad_s": 0.04}, "turning radius") is None  # unresolved
     assert wish.seen(record, "persistence length") is None
+    record |= {"rotational_diffusion_rad2_s": 0.02, "rotational_diffusion_se_rad2_s": 0.002}
+    assert wish.seen(record, "persistence length").value == pytest.approx(1500.0)
 
 
 def test_a_walker_that_never_moves_is_no_division_by_nothing(bench, tmp_path):

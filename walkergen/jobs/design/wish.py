@@ -23,6 +23,10 @@ NORMAL_95 = 1.96
 """Standard errors to either side that hold 95 %, of many runs."""
 
 
+RESOLVED = 2.0
+"""Standard errors by which a rate of turning must differ from 0 for its length to be one."""
+
+
 class Wish(NamedTuple):
     """What a design shall do: a value of a quantity, or the fastest, or the least sensitive."""
 
@@ -121,17 +125,22 @@ class Seen(NamedTuple):
 
 
 def seen(record: Record, of: Quantity) -> Seen | None:
-    """Value of a quantity in a record, with its standard error; None where it has none."""
+    """Value of a quantity in a record, with its standard error; None where it has none.
+
+    A persistence length is the speed over the rotational diffusion, which runs shorter than the
+    persistence tell too; a turning radius is the speed over the turning bias.
+    """
     if of == "speed":
         return _pair(record, "speed_mm_s", "se_mm_s")
-    if of == "persistence length":
-        return _pair(record, "persistence_length_mm", "persistence_length_se_mm")
-    speed = _pair(record, "speed_mm_s", "se_mm_s")
-    turning = _pair(record, "turning_bias_rad_s", "turning_bias_se_rad_s")
-    if speed is None or turning is None or speed.value == 0.0 or turning.value == 0.0:
+    rates = {"persistence length": ("rotational_diffusion_rad2_s", "rotational_diffusion_se_rad2_s"),
+             "turning radius": ("turning_bias_rad_s", "turning_bias_se_rad_s")}  # fmt: skip
+    speed, rate = _pair(record, "speed_mm_s", "se_mm_s"), _pair(record, *rates[of])
+    if speed is None or rate is None or speed.value == 0.0:
         return None
-    radius = abs(speed.value / turning.value)
-    return Seen(radius, radius * math.hypot(speed.se / speed.value, turning.se / turning.value))
+    if abs(rate.value) <= RESOLVED * rate.se:
+        return None
+    length = abs(speed.value / rate.value)
+    return Seen(length, length * math.hypot(speed.se / speed.value, rate.se / rate.value))
 
 
 def _pair(record: Record, name: str, error: str) -> Seen | None:
