@@ -132,9 +132,12 @@ def seen(record: Record, of: Quantity) -> Seen | None:
     """
     if of == "speed":
         return _pair(record, "speed_mm_s", "se_mm_s")
-    rates = {"persistence length": ("rotational_diffusion_rad2_s", "rotational_diffusion_se_rad2_s"),
-             "turning radius": ("turning_bias_rad_s", "turning_bias_se_rad_s")}  # fmt: skip
-    speed, rate = _pair(record, "speed_mm_s", "se_mm_s"), _pair(record, *rates[of])
+    name = "rotational_diffusion" if of == "persistence length" else "turning_bias"
+    unit = "rad2_s" if of == "persistence length" else "rad_s"
+    speed, rate = (
+        _pair(record, "speed_mm_s", "se_mm_s"),
+        _pair(record, f"{name}_{unit}", f"{name}_se_{unit}"),
+    )
     if speed is None or rate is None or speed.value == 0.0:
         return None
     if abs(rate.value) <= RESOLVED * rate.se:
