@@ -106,7 +106,7 @@ def _short(keys: Sequence[str]) -> list[str]:
 def _with_error(seen: Seen | None) -> str:
     if seen is None:
         return "unknown"
-    return f"{seen.value:.1f} ± {seen.se:.1g}" if seen.se else f"{seen.value:.1f}"
+    return f"{seen.value:.4g} ± {seen.se:.2g}" if seen.se else f"{seen.value:.4g}"
 
 
 def title(job: Job) -> str:
@@ -166,7 +166,12 @@ def notes(result: "Result") -> list[str]:
     if job.simulated:
         lines.append(
             "- Verified by fresh runs with another seed, that did not choose the designs; the "
-            "bounds are theirs, of the model alone, and hold the step's error where it is known."
+            "bounds are theirs, of the model alone, "
+            + (
+                "and the step's error is not in them."
+                if job.wish.asks_space
+                else "and hold the step's error where it is known."
+            )  # fmt: skip
         )
     else:
         lines.append(
