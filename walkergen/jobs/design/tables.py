@@ -171,7 +171,7 @@ def notes(result: "Result") -> list[str]:
                 "and the step's error is not in them."
                 if job.wish.asks_space
                 else "and hold the step's error where it is known."
-            )  # fmt: skip
+            )
         )
     else:
         lines.append(
