@@ -32,7 +32,7 @@ def test_the_setup_is_two_commands_and_the_gate_runs_them():
 @pytest.mark.slow
 def test_the_tour_runs_as_shown(tmp_path):
     tour = [line for line in commands() if line.startswith("walkergen")]
-    assert len(tour) == 28
+    assert len(tour) == 29
     for line in tour:
         words = [sys.executable, "-m", *shlex.split(line)]
         result = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)

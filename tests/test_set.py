@@ -21,6 +21,7 @@ TAKES = {
     ("bench", "pluck"): "design scene",
     ("bench", "slide"): "design scene",
     ("check",): "design printer",
+    ("design", "--speed", "40"): "design scene printer",
     ("explain",): "design scene",
     ("export",): "design",
     ("family",): "design scene printer",

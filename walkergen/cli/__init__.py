@@ -12,6 +12,7 @@ from walkergen.cli import (
     analyse,
     bench,
     check,
+    design,
     explain,
     export,
     family,
@@ -38,9 +39,10 @@ app = typer.Typer(
     add_completion=False,
 )
 for command in (
-    family.family, predict.predict, export.export, check.check, plate.plate, simulate.simulate,
-    sweep.sweep, explain.explain, accuracy.accuracy, selftest.selftest, analyse.analyse, fit.fit,
-    movie.movie, report.report, reproduce.reproduce, validate.validate, weigh.weigh,
+    family.family, predict.predict, sweep.sweep, design.design, export.export, check.check,
+    plate.plate, simulate.simulate, explain.explain, accuracy.accuracy, selftest.selftest,
+    analyse.analyse, fit.fit, movie.movie, report.report, reproduce.reproduce, validate.validate,
+    weigh.weigh,
 ):  # fmt: skip
     app.command()(command)
 app.add_typer(bench.app, name="bench")

@@ -1,8 +1,6 @@
 """The command `sweep`."""
 
 import sys
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -10,6 +8,7 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
+from walkergen.cli.crews import Workers, crew_of
 from walkergen.cli.times import parse_time
 from walkergen.errors import InputError
 
@@ -76,9 +75,7 @@ def sweep(
         str | None,
         typer.Option("--budget", metavar="TIME", help="Time to spend where errors are worst: 10m."),
     ] = None,
-    workers: Annotated[
-        int | None, typer.Option("--workers", help="Processes; all cores by default.")
-    ] = None,
+    workers: Workers = None,
     dask: Annotated[
         str | None,
         typer.Option("--dask", metavar="ADDRESS", help="Cluster instead: tcp://scheduler:8786."),
@@ -90,6 +87,7 @@ def sweep(
     quiet: opt.Quiet = False,
 ) -> None:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
+    from walkergen.exploring.point import THEORY
     from walkergen.exploring.store import Store
     from walkergen.jobs.sweep import ask, make
 
@@ -107,7 +105,8 @@ def sweep(
         )
     folder = out or Path("out") / "sweeps" / asked.name()
     store = Store()
-    with _crew(request, workers, dask) as crew:
+    few = request.model == THEORY and request.space.points <= FEW_POINTS
+    with crew_of(few, workers, dask) as crew:
         _check_cost(request, store, crew, yes)
         job = make.Job(request, asked.title(), pictures, seconds)
         with show.progress("sweep", wanted=not quiet) as progress:
@@ -142,24 +141,6 @@ def _check_file(**given: object) -> None:
         if value is not None:
             flag = name if name.isupper() else f"--{name}"
             raise InputError(f"{flag} {value}: not with --file, which says it")
-
-
-@contextmanager
-def _crew(request: "Request", workers: int | None, dask: str | None) -> "Iterator[Crew | None]":
-    """Crew that a command line asks for; none for so few points that this process is faster."""
-    from walkergen.exploring import crew
-    from walkergen.exploring.point import THEORY
-
-    if dask is not None:
-        if workers is not None:
-            raise InputError(f"--workers {workers}: not with --dask, which has its own")
-        with crew.dask(dask) as found:
-            yield found
-    elif workers is None and request.model == THEORY and request.space.points <= FEW_POINTS:
-        yield None
-    else:
-        with crew.local(workers) as found:
-            yield found
 
 
 def _check_cost(request: "Request", store: "Store", crew: "Crew | None", yes: bool) -> None:

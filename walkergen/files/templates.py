@@ -65,10 +65,14 @@ def path_of(name_or_path: str, kind: str, near: Path = Path()) -> Path:
     )
 
 
-def dump(model: Section, comment: str) -> str:
-    """A TOML file that `load` reads back, led by a comment of one line."""
+def dump(model: Section, comment: str, every: bool = True) -> str:
+    """A TOML file that `load` reads back, led by a comment of one line.
+
+    With every key, or those alone that were written: some exclude each other's defaults.
+    """
     line = "".join(letter if letter.isprintable() else "?" for letter in comment)
-    return f"# {line}\n\n" + tomli_w.dumps(model.model_dump(mode="json", exclude_none=True))
+    data = model.model_dump(mode="json", exclude_none=True, exclude_unset=not every)
+    return f"# {line}\n\n" + tomli_w.dumps(data)
 
 
 def listing() -> list[Entry]:

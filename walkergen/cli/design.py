@@ -1,0 +1,106 @@
+"""The command `design`."""
+
+import sys
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from walkergen.cli import loading, show
+from walkergen.cli import options as opt
+from walkergen.cli.crews import Workers, crew_of
+
+if TYPE_CHECKING:
+    from walkergen.jobs.design.make import Result
+
+
+def design(
+    speed: Annotated[float | None, typer.Option("--speed", help="Speed wished, mm/s.")] = None,
+    fastest: Annotated[bool, typer.Option("--fastest", help="Wish for the fastest.")] = False,
+    calm: Annotated[
+        bool,
+        typer.Option("--least-sensitive", help="Wish for the least change of speed with friction."),
+    ] = False,
+    persistence: Annotated[
+        float | None, typer.Option("--persistence", help="Persistence length wished, mm.")
+    ] = None,
+    radius: Annotated[
+        float | None, typer.Option("--turning-radius", help="Radius of turning wished, mm.")
+    ] = None,
+    start: Annotated[
+        str, typer.Option("--from", metavar="DESIGN", help="Walker to change; name or TOML file.")
+    ] = opt.PAPER,
+    vary: Annotated[
+        list[str] | None,
+        typer.Option("--vary", metavar="KEY=LOW:HIGH", help="Key of the file to vary; repeats."),
+    ] = None,
+    values: opt.Values = None,
+    scene: opt.SceneName = opt.SCENE,
+    printer: opt.PrinterName = opt.PRINTER,
+    model: Annotated[
+        str | None,
+        typer.Option("--model", help="theory, or a model; by default the one of `simulate`."),
+    ] = None,
+    error: Annotated[
+        str, typer.Option("--error", metavar="ERROR", help="Error allowed: 5% or 3mm/s.")
+    ] = "5%",
+    seed: opt.Seed = None,
+    workers: Workers = None,
+    out: Annotated[
+        Path | None,
+        typer.Option("--out", metavar="FOLDER", help="Folder; out/design-WISH by default."),
+    ] = None,
+    pictures: opt.Pictures = True,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Find designs that meet a wish: the theory first, then simulations, then a fresh run."""
+    from walkergen.exploring import wanted
+    from walkergen.exploring.store import Store
+    from walkergen.jobs.design import box, make
+    from walkergen.jobs.design import wish as wishes
+    from walkergen.jobs.design.lab import Bench, Job
+
+    wish = wishes.of_options(speed, persistence, radius, fastest, calm, wanted.parse(error))
+    asked = loading.asked(values, "design scene printer", seed=seed)
+    base, place = asked.design(start), asked.scene(scene)
+    spans = box.of_options(vary or [], base)
+    asked.refuse(spans.keys, "--vary varies it: leave one of them out")
+    job = Job(
+        wish, base, place, spans, asked.printer(printer),
+        make.model_of(base, place, model, wish.asks_space), place.run.seed,
+    )  # fmt: skip
+    make.check(job)
+    folder = out or Path("out") / f"design-{wish.slug}"
+    store = Store()
+    try:
+        hands = crew_of(not job.simulated, workers)
+        with hands as crew, show.progress("design", not quiet) as progress:
+            result = make.make(job, Bench(store, crew, progress), folder, pictures)
+    finally:
+        store.close()
+    if json:
+        from walkergen.jobs.design import tables
+
+        show.as_json(tables.as_dict(result))
+    elif not quiet:
+        _show(result)
+    if result.stopped:
+        print(f"{result.stopped}; the nearest are in {folder}/", file=sys.stderr)
+        raise typer.Exit(1)
+
+
+def _show(result: "Result") -> None:
+    """Print the designs, what was done, and where they are."""
+    from rich import box
+    from rich.console import Console
+
+    from walkergen.jobs.design import tables
+
+    console = Console(highlight=False)
+    console.print(tables.to_table(result.job, result.designs, box.SIMPLE, False))
+    console.print(tables.units(result.job), markup=False)
+    for line in tables.notes(result):
+        console.print(line.removeprefix("- "), markup=False)
+    names = "design-1.toml" if len(result.designs) == 1 else f"design-1 to {len(result.designs)}"
+    print(f"{names}, scenes, design.csv, design.md and design.png in {result.folder}/")

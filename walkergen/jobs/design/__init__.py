@@ -1,0 +1,1 @@
+"""The job `design`: designs that meet a wish, searched, verified and written."""

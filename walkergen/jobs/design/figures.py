@@ -1,0 +1,78 @@
+"""Figure of the trade-off: what was surveyed and tried against every key that varies."""
+
+from typing import TYPE_CHECKING
+
+from matplotlib.figure import Figure
+
+from walkergen.exploring.point import THEORY
+from walkergen.jobs.design.tables import title
+from walkergen.jobs.design.wish import UNITS
+
+if TYPE_CHECKING:
+    from walkergen.jobs.design.make import Result
+
+ACROSS = 3
+"""Largest number of panels side by side."""
+
+FOUND = "#D55E00"
+
+BESIDE = ((8, 5), (-13, -13), (8, -13))
+"""Places of the numbers of designs beside their marks, points: designs often share a value."""
+
+
+def trade_off(result: "Result") -> Figure:
+    """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
+    job, found = result.job, result.found
+    count = len(job.box.spans)
+    wide, high = min(count, ACROSS), -(-count // ACROSS)
+    figure = Figure(figsize=(3.4 * wide + 0.6, 3.0 * high + 0.5), layout="constrained")
+    panels = figure.subplots(high, wide, sharey=True, squeeze=False).ravel()
+    tried = [trial for trial in found.trials if trial.usable and trial.seen]
+    levels = [trial.seen.value for trial in tried if trial.seen]
+    theory = [trial for trial in found.survey.trials if trial.usable and trial.seen]
+    for span, axes in zip(job.box.spans, panels, strict=False):
+        if job.wish.of == "speed":
+            axes.plot(
+                [trial.values[span.key] for trial in theory],
+                [trial.seen.value for trial in theory if trial.seen],
+                ".", color="0.75", markersize=3, label="surveyed by the theory", rasterized=True,
+            )  # fmt: skip
+        if job.model != THEORY or job.wish.of != "speed":
+            axes.plot([trial.values[span.key] for trial in tried], levels, "o", color="0.25",
+                      markersize=3.5, label=f"tried, model {job.model}")  # fmt: skip
+        _wish(axes, result)
+        for number, one in enumerate(result.designs, start=1):
+            shown = one.verified or one.chosen
+            bars = [[0.0], [0.0]]
+            if one.bounds is not None and job.simulated:
+                bars = [[max(shown.value - one.bounds[0], 0.0)],
+                        [max(one.bounds[1] - shown.value, 0.0)]]  # fmt: skip
+            at = one.values[span.key]
+            axes.errorbar(at, shown.value, bars, fmt="s" if one.met else "X", color=FOUND,
+                          markersize=7, capsize=3, markeredgecolor="black", zorder=5,
+                          label="designs" if number == 1 else None)  # fmt: skip
+            axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
+                          textcoords="offset points", fontsize=10, fontweight="bold")  # fmt: skip
+        axes.set_xlabel(span.key, fontsize=9)
+        axes.spines[["top", "right"]].set_visible(False)
+        axes.tick_params(labelsize=8)
+        if job.wish.logarithmic:
+            axes.set_yscale("log")
+    for axes in panels[count:]:
+        axes.set_visible(False)
+    for axes in panels[:count:wide]:
+        axes.set_ylabel(f"{job.wish.of} ({UNITS[job.wish.of]})", fontsize=9)
+    figure.suptitle(title(job), fontsize=9)
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
+                  fontsize=8, frameon=False)  # fmt: skip
+    return figure
+
+
+def _wish(axes, result: "Result") -> None:  # type: ignore[no-untyped-def]
+    wish = result.job.wish
+    if wish.target is None:
+        return
+    error = wish.allowed(0.0)
+    axes.axhspan(wish.target - error, wish.target + error, color="#56B4E9", alpha=0.35,
+                 linewidth=0, zorder=0, label="wished, within the error")  # fmt: skip
+    axes.axhline(wish.target, color="#0072B2", linewidth=0.8, zorder=1)

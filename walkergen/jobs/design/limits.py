@@ -1,0 +1,51 @@
+"""Limits: what stopped a search that found no design for its wish."""
+
+from walkergen.jobs.design.lab import Job, Trial
+from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.verify import Verified
+from walkergen.jobs.design.wish import UNITS
+
+
+def stopped(job: Job, found: Found, designs: list[Verified]) -> str:
+    """Line on a wish that no design meets: the nearest value, and the limit that is in the way."""
+    wish, unit = job.wish, UNITS[job.wish.of]
+    values = [one.verified.value for one in designs if one.verified is not None]
+    if wish.target is None or not values:
+        return (
+            f"no design for {wish.words}: fresh runs do not agree with those that chose; "
+            "another --seed, or a larger --error"
+        )
+    target = wish.target
+    nearest = min(values, key=lambda value: abs(value - target))
+    head = f"no design for {wish.words} within {wish.error}: the nearest runs at "
+    if wish.of != "speed":
+        head = f"no design for {wish.words} within {wish.error}: the nearest has "
+    head += f"{nearest:.4g} {unit}"
+    tried = [(trial.seen.value, trial) for trial in found.trials if trial.usable and trial.seen]
+    low, high = min(tried, key=lambda one: one[0]), max(tried, key=lambda one: one[0])
+    if low[0] <= target <= high[0]:
+        return (
+            f"{head}, though values from {low[0]:.4g} to {high[0]:.4g} {unit} were seen: other "
+            "--vary ranges, a larger --error or another --seed"
+        )
+    extreme, at = high if target > high[0] else low
+    side = "largest" if target > high[0] else "smallest"
+    return f"{head}; the {side} {wish.of} found is {extreme:.4g} {unit}, {_limit(job, found, at)}"
+
+
+def _limit(job: Job, found: Found, extreme: Trial) -> str:
+    """Limit that an extreme trial stands at: a bound of a key, or what cannot be made."""
+    held = []
+    for span in job.box.spans:
+        value, near = extreme.values[span.key], 0.05 * (span.high - span.low)
+        if min(value - span.low, span.high - value) <= near:
+            end = "lower" if value - span.low <= near else "upper"
+            bound = span.low if end == "lower" else span.high
+            held.append(f"the {end} bound of --vary {span.key} ({bound:g})")
+    missed = int((~found.survey.feasible).sum())
+    if missed:
+        held.append(f"what cannot be made or printed ({missed} of {len(found.survey.x)} designs)")
+    at = ", ".join(f"{key} = {value:g}" for key, value in extreme.values.items())
+    if not held:
+        return f"within the ranges, at {at}: vary other keys"
+    return f"at {at}, stopped by {' and '.join(held)}"

@@ -1,0 +1,118 @@
+"""The job `design`: search, verify, write."""
+
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.exploring.point import MODELS, THEORY
+from walkergen.files import output, templates
+from walkergen.files.output import Folder
+from walkergen.jobs.design import limits, search, tables, verify
+from walkergen.jobs.design.lab import FRICTION, Bench, Job
+from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.verify import Verified
+from walkergen.scene import Scene
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+
+class Result(NamedTuple):
+    """Designs that were found for a wish."""
+
+    job: Job
+    found: Found
+    designs: list[Verified]
+    """Best distinct ones, best first."""
+    stopped: str
+    """Reason why none meets the wish; "" when one does."""
+    folder: Path
+
+
+def model_of(design: Design, scene: Scene, asked: str | None, turns: bool) -> str:
+    """Model of a search: the one asked for, else the one that `simulate` takes in the scene.
+
+    `turns` is true for a wish about turning, which needs the model in space on a plane. Raises
+    InputError for unknown models, and those that cannot answer the wish.
+    """
+    if asked is not None and asked not in MODELS:
+        raise InputError(f"--model {asked[:30]!r}: must be one of {', '.join(MODELS)}")
+    found = asked or "auto"
+    if asked in (None, "auto"):
+        if asked == "auto":
+            scene = _with_model(scene, "auto")
+        found = resolve(scene, design, solids.mass_of(design)).model
+    elif asked != THEORY:
+        resolve(_with_model(scene, found), design, solids.mass_of(design))
+    if turns and (found != "space" or scene.arena.kind != "plane"):
+        raise InputError(
+            "--persistence, --turning-radius: walkers turn in the model space on a plane; seen "
+            f"model {found}, a {scene.arena.kind}: --model space --scene plane-90hz"
+        )
+    return found
+
+
+def _with_model(scene: Scene, model: str) -> Scene:
+    return scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": model})})
+
+
+def check(job: Job) -> None:
+    """Refuse wishes that the job cannot answer. Raises InputError."""
+    if job.wish.calm and not job.scene.contact.friction and FRICTION not in job.box.keys:
+        raise InputError("--least-sensitive: contact.friction is 0: there is none to vary")
+    for key in ("scene.run.", "scene.legs.model", "name", "description", "family."):
+        if wrong := [one for one in job.box.keys if one.startswith(key)]:
+            raise InputError(f"--vary {wrong[0]}: is no property of a walker or a plate")
+
+
+def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> Result:
+    """Search for designs, verify them and write them into a folder, last of all.
+
+    Raises InputError when nothing can be made within the ranges.
+    """
+    check(job)
+    found = search.search(job, bench, search.survey(job, bench))
+    designs = verify.verify(job, bench, found)
+    stopped = "" if any(one.met for one in designs) else limits.stopped(job, found, designs)
+    result = Result(job, found, designs, stopped, folder)
+    _write(result, pictures)
+    return result
+
+
+def _scene(result: Result, number: int) -> str:
+    """Scene of a design, with the model that it was verified with."""
+    job, scene = result.job, result.designs[number].scene
+    if job.simulated:
+        scene = _with_model(scene, job.model)
+    data = scene.model_dump(exclude_unset=True)
+    data["description"] = f"As {scene.name}, of a design for {job.wish.words}"[:2000]
+    return templates.dump(
+        Scene.model_validate(data), f"Scene of design-{number + 1}.toml", every=False
+    )
+
+
+def _write(result: Result, pictures: bool) -> None:
+    job, target = result.job, Folder(result.folder)
+    contents = {"design.csv": tables.to_csv(job, result.designs),
+                "design.md": tables.to_markdown(result)}  # fmt: skip
+    for number, one in enumerate(result.designs):
+        contents[f"design-{number + 1}.toml"] = one.text
+        contents[f"scene-{number + 1}.toml"] = _scene(result, number)
+    drawn = b""
+    if pictures:
+        from walkergen.files import figures as files
+        from walkergen.jobs.design import figures
+
+        drawn = files.png(figures.trade_off(result))
+    for name, content in contents.items():
+        target.write(name, content.encode())
+    if drawn:
+        target.write("design.png", drawn)
+    facts: dict[str, Any] = {
+        **output.versions(), "wish": job.wish.words, "error": str(job.wish.error),
+        "model": job.model, "seed": job.seed,
+        "vary": {span.key: [span.low, span.high] for span in job.box.spans},
+        "design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json"),
+        "printer": job.printer.model_dump(mode="json"),
+    }  # fmt: skip
+    target.finish(facts)

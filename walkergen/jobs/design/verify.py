@@ -1,0 +1,150 @@
+"""Verification: each design, read back from its own TOML, run afresh with another seed."""
+
+import math
+import tomllib
+from pathlib import Path
+from typing import NamedTuple
+
+from walkergen.exploring.point import THEORY, Point
+from walkergen.exploring.wanted import Wanted
+from walkergen.files import templates
+from walkergen.files.config import validate
+from walkergen.jobs.design import lab
+from walkergen.jobs.design import wish as wishes
+from walkergen.jobs.design.lab import Bench, Job, Trial
+from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.wish import NORMAL_95, Seen
+from walkergen.scene import Scene
+from walkergen.walker.body import DRAWN
+from walkergen.walker.design import Design
+
+SHARPER = 0.5
+"""Error of a verification over the one allowed, so that it is not itself what misses."""
+
+
+class Verified(NamedTuple):
+    """A design that was found, and what a run that did not choose it says."""
+
+    values: dict[str, float]
+    design: Design
+    text: str
+    """Its TOML."""
+    scene: Scene
+    theory_mm_s: float | None
+    chosen: Seen
+    """Value of the wish's quantity when it was chosen, as emulated, with the error of its runs."""
+    verified: Seen | None
+    """The same from the fresh run; None where that tells none."""
+    bounds: tuple[float, float] | None
+    """Bounds of 95 % of the fresh run, the step's error included; by the theory those of a print.
+    """
+    slope: Seen | None
+    """Change of the speed with friction by the fresh run, mm/s."""
+    speed_mm_s: float | None
+    runs: int
+    """Number of fresh runs; 0 by the theory."""
+    warnings: int
+    told: str
+    """Worst finding of the printer's checks; "" when there is none."""
+    met: bool
+
+
+def verify(job: Job, bench: Bench, found: Found) -> list[Verified]:
+    """Verify the chosen designs."""
+    designs = [_written(job, trial, n) for n, trial in enumerate(found.chosen, start=1)]
+    texts = [_text(job, design) for design in designs]
+    read = [_read(text) for text in texts]
+    scenes = [lab.made(job, trial.values)[1] for trial in found.chosen]
+    effort = job.effort[2] if job.simulated else None
+    asked: list[Point] = []
+    for trial, design, scene in zip(found.chosen, read, scenes, strict=True):
+        points = lab.points(job, design, scene, effort, None, lab.fresh_seed(job.seed))
+        first = points[0]._replace(wanted=_wanted(job, trial))
+        if not job.simulated:
+            first = first._replace(keep=(*first.keep, "spread"))
+        asked += [first, *points[1:]]
+    rows = [trial.values for trial in found.chosen]
+    fresh = lab.read(job, bench, rows, asked, effort, "verification")
+    return [
+        _verified(job, old, expected, new, design, text, scene)
+        for old, expected, new, design, text, scene in zip(
+            found.chosen, found.expected, fresh, designs, texts, scenes, strict=True
+        )
+    ]
+
+
+def _wanted(job: Job, trial: Trial) -> Wanted | None:
+    """Error up to which a verification is run; None where its step alone exceeds what is allowed.
+
+    Of a fast or calm one the error is a share of its own speed.
+    """
+    if not job.simulated or job.wish.asks_space or trial.seen is None:
+        return None
+    most = job.wish.allowed(trial.seen.value)
+    step = trial.record.get("step_error_mm_s")
+    if most <= 0.0 or (isinstance(step, float) and step >= SHARPER * most):
+        return None
+    return Wanted(SHARPER * most, False)
+
+
+def _written(job: Job, trial: Trial, number: int) -> Design:
+    """Design as it is written: with a name, and the files that it names found from anywhere."""
+    design, _ = lab.made(job, trial.values)
+    data = design.model_dump(exclude_unset=True)
+    ending = f"-{job.wish.slug}-{number}"
+    data["name"] = job.design.name[: 64 - len(ending)] + ending
+    data["description"] = f"As {job.design.name}, for a wish: {job.wish.words}"
+    for key in ("outline", "mesh"):
+        name = data.get("body", {}).get(key)
+        if name and name not in DRAWN:
+            data["body"] = data["body"] | {key: str(Path(name).resolve())}
+    return validate(data, Design, "design")
+
+
+def _text(job: Job, design: Design) -> str:
+    how = "the theory" if job.model == THEORY else f"the model {job.model}"
+    return templates.dump(design, f"Found by {how} in the scene beside it", every=False)
+
+
+def _read(text: str) -> Design:
+    """Design of a TOML text, as a file with it is read."""
+    return validate(Design.beside(tomllib.loads(text), Path()), Design, "design", text)
+
+
+def _verified(
+    job: Job, old: Trial, expected: float, new: Trial, design: Design, text: str, scene: Scene
+) -> Verified:
+    assert old.seen is not None
+    record, theory = new.record, old.record.get("theory_mm_s", old.record.get("speed_mm_s"))
+    speed, told, runs = record.get("speed_mm_s"), old.record.get("print_told"), record.get("runs")
+    warnings = old.record.get("print_warnings")
+    found = Verified(
+        old.values, design, text, scene,
+        float(theory) if isinstance(theory, (int, float)) else None,
+        Seen(expected, old.seen.se), new.seen, wishes.bounds(record, job.wish.of), new.slope,
+        float(speed) if isinstance(speed, (int, float)) else None,
+        runs if isinstance(runs, int) else 0, warnings if isinstance(warnings, int) else 0,
+        str(told or ""), False,
+    )  # fmt: skip
+    return found._replace(met=new.printable and _met(job, found, old))
+
+
+def _met(job: Job, found: Verified, old: Trial) -> bool:
+    """True when the fresh value is the one wished within the error.
+
+    Without a target: when it is the one for which the design was chosen, within the error allowed
+    or, where that is less, the errors of both runs.
+    """
+    if found.verified is None:
+        return False
+    value = found.verified.value
+    if job.wish.target is not None:
+        return abs(value - job.wish.target) <= job.wish.allowed(value)
+    before, after = found.chosen, found.verified
+    if job.wish.calm:
+        if old.slope is None or found.slope is None:
+            return False
+        before, after = old.slope, found.slope
+    apart = abs(after.value - before.value)
+    both = NORMAL_95 * math.hypot(before.se, after.se)
+    return apart <= max(job.wish.allowed(after.value), both)

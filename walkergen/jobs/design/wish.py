@@ -1,0 +1,180 @@
+"""Wishes: what a design shall do, within which error, and what a point's record says of it."""
+
+import math
+from typing import Literal, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.exploring.point import OK, STATUS, THEORY, Record
+from walkergen.exploring.wanted import Wanted
+
+Quantity = Literal["speed", "persistence length", "turning radius"]
+
+UNITS: dict[Quantity, str] = {
+    "speed": "mm/s", "persistence length": "mm", "turning radius": "mm"
+}  # fmt: skip
+OPTIONS: dict[str, Quantity] = {
+    "--speed": "speed", "--persistence": "persistence length", "--turning-radius": "turning radius",
+}  # fmt: skip
+
+LARGEST = 1e9
+"""Largest number that may be wished, mm/s or mm."""
+
+NORMAL_95 = 1.96
+"""Standard errors to either side that hold 95 %, of many runs."""
+
+
+RESOLVED = 2.0
+"""Standard errors by which a rate of turning must differ from 0 for its length to be one."""
+
+
+class Wish(NamedTuple):
+    """What a design shall do: a value of a quantity, or the fastest, or the least sensitive."""
+
+    of: Quantity
+    target: float | None
+    """Value wished, in UNITS; None for the fastest or the least sensitive of all."""
+    calm: bool
+    """True for the smallest change of speed with friction, among those with the target if any."""
+    error: Wanted
+
+    @property
+    def slug(self) -> str:
+        """Name for files: speed40, fastest, speed40-least-sensitive."""
+        calm = "least-sensitive" if self.calm else ""
+        if self.target is None:
+            return calm or "fastest"
+        name = {"speed": "speed", "persistence length": "persistence", "turning radius": "radius"}
+        value = f"{name[self.of]}{self.target:g}".replace("+", "")
+        return "-".join(filter(None, (value.replace(".", "p"), calm)))
+
+    @property
+    def words(self) -> str:
+        """Wish as people say it."""
+        calm = "least sensitive to friction" if self.calm else ""
+        if self.target is None:
+            return calm or "fastest"
+        value = f"{self.of} {self.target:g} {UNITS[self.of]}"
+        return f"{value}, {calm}" if calm else value
+
+    @property
+    def logarithmic(self) -> bool:
+        """True for lengths, which vary over decades."""
+        return self.of != "speed"
+
+    @property
+    def asks_space(self) -> bool:
+        """True for what only a walker that turns has."""
+        return self.of != "speed"
+
+    def allowed(self, value: float) -> float:
+        """Error that is allowed: a share counts of the target, without one of `value`."""
+        return self.allowed_of(value if self.target is None else self.target)
+
+    def allowed_of(self, value: float) -> float:
+        """Error that is allowed of a value, whatever the target."""
+        return self.error.value * (abs(value) if self.error.relative else 1.0)
+
+
+def of_options(
+    speed: float | None, persistence: float | None, radius: float | None, fastest: bool,
+    calm: bool, error: Wanted,
+) -> Wish:  # fmt: skip
+    """Wish of a command line. Raises InputError unless it is exactly one that can be."""
+    given = dict(zip(OPTIONS, (speed, persistence, radius), strict=True))
+    targets = {name: value for name, value in given.items() if value is not None}
+    named = [*targets, *(["--fastest"] if fastest else [])]
+    if len(named) > 1 or (calm and named not in ([], ["--speed"])):
+        both = " and ".join([*named, *(["--least-sensitive"] if calm else [])])
+        raise InputError(
+            f"{both}: one wish at a time; only --speed and --least-sensitive go together"
+        )
+    if not named and not calm:
+        raise InputError(
+            "no wish: give --speed 40, --fastest, --least-sensitive, --persistence MM or "
+            "--turning-radius MM"
+        )
+    if not targets:
+        return Wish("speed", None, calm, error)
+    ((name, value),) = targets.items()
+    _check(name, value, error)
+    return Wish(OPTIONS[name], value, calm, error)
+
+
+def _check(name: str, value: float, error: Wanted) -> None:
+    """Refuse targets that are no number, or of which no share can be. Raises InputError."""
+    unit = UNITS[OPTIONS[name]]
+    if not abs(value) <= LARGEST:
+        raise InputError(f"{name} {value:g}: must be a number of {unit}, at most {LARGEST:g}")
+    if name != "--speed":
+        if not value > 0.0:
+            raise InputError(f"{name} {value:g}: must be a length in mm above 0")
+        if not error.relative:
+            raise InputError(f"--error {error}: a speed is no error of a length: write 10%")
+    elif value == 0.0 and error.relative:
+        raise InputError(
+            f"--speed 0: {error} of 0 is no error: say --error 1mm/s, or wish another speed"
+        )
+
+
+class Seen(NamedTuple):
+    """What a record says of a quantity."""
+
+    value: float
+    se: float
+    """Standard error of the runs; 0 by the theory."""
+
+
+def seen(record: Record, of: Quantity) -> Seen | None:
+    """Value of a quantity in a record, with its standard error; None where it has none.
+
+    A persistence length is the speed over the rotational diffusion, which runs shorter than the
+    persistence tell too; a turning radius is the speed over the turning bias.
+    """
+    if of == "speed":
+        return _pair(record, "speed_mm_s", "se_mm_s")
+    name = "rotational_diffusion" if of == "persistence length" else "turning_bias"
+    unit = "rad2_s" if of == "persistence length" else "rad_s"
+    speed, rate = (
+        _pair(record, "speed_mm_s", "se_mm_s"),
+        _pair(record, f"{name}_{unit}", f"{name}_se_{unit}"),
+    )
+    if speed is None or rate is None or speed.value == 0.0:
+        return None
+    if abs(rate.value) <= RESOLVED * rate.se:
+        return None
+    length = abs(speed.value / rate.value)
+    return Seen(length, length * math.hypot(speed.se / speed.value, rate.se / rate.value))
+
+
+def _pair(record: Record, name: str, error: str) -> Seen | None:
+    value, se = record.get(name), record.get(error)
+    if record.get("model") == THEORY:
+        se = 0.0
+    if not isinstance(value, (int, float)) or not isinstance(se, (int, float)):
+        return None
+    return Seen(float(value), float(se))
+
+
+def bounds(record: Record, of: Quantity) -> tuple[float, float] | None:
+    """Bounds of 95 % of a quantity, the step's error in those of a speed; None where unknown.
+
+    Those of the theory are what is not known exactly of print, contact and impact speed.
+    """
+    ends = ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
+    if of == "speed":
+        if record.get("model") != THEORY:
+            ends = ("low_95_mm_s", "high_95_mm_s")
+        low, high = (record.get(end) for end in ends)
+        if isinstance(low, (int, float)) and isinstance(high, (int, float)):
+            return float(low), float(high)
+        return None
+    found = seen(record, of)
+    if found is None:
+        return None
+    return found.value - NORMAL_95 * found.se, found.value + NORMAL_95 * found.se
+
+
+def ended_well(record: Record) -> bool:
+    """True for a record whose numbers stand, with whatever error."""
+    status = str(record[STATUS])
+    return status == OK or status.startswith("error ")
