@@ -22,10 +22,12 @@ from walkergen.exploring.store import Store
 from walkergen.files import templates
 from walkergen.jobs.sweep.make import Job, make
 from walkergen.scene import Scene
-from walkergen.simulation import ensemble
-from walkergen.simulation.plan import prepare
+from walkergen.simulation import points
+from walkergen.simulation.points import Asked
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+
+REPEATS = 3
 
 MEMORY = """
 import resource, sys
@@ -52,20 +54,21 @@ def request_of(count: int, model: str = "theory") -> Request:
 
 
 def overhead(count: int, folder: Path) -> None:
-    """Points through the store against their bare simulations, both on one thread."""
+    """Points of short runs through the store against their masses and simulations in a loop."""
     request = request_of(count, "compliant")
-    asked = [one for one in request.asked() if isinstance(one, Point)]
+    short = with_runs(request.scene, runs=4, seconds=0.05, discard_seconds=0.0)
+    asked = [one for one in request._replace(scene=short).asked() if isinstance(one, Point)]
     list(run.each(asked[:1], Store(folder / "warm")))
-    plans = [prepare(one.scene, one.design, solids.mass_of(one.design)) for one in asked]
-    started = time.perf_counter()
-    for plan in plans:
-        ensemble.summarise(ensemble.run(plan, silent, 1), 0.0)
-    bare = time.perf_counter() - started
-    started = time.perf_counter()
-    list(run.each(asked, Store(folder / "overhead")))
-    whole = time.perf_counter() - started
-    extra = 1e3 * (whole - bare) / count
-    print(f"{count} simulated points: {1e3 * bare / count:.1f} ms each bare, {extra:.2f} ms more")
+    times = []
+    for number in range(REPEATS):
+        started = time.perf_counter()
+        for one in asked:
+            points.measure(Asked(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
+        middle = time.perf_counter()
+        list(run.each(asked, Store(folder / f"overhead{number}")))
+        times.append((middle - started, time.perf_counter() - middle))
+    bare, whole = (1e3 * min(column) / count for column in zip(*times, strict=True))
+    print(f"{count} simulated points: {bare:.2f} ms each in a loop, {whole - bare:+.2f} ms here")
 
 
 def workers(count: int, folder: Path) -> None:

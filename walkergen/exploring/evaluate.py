@@ -1,6 +1,7 @@
 """Evaluation of a point: its masses, its speed by the theory, and what a simulation says of it."""
 
 import math
+from collections.abc import Sequence
 
 from walkergen import prediction
 from walkergen.analysis.estimates import UNITS
@@ -10,11 +11,10 @@ from walkergen.exploring.runs import motion_of
 from walkergen.exploring.wanted import Wanted
 from walkergen.printing import checks
 from walkergen.scene import Scene
-from walkergen.simulation import observables, points, resolution
+from walkergen.simulation import ensemble, observables, resolution
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked
-from walkergen.simulation.run import ENDED_WELL, Outcome
+from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
@@ -91,33 +91,33 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         seconds = min(scene.run.seconds, LONGEST_S)
         scene = with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
     while True:
-        made = points.measure(Asked(scene, design, mass), _silent, threads=1)
-        if made.summary.runs < scene.run.runs:
-            raise KeyboardInterrupt
         plan = prepare(scene, design, mass)
-        step = resolution.judge(plan, made.summary)[observables.SPEED].error
-        low, high = _bounds(made.summary, step)
+        found, results = ensemble.measure(plan, _silent, threads=1)
+        if found.runs < scene.run.runs:
+            raise KeyboardInterrupt
+        step = resolution.judge(plan, found)[observables.SPEED].error
+        low, high = _bounds(found, step)
         half = math.inf if low is None or high is None else 0.5 * (high - low)
-        most = math.inf if wanted is None else allowed(wanted, made.summary.speed_mm_s, scene)
-        if half <= most or made.summary.speed_mm_s is None:
+        most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
+        if half <= most or found.speed_mm_s is None:
             break
-        own = float(plan.world.options.step) if made.model == "space" else None
+        own = float(plan.world.options.step) if plan.resolved.model == "space" else None
         finer = _refined(scene, half, most, step or 0.0, own)
         if finer is None:
             break
         scene = finer
-    found = made.summary
+    model = plan.resolved.model
     record: Record = {
         STATUS: _status(found, half, most),
         "speed_mm_s": found.speed_mm_s, "se_mm_s": found.speed_se_mm_s,
         "low_95_mm_s": low, "high_95_mm_s": high, "step_error_mm_s": step,
-        "runs": found.runs, "seconds": scene.run.seconds, "model": made.model,
+        "runs": found.runs, "seconds": scene.run.seconds, "model": model,
     }  # fmt: skip
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
             record |= {name: getattr(found, name), f"{name}_se": found.errors[name]}
     if "persistence" in point.keep:
-        record |= _motion(made, scene)
+        record |= _motion(results, model, scene)
     return record
 
 
@@ -141,11 +141,11 @@ def _refined(
     return with_runs(scene, runs=min(MOST_RUNS, more))
 
 
-def _motion(made: points.Point, scene: Scene) -> Record:
+def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
     """Persistence and turning of runs in space; None where they are not known."""
-    good = [result for result in made.results if result.outcome in ENDED_WELL]
+    good = [result for result in results if result.outcome in ENDED_WELL]
     moved = None
-    if good and made.model == "space":
+    if good and model == "space":
         moved, _ = motion_of(good, scene.arena.kind == "lane")
     record: Record = {}
     for name in MOTION:

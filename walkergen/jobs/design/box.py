@@ -8,11 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes
+from walkergen.exploring import axes, request
 from walkergen.exploring.axes import Axis, Sample, Space, Span
-from walkergen.exploring.request import SCENE
-from walkergen.files import assignments
-from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -71,8 +68,7 @@ def of_options(texts: Sequence[str], design: Design) -> Box:
     found = [axes.parse(text, "--vary") for text in texts]
     spans = []
     for text, one in zip(texts, found, strict=True):
-        own = one.key.removeprefix(SCENE)
-        assignments.check(own, Design if own == one.key else Scene, f"--vary {one.key}")
+        request.check(one.key, f"--vary {one.key}")
         if isinstance(one, Axis):
             raise InputError(f"--vary {text[:60]!r}: write a range, {one.key}=LOW:HIGH")
         spans.append(one)
