@@ -122,16 +122,20 @@ def _names(job: Job) -> tuple[str, ...]:
 @contextmanager
 def _alone(path: Path) -> Iterator[None]:
     """Keep other sweeps out of a folder. Raises InputError when one is there."""
+    lock = FileLock(path / LOCK, timeout=0)
     try:
         path.mkdir(parents=True, exist_ok=True)
-        with FileLock(path / LOCK, timeout=0):
-            yield
+        lock.acquire()
     except Timeout:
         raise InputError(
             f"--out {str(path)!r}: another sweep writes there; wait for it, or give another folder"
         ) from None
     except OSError as error:
         raise output.refused(path, error) from None
+    try:
+        yield
+    finally:
+        lock.release()
 
 
 def _finished(job: Job, path: Path) -> Made | None:
