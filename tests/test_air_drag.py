@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from night import at_night
 
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
@@ -58,7 +59,7 @@ def test_a_fast_drive_is_told_that_drag_is_not_small():
     assert "NOT small" in drag.reason
 
 
-@pytest.mark.parametrize(("model", "method"), METHODS)
+@pytest.mark.parametrize(("model", "method"), at_night(METHODS, but=[("compliant", "step")]))
 def test_a_falling_plate_approaches_its_terminal_speed(model, method):
     """v = v_t tanh(g t / v_t), v_t^2 = 2 M g / (C rho A): the legs' drag is left out."""
     plan = plan_of(model, method)
@@ -74,7 +75,7 @@ def test_a_falling_plate_approaches_its_terminal_speed(model, method):
         assert expected > 0.99 * terminal
 
 
-@pytest.mark.parametrize(("model", "method"), METHODS)
+@pytest.mark.parametrize(("model", "method"), at_night(METHODS, but=[("compliant", "step")]))
 def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for(model, method):
     plan, still = plan_of(model, method), plan_of(model, method, air=False)
     seconds = 5e-3
@@ -91,7 +92,7 @@ def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for(model, m
     assert -gained == pytest.approx(lost, rel=1e-4)
 
 
-@pytest.mark.parametrize(("model", "method"), METHODS)
+@pytest.mark.parametrize(("model", "method"), at_night(METHODS, but=[("compliant", "step")]))
 def test_a_run_balances_with_drag_on(model, method):
     seconds = 0.05 if method == "event" else 0.5
     plan = plan_of(model, method, run={"seconds": seconds, "discard_seconds": 0.0})

@@ -4,6 +4,7 @@ import math
 
 import numpy as np
 import pytest
+from night import at_night
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
@@ -60,7 +61,7 @@ def test_threads_change_no_bit_and_few_runs_are_the_first_of_many(model, method)
         np.testing.assert_array_equal(a.tally.counts, b.tally.counts)
 
 
-@pytest.mark.parametrize(("model", "method"), METHODS)
+@pytest.mark.parametrize(("model", "method"), at_night(METHODS, but=[("compliant", "step")]))
 def test_a_second_harmonic_is_driven_and_paid_for(model, method):
     drive = {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio": 0.3}
     run = {"seconds": 0.3, "discard_seconds": 0.05}

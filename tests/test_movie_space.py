@@ -94,6 +94,7 @@ def test_corners_press_where_they_are_below_the_plate_only():
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 def test_poses_are_of_the_print_and_the_plate_that_ran():
     scene = templates.load("plane-noisy", "scenes", Scene)
     rough = {"noise_ratio": 0.5, "roughness_um": 5.0}

@@ -58,7 +58,8 @@ def test_too_few_runs_have_a_value_but_no_error():
 
 @pytest.mark.parametrize(
     ("model", "method"),
-    [("relaxed", "event"), ("compliant", "step"), ("compliant", "event"),
+    [("relaxed", "event"), ("compliant", "step"),
+     pytest.param("compliant", "event", marks=pytest.mark.nightly),
      pytest.param("space", "step", marks=pytest.mark.slow)],
 )  # fmt: skip
 def test_impulses_by_type_are_those_of_all_impacts_kept(model, method):

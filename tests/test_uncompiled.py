@@ -34,9 +34,9 @@ CLOCKS = ("cpu_s", "wall_s")
     [
         ("relaxed", "event", "poisson", 0.8, 0.05),
         ("relaxed", "event", "stronge", 0.3, 0.05),
-        ("compliant", "event", "poisson", 0.5, 0.008),
+        pytest.param("compliant", "event", "poisson", 0.5, 0.008, marks=pytest.mark.nightly),
         ("compliant", "event", "newton", 0.8, 0.01),
-        ("compliant", "step", "poisson", 0.5, 0.05),
+        pytest.param("compliant", "step", "poisson", 0.5, 0.05, marks=pytest.mark.nightly),
         ("compliant", "step", "newton", 0.8, 0.05),
         ("rigid", "event", "stronge", 0.8, 0.05),
         ("rigid", "step", "poisson", 0.3, 0.05),
