@@ -1,4 +1,4 @@
-.PHONY: check quick test nightly bench calibrate-models
+.PHONY: check quick test nightly bench site calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -22,6 +22,9 @@ bench:
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
 	$(PYTHON) benchmarks/space.py --cold
 	$(PYTHON) benchmarks/rivals.py --seconds 1
+
+site:
+	NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict
 
 calibrate-models:
 	$(PYTHON) -m walkergen.jobs.calibrate.make
