@@ -110,7 +110,10 @@ def test_bad_input_is_one_line(run, tmp_path, words, told):
 
 @pytest.mark.slow
 def test_ctrl_c_leaves_nothing_half_written(tmp_path):
-    words = [sys.executable, "-m", "walkergen", "design", "--speed", "40", "--model", "theory",
+    # What a shell runs behind it ignores Ctrl-C, and so would its children.
+    program = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
+               "from walkergen.cli import main; main()")  # fmt: skip
+    words = [sys.executable, "-c", program, "design", "--speed", "40", "--model", "theory",
              "--vary", "legs.tilt_deg=2:40", "--vary", "legs.length_mm=5:10",
              "--vary", "body.depth_mm=6:10", "--out", "mine"]  # fmt: skip
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(tmp_path / "c")}

@@ -195,7 +195,9 @@ def active_children_of(one):
 
 
 INTERRUPTED = """
+import signal
 import sys
+signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
 sys.path.insert(0, {tests!r})
 from pathlib import Path
 from walkergen.exploring import crew, run
@@ -232,11 +234,13 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
     with subprocess.Popen(
         [sys.executable, str(script)], stdout=subprocess.PIPE, text=True, start_new_session=True
     ) as process:
-        key, *workers = process.stdout.readline().split()
-        started = time.monotonic()
-        process.send_signal(ended_by)
-        told = process.stdout.read()
-        process.wait(10)
+        try:
+            key, *workers = process.stdout.readline().split()
+            started = time.monotonic()
+            process.send_signal(ended_by)
+            told, _ = process.communicate(timeout=10)
+        finally:
+            process.kill()  # one that does not end fails, and is not waited for
     assert time.monotonic() - started < 10
     assert told == ("interrupted\n" if ended_by == signal.SIGINT else "")
     while any(alive(int(worker)) for worker in workers) and time.monotonic() - started < 10:
