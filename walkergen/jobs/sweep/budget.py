@@ -16,6 +16,9 @@ from walkergen.files.progress import Progress
 BATCH = 4
 """Points for each worker that get more runs together."""
 
+FEWEST_SHARES = 4
+"""Parts into which all points are cut at least, of which the worst one gets more runs."""
+
 MOST_DOUBLINGS = 12
 """Number of times that the runs of a point are doubled at most: to a bar 64 times narrower."""
 
@@ -41,7 +44,8 @@ def spend(
     for number, done in enumerate(run.each(asked, store, crew), start=1):
         half.append(_half(done.record))
         progress("one pass", number, len(asked))
-    batch = BATCH * (1 if crew is None else crew.workers)
+    hands = 1 if crew is None else crew.workers
+    batch = max(1, min(BATCH * hands, len(asked) // FEWEST_SHARES))
     most = FIRST_RUNS * 2**MOST_DOUBLINGS
     while (left := until - time.monotonic()) > 0.0:
         open_ = [n for n, one in enumerate(asked) if half[n] > 0.0 and _runs(one) < most]

@@ -78,8 +78,7 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         counts = _Counts()
         asked = job.request.asked()
         if job.budget_s is not None:
-            found = budget.spend(job.request, job.budget_s, store, crew, progress)
-            asked = iter(found)
+            asked = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
         with _table(job, path) as rows:
             points = run.each(asked, store, crew)
             for number, (values, done) in enumerate(zip(_rows(job), points, strict=True), start=1):
@@ -87,7 +86,8 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
                 counts.add(done)
                 progress("points", number, job.request.space.points)
         files = _write_rest(job, path, counts, time.perf_counter() - started)
-    return Made(counts.points, counts.known, counts.bad, files, tuple(told))
+    known = counts.known if job.budget_s is None else 0  # just now, by the budget
+    return Made(counts.points, known, counts.bad, files, tuple(told))
 
 
 class _Counts:
