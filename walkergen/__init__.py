@@ -4,8 +4,6 @@ Units inside are mm, g, s and radians. From Python, start with `import walkergen
 `wg.load("koumakis2016")`; what wg offers is in `walkergen.notebook`, loaded when it is first used.
 """
 
-from typing import Any
-
 __version__ = "0.1.0"
 
 _HOMES = {
@@ -27,7 +25,7 @@ _HOMES = {
 __all__ = sorted(["__version__", *_HOMES])
 
 
-def __getattr__(name: str) -> Any:
+def __getattr__(name: str) -> object:
     """Load a name from its module when it is first used, so that the import itself stays fast."""
     if name not in _HOMES:
         raise AttributeError(f"module 'walkergen' has no attribute {name!r}")
