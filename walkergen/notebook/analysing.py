@@ -93,35 +93,37 @@ class Analysis(Result):
 def analyse(
     tracks: Any, *, fps: float | None = None, mm_per_px: float | None = None,
     y_down: bool = False, lane: bool = False, lag_ms: float | None = None,
-    folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
+    folder: str | os.PathLike[str] | None = None, pictures: bool = True,
+    progress: Progress | None = None,
 ) -> Analysis:  # fmt: skip
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
     `tracks` is the path of a CSV file, a frame of pandas, a table as `simulate(...).tracks()` gives
     it, or columns by name: trackpy's (frame, particle, x, y, theta), with `fps` (frames per second)
-    and `mm_per_px`, or walkergen's. With a `folder`, tables and figures are written there. Raises
-    InputError.
+    and `mm_per_px`, or walkergen's. With a `folder`, tables and pictures (unless these are False)
+    are written there. Raises InputError.
     """
-    units, tell = Units(fps, mm_per_px, y_down, lane), progress or silent
+    rate, scale = (None if one is None else float(one) for one in (fps, mm_per_px))
+    units, tell = Units(rate, scale, y_down, lane), progress or silent
     lag_s = None if lag_ms is None else 1e-3 * lag_ms
     if isinstance(tracks, (str, os.PathLike)):
-        return _of_file(Path(tracks), units, lag_s, folder, tell)
+        return _of_file(Path(tracks), units, lag_s, folder, pictures, tell)
     with tempfile.TemporaryDirectory() as place:
         path = Path(place) / f"{NAME}.csv"
         path.write_text(_csv_of(tracks), encoding="utf-8")
         try:
-            return _of_file(path, units, lag_s, folder, tell)
+            return _of_file(path, units, lag_s, folder, pictures, tell)
         except InputError as error:  # a person knows nothing of that file
             raise InputError(str(error).replace(str(path), NAME)) from None
 
 
 def _of_file(
     path: Path, units: Units, lag_s: float | None, folder: str | os.PathLike[str] | None,
-    progress: Progress,
+    pictures: bool, progress: Progress,
 ) -> Analysis:  # fmt: skip
     found = make.study(path, units, lag_s, progress)
     if folder is not None:
-        make.write(found, path.name, units, Path(folder), True, progress)
+        make.write(found, path.name, units, Path(folder), pictures, progress)
     return Analysis(found, path.stem)
 
 

@@ -2,7 +2,7 @@
 
 import os
 from collections.abc import Iterable, Mapping, Sequence
-from contextlib import nullcontext
+from contextlib import closing, nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -70,8 +70,9 @@ def sweep(
     told = None if error is None else wanted.parse(error)
     machine = None if printer is None else printer_of(printer)
     asked = Ask(walker_of(design), None, scene_of(scene), machine, space, (), model, told, keep)
-    request, tell, store = asked.request(), progress or silent, Store()
-    with nullcontext() if workers is None else crew.local(workers) as hands:
+    request, tell = asked.request(), progress or silent
+    hired = nullcontext() if workers is None else crew.local(workers)
+    with closing(Store()) as store, hired as hands:
         if folder is not None:
             job = make.Job(request, asked.title())
             make.make(job, Path(folder), store, hands, tell)
@@ -84,7 +85,6 @@ def sweep(
             for name in names:
                 columns[name].append(done.record.get(name))
             tell("points", number, space.points)
-    store.close()
     return Sweep(columns, space.keys, asked.title())
 
 
