@@ -1,7 +1,41 @@
 """walkergen: from a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted.
 
-Units inside are mm, g, s and radians. Start at `walkergen.walker.design.Design`,
-`walkergen.walker.solids.build` and `weigh`, and `walkergen.prediction.predict`.
+Units inside are mm, g, s and radians. From Python, start with `import walkergen as wg` and
+`wg.load("koumakis2016")`; what wg offers is in `walkergen.notebook`, loaded when it is first used.
 """
 
 __version__ = "0.1.0"
+
+_HOMES = {
+    "Design": "walker.design",
+    "Printer": "printing.printers",
+    "Scene": "scene",
+    "WalkergenError": "errors",
+    "analyse": "notebook.analysing",
+    "export": "notebook.making",
+    "family": "notebook.making",
+    "load": "notebook.loading",
+    "predict": "notebook.predicting",
+    "simulate": "notebook.simulating",
+    "sweep": "notebook.sweeping",
+    "templates": "notebook.loading",
+}
+"""Modules of the names that are offered here; __init__.pyi has their types."""
+
+__all__ = sorted(["__version__", *_HOMES])
+
+
+def __getattr__(name: str) -> object:
+    """Load a name from its module when it is first used, so that the import itself stays fast."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'walkergen' has no attribute {name!r}")
+    from importlib import import_module
+
+    found = getattr(import_module(f"walkergen.{_HOMES[name]}"), name)
+    globals()[name] = found
+    return found
+
+
+def __dir__() -> list[str]:
+    """Names for completion in a notebook."""
+    return sorted({*globals(), *_HOMES})

@@ -10,6 +10,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, model_validator
 
+from walkergen.files.assignments import changed
 from walkergen.files.config import Fraction, Name, Section
 
 GRAVITY = 9806.65
@@ -261,6 +262,14 @@ class Scene(Section):
                 drive["frequency_hz"] = self.drive.frequency_hz or self.drive.frequency
             data["drive"] = drive
         return data
+
+    def variant(self, **keys: Any) -> "Scene":
+        """Scene with other values of any dotted keys of its file: `variant(**{"drive.gamma": 2})`.
+
+        Everything is validated together, as the file's lines are, unlike by pydantic's
+        `model_copy`. Raises InputError, a line for every mistake.
+        """
+        return changed(self, keys, self.name)
 
     @property
     def impact_speed(self) -> float:

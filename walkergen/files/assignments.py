@@ -10,6 +10,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from walkergen.errors import InputError
 from walkergen.files.config import Model, Section, contents, unknown, validate
 
@@ -56,6 +58,7 @@ def check(key: str, model: type[Section], source: str, prefix: str = "") -> None
 
     Known keys are told after a prefix.
     """
+    _check_form(key, f"{source}: ")
     if told := unknown(tuple(key.split(".")), model, prefix):
         raise InputError(f"{source}: {told}")
 
@@ -104,11 +107,26 @@ def assigned(
     The data hold the values afterwards. Raises as `changed` does.
     """
     for key, value in values.items():
+        _check_form(key, f"{source}: {prefix}")
         try:
-            _put(data, key.split("."), copy.deepcopy(value))
+            _put(data, key.split("."), _plain(value))
         except InputError as error:
             raise InputError(f"{source}: {prefix}{key}: {error}") from None
     return validate(section.settled(data, values), type(section), source, prefix=prefix)
+
+
+def _check_form(key: str, before: str) -> None:
+    """Raise InputError for what is not written as a key."""
+    if not KEY.fullmatch(key):
+        told = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
+        raise InputError(f"{before}{key[:60]!r}: {told}")
+
+
+def _plain(value: Any) -> Any:
+    """Value as a TOML file gives it: numbers of numpy and paths, which Python's users have, too."""
+    if isinstance(value, (np.generic, np.ndarray)):
+        return value.tolist()
+    return str(value) if isinstance(value, Path) else copy.deepcopy(value)
 
 
 def _put(data: dict[str, Any], path: list[str], value: Any) -> None:

@@ -6,6 +6,10 @@ Progress = Callable[[str, int, int], None]
 """Called with what is being done, how many steps are done, and of how many."""
 
 
+def silent(what: str, done: int, total: int) -> None:
+    """Progress that reports nothing."""
+
+
 def part(progress: Progress, number: int, count: int, title: str = "") -> Progress:
     """Progress of a part, the `number`-th (from 0) of `count` equal ones, as a share of the whole.
 

@@ -41,28 +41,35 @@ def find(name: str) -> Path:
     raise InputError(f"{name!r}: no such template; known: {known}")
 
 
-def load(name_or_path: str, kind: str, model: type[Model], near: Path = Path()) -> Model:
+def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:
     """Read a template by bare name, or the user's own file, as `path_of` finds it.
 
-    Raises InputError that lists the known names, or every mistake in the file.
+    Raises InputError that lists the known kinds or names, or every mistake in the file.
     """
     return read(path_of(name_or_path, kind, near), model)
 
 
-def path_of(name_or_path: str, kind: str, near: Path = Path()) -> Path:
-    """Path of a template by bare name, or of the user's own file (anything with .toml or /).
+def path_of(name_or_path: str | Path, kind: str, near: Path = Path()) -> Path:
+    """Path of a template by bare name, or of the user's own file: a Path, or text with .toml or /.
 
     Paths begin at the folder `near`, by default the one that walkergen runs in.
-    Raises InputError that lists the known names.
+    Raises InputError that lists the known kinds, or names.
     """
+    if kind not in KINDS:
+        raise InputError(f"{kind!r}: no such kind of templates; must be one of {', '.join(KINDS)}")
+    if isinstance(name_or_path, Path) or written_as_path(name_or_path):
+        return near / name_or_path
     if name_or_path in names(kind):
         return folder() / kind / f"{name_or_path}.toml"
-    if name_or_path.endswith(".toml") or "/" in name_or_path or "\\" in name_or_path:
-        return near / name_or_path
     raise InputError(
         f"{name_or_path[:80]!r}: no such template; known {kind}: {', '.join(names(kind))}; "
         "or give the path of a TOML file"
     )
+
+
+def written_as_path(text: str) -> bool:
+    """True for a text that names a file, not a template: one with .toml or /."""
+    return text.endswith(".toml") or "/" in text or "\\" in text
 
 
 def dump(model: Section, comment: str, every: bool = True) -> str:

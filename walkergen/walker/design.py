@@ -14,8 +14,9 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
 
-from walkergen.errors import GeometryError
-from walkergen.files.config import Name, Section, validate
+from walkergen.errors import GeometryError, InputError
+from walkergen.files.assignments import changed
+from walkergen.files.config import Name, Section
 from walkergen.walker import buildable
 from walkergen.walker.body import Body, Size, beside
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
@@ -238,17 +239,29 @@ class Design(Section):
         places = [limb.along for limb in self.limbs]
         return max(places) - min(places)
 
-    def variant(self, *, tilt_deg: float | None = None, kind: Kind | None = None) -> "Design":
-        """Design with another tilt or kind of legs. Raises InputError or GeometryError.
+    def variant(
+        self, *, tilt_deg: float | None = None, kind: Kind | None = None, **keys: Any
+    ) -> "Design":
+        """Design with another tilt or kind of legs, or with other values of any dotted keys.
 
-        Legs of a list keep their kinds, and follow the tilt where they have none of their own.
+        Keys are those of the file: `variant(**{"legs.flexible_thickness_mm": 0.3})`. Everything is
+        validated together, as the file's lines are, unlike by pydantic's `model_copy`. Legs of a
+        list keep their kinds, and follow the tilt where they have none of their own. Raises
+        InputError or GeometryError, a line for every mistake.
         """
-        data = self.model_dump(exclude_unset=True)
-        data.setdefault("legs", {})
-        if isinstance(self.legs, Legs) and not self.whole:
-            changes = {"tilt_deg": tilt_deg, "kind": kind}
-            data["legs"] |= {key: value for key, value in changes.items() if value is not None}
-            return validate(data, Design, self.name)
+        own = self._named(tilt_deg, kind)
+        for key in own.keys() & keys.keys():
+            raise InputError(f"{self.name}: {key}: given twice, by its short name too")
+        return changed(self, own | keys, self.name)
+
+    def _named(self, tilt_deg: float | None, kind: Kind | None) -> dict[str, Any]:
+        """Keys that a tilt and a kind of legs stand for. Raises GeometryError where there is none.
+
+        None leaves the design's own.
+        """
+        if self.pair:
+            own = {"legs.tilt_deg": tilt_deg, "legs.kind": kind}
+            return {key: value for key, value in own.items() if value is not None}
         if kind not in (None, self.kind):
             raise GeometryError(
                 f"{self.name}: the kind of each of its legs is its own: they cannot be made {kind}"
@@ -258,9 +271,7 @@ class Design(Section):
                 f"{self.name}: every one of its legs has its own tilt, so that there is no variant "
                 f"at {tilt_deg:g} deg: remove the tilt_deg of [[legs]] that shall follow"
             )
-        if tilt_deg is not None and self.follows:
-            data["leg_tilt_deg"] = tilt_deg
-        return validate(data, Design, self.name)
+        return {"leg_tilt_deg": tilt_deg} if tilt_deg is not None and self.follows else {}
 
     def members(
         self, tilts_deg: Iterable[float] | None = None, kinds: Iterable[Kind] | None = None

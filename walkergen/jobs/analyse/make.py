@@ -6,10 +6,18 @@ from typing import Any, NamedTuple
 
 from walkergen.analysis import motion, tracks
 from walkergen.analysis.motion import Array, Motion
-from walkergen.analysis.tracks import Units
+from walkergen.analysis.tracks import Tracks, Units
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.analyse import tables as motion_tables
+
+
+class Studied(NamedTuple):
+    """Tracks as they were read, and what they tell."""
+
+    tracks: Tracks
+    motion: Motion
+    notes: list[str]
 
 
 class Analysed(NamedTuple):
@@ -21,6 +29,16 @@ class Analysed(NamedTuple):
     folder: Path
 
 
+def study(path: Path, units: Units, lag_s: float | None, progress: Progress) -> Studied:
+    """Read tracks and measure their motion; writes nothing. Raises InputError."""
+    progress("reading", 0, 3)
+    found = tracks.read(path, units)
+    progress("measuring", 1, 3)
+    result = motion.analyse(found, lag_s)
+    told = [result.method, *result.doubts, *([found.told] if found.told else [])]
+    return Studied(found, result, [f"{line}." for line in told])
+
+
 def analyse(
     path: Path, units: Units, lag_s: float | None, folder: Path, pictures: bool, progress: Progress
 ) -> Analysed:
@@ -29,23 +47,26 @@ def analyse(
     Writes analysis.csv, analysis.md, msd.csv, density.csv, correlation.csv, figures as PNG and
     PDF, manifest.json. Raises InputError before anything is written.
     """
-    progress("reading", 0, 3)
-    found = tracks.read(path, units)
-    progress("measuring", 1, 3)
-    result = motion.analyse(found, lag_s)
-    told = [result.method, *result.doubts, *([found.told] if found.told else [])]
-    notes = [f"{line}." for line in told]
+    studied = study(path, units, lag_s, progress)
+    write(studied, path.name, units, folder, pictures, progress)
+    return Analysed(studied.motion, studied.notes, studied.tracks.bad_rows, folder)
+
+
+def write(
+    studied: Studied, title: str, units: Units, folder: Path, pictures: bool, progress: Progress
+) -> None:
+    """Write tables and figures of tracks, of a file called `title`, as `analyse` says."""
+    found, result, notes = studied
     target = Folder(folder)
     target.write("analysis.csv", motion_tables.to_csv(result).encode())
-    target.write("analysis.md", motion_tables.to_markdown(result, path.name, notes).encode())
+    target.write("analysis.md", motion_tables.to_markdown(result, title, notes).encode())
     if not result.by_plate_speed:
         _write_curves(result, target)
     progress("drawing", 2, 3)
     if pictures:
-        _write_figures(result, found, path.name, target)
-    facts: dict[str, Any] = {"file": path.name, **units._asdict(), "lag_s": result.lag_s}
+        _write_figures(result, found, title, target)
+    facts: dict[str, Any] = {"file": title, **units._asdict(), "lag_s": result.lag_s}
     target.finish(facts)
-    return Analysed(result, notes, found.bad_rows, folder)
 
 
 def _write_curves(result: Motion, target: Folder) -> None:

@@ -4,6 +4,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
@@ -94,6 +95,22 @@ def export_parts(
             written.append(path)
         progress(name, number, len(members))
     return written
+
+
+def export_part(design: Design, path: Path) -> None:
+    """Write one walker into the file `path`, whose ending is one of FORMATS.
+
+    The bytes are those of `export_parts`. Raises InputError for other endings, and for the drawing
+    of a walker that has none.
+    """
+    form = path.suffix.removeprefix(".").lower()
+    if form in SOLID:
+        mesh = solids.as_printed(design, solids.build(design).walker)
+        output.write(path, SOLID[form](mesh, names.part(design)))
+    elif form in profile.FORMATS:
+        output.write(path, profile.FORMATS[form](profile.drawing_of(design)))
+    else:
+        raise InputError(f"{str(path)!r}: must end in one of {', '.join(FORMATS)}, as walker.stl")
 
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:

@@ -19,6 +19,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
+from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker import names
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -97,12 +98,17 @@ def _landings(result: RunResult, feet: int) -> Landings:
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)
 
 
-def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:
-    """Write the tracks of all runs as CSV, again simulated where `point` kept no samples."""
+def tracks_of(one: Asked, point: Point, progress: Progress) -> Trajectory:
+    """Tracks of all runs, again simulated where `point` kept no samples. Raises InputError."""
     assert one.sample_interval is not None
     kept = all(result.tally.samples is not None for result in point.results)
     if not kept:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
         point = points.measure(one, progress)
     columns = prepare(one.scene, one.design, one.mass).model.columns
-    output.write(path, trajectory.to_csv(trajectory.tracks(columns, point.results)))
+    return trajectory.tracks(columns, point.results)
+
+
+def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:
+    """Write the tracks of all runs as CSV, as `tracks_of` has them."""
+    output.write(path, trajectory.to_csv(tracks_of(one, point, progress)))

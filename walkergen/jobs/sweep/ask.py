@@ -28,8 +28,8 @@ class Ask(NamedTuple):
     """A sweep as it is asked for; None for what is left to defaults."""
 
     design: Design
-    data: Mapping[str, Any]
-    """Data of the design as in its file."""
+    data: Mapping[str, Any] | None
+    """Data of the design as in its file; None for a design that comes from none."""
     scene: Scene
     printer: Printer | None
     space: Space

@@ -1,0 +1,406 @@
+"""walkergen from Python, as a notebook uses it: the same numbers as the commands, and types."""
+
+import ast
+import json
+import os
+import pkgutil
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import walkergen as wg
+from walkergen.cli import app
+from walkergen.errors import GeometryError, InputError
+from walkergen.files import templates
+from walkergen.notebook.speed import speed_of
+from walkergen.notebook.table import Table
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+ROOT = Path(__file__).parent.parent
+PAPER = wg.load("koumakis2016", "walker")
+LANE = wg.load("lane-90hz", "scene")
+SHORT = {"model": "relaxed", "seconds": 0.2, "runs": 4}
+SHORT_FLAGS = ("--model", "relaxed", "--seconds", "0.2", "--runs", "4")
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        result = CliRunner().invoke(app, list(words), catch_exceptions=False)
+        assert result.exit_code == 0
+        return result.stdout
+
+    return call
+
+
+@pytest.fixture(scope="module")
+def runs():
+    return wg.simulate(PAPER, LANE, tilt=10, **SHORT)
+
+
+def test_names_are_sorted_lazy_and_typed():
+    assert wg.__all__ == sorted(set(wg.__all__))
+    tree = ast.parse((ROOT / "walkergen" / "__init__.pyi").read_text(encoding="utf-8"))
+    homes = {
+        alias.name: node.module
+        for node in tree.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    }
+    assert sorted([*homes, "__version__"]) == wg.__all__
+    for name, home in homes.items():
+        assert getattr(wg, name).__module__ == home
+    (listed,) = [node.value for node in tree.body if isinstance(node, ast.Assign)]
+    assert ast.literal_eval(listed) == wg.__all__
+    assert set(wg.__all__) <= set(dir(wg))
+    submodules = {found.name for found in pkgutil.iter_modules(wg.__path__)}
+    assert not submodules & set(wg.__all__)  # importing one would take the name's place
+    assert (ROOT / "walkergen" / "py.typed").exists()
+    with pytest.raises(AttributeError, match="no attribute 'nope'"):
+        _ = wg.nope
+
+
+def test_the_import_itself_brings_nothing_heavy():
+    code = (
+        "import sys; before = set(sys.modules); import walkergen as wg; "
+        "print(sorted(set(sys.modules) - before)); wg.load; print('numpy' in sys.modules)"
+    )
+    words = [sys.executable, "-c", code]
+    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
+    found = subprocess.run(words, env=environment, capture_output=True, text=True, check=True)
+    assert found.stdout.splitlines() == ["['walkergen']", "True"]
+
+
+def test_walkers_scenes_and_printers_load_by_name():
+    assert isinstance(wg.load("koumakis2016"), Design)
+    assert isinstance(wg.load("plane-90hz"), Scene)
+    assert isinstance(wg.load("ender3"), Printer)
+    assert PAPER == templates.load("koumakis2016", "walkers", Design)
+    listed = wg.templates()
+    assert len(listed) == sum(len(templates.names(kind)) for kind in templates.KINDS)
+    assert {row["kind"] for row in listed} == set(templates.KINDS)
+    with pytest.raises(InputError, match=r"'nope': no such template; known: bristle, .*ender3"):
+        wg.load("nope")
+    with pytest.raises(InputError, match="kind='walkers': must be one of 'walker', 'scene', 'pri"):
+        wg.load("koumakis2016", "walkers")
+    with pytest.raises(InputError, match="no such template; known walkers: bristle"):
+        wg.load("lane-90hz", "walker")
+    with pytest.raises(InputError, match=r"'walker': no such kind .* walkers, scenes, printers"):
+        templates.load("koumakis2016", "walker", Design)
+
+
+def test_files_load_by_path_and_their_keys_tell_what_they_are(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for kind, name in (("walkers", "rotator"), ("scenes", "plane-noisy"), ("printers", "ender3")):
+        Path(f"{kind}.toml").write_bytes((templates.folder() / kind / f"{name}.toml").read_bytes())
+        assert wg.load(Path(f"{kind}.toml")) == wg.load(f"{kind}.toml") == wg.load(name)
+    for kind, (name, model) in {"walkers": ("rotator", Design)}.items():
+        assert templates.load(Path(f"{kind}.toml"), kind, model).name == name
+    Path("thin.toml").write_text("[legs]\nflexible_thickness_mm = 0.3\n", encoding="utf-8")
+    assert wg.load("thin.toml").legs.flexible_thickness_mm == 0.3
+    Path("name.toml").write_text('name = "x"\n', encoding="utf-8")
+    with pytest.raises(InputError, match=r"name.toml.*: give kind='walker' or kind='scene'"):
+        wg.load("name.toml")
+    assert wg.load("name.toml", "scene").name == "x"
+    with pytest.raises(InputError, match=r"koumakis2016: .*"):
+        wg.load(Path("koumakis2016"))  # a path is a file, never a template
+
+
+def test_a_variant_is_what_the_file_with_these_lines_would_be(tmp_path):
+    path = tmp_path / "koumakis2016.toml"
+    path.write_text("[legs]\nflexible_thickness_mm = 0.3\nlength_mm = 9.0\n", encoding="utf-8")
+    written = wg.load(path, "walker")
+    keys = {"legs.flexible_thickness_mm": np.float64(0.3), "legs.length_mm": np.int64(9)}
+    assert PAPER.variant(**keys).legs == written.legs
+    assert PAPER.variant(tilt_deg=np.float32(12.0), **keys) == PAPER.variant(**keys).variant(
+        **{"legs.tilt_deg": 12.0}
+    )
+    assert PAPER.variant() == PAPER
+    assert LANE.variant(**{"drive.gamma": 2}).drive.peak_gamma == pytest.approx(2.0)
+    assert LANE.variant(**{"drive.gamma": 2}).drive.frequency == pytest.approx(90.0)
+    two = wg.load("two-materials", "walker").variant(**{"legs[2].friction": 0.3})
+    assert two.limbs[1].friction == 0.3
+
+
+@pytest.mark.parametrize(
+    ("thing", "keys", "told"),
+    [
+        (PAPER, {"legs.flexible_thickness_mm": -0.5}, r"koumakis2016: .* = -0.5: must be a number"),
+        (PAPER, {"legs.flexible_thicknes": 1}, r"did you mean legs.flexible_thickness_mm\?"),
+        (PAPER, {"legs[1].tilt_deg": 1}, "legs is no list"),
+        (PAPER, {"legs[x]": 1}, r"'legs\[x\]': must be a key of the TOML file"),
+        (PAPER, {"": 1}, "must be a key of the TOML file"),
+        (PAPER, {"tilt_deg": 5, "legs.tilt_deg": 5}, "legs.tilt_deg: given twice"),
+        (PAPER, {"legs.tilt_deg": "steep"}, "legs.tilt_deg = 'steep': must be a number"),
+        (LANE, {"drive.gamma": float("nan")}, "drive.gamma = nan: must be"),
+        (LANE, {"gamma": 2}, r"gamma: unknown key; did you mean drive.gamma\?"),
+    ],
+)
+def test_a_variant_refuses_what_the_file_would(thing, keys, told):
+    with pytest.raises(InputError, match=told) as caught:
+        thing.variant(**keys)
+    assert "\n" not in str(caught.value)
+
+
+def test_a_variant_that_cannot_be_built_is_refused():
+    with pytest.raises(GeometryError):
+        PAPER.variant(**{"legs.contact_spacing_mm": 500.0})
+
+
+def test_a_prediction_is_the_commands(run):
+    (row,) = json.loads(run("predict", "koumakis2016", "--tilt", "10", "--json"))["rows"]
+    found = wg.predict("koumakis2016", tilt=10)
+    assert found.row._asdict() == row
+    assert found.speed.value == row["speed_mm_s"]
+    assert found.speed.se == row["speed_sd_mm_s"]
+    assert found.speed[2:] == (row["speed_low_95_mm_s"], row["speed_high_95_mm_s"])
+    assert str(found.speed).endswith("14.8 to 147.3")
+    assert "predicted speed</th><td>60 ± 26 mm/s" in found._repr_html_()
+    several = wg.predict(PAPER, LANE, tilt=(5, 10), legs=("flexible", "braced"))
+    assert several["legs"].tolist() == ["flexible", "flexible", "braced", "braced"]
+    assert several["speed_mm_s"][1] == row["speed_mm_s"]
+    assert several.to_dataframe().speed_mm_s.tolist() == several["speed_mm_s"].tolist()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"mode": "old"}, "mode='old': must be one of 'paper', 'coulomb'|mode='old'"),
+        ({"legs": "wooden"}, "legs='wooden': must be one of 'flexible', 'braced'"),
+        ({"scene": PAPER}, "scene: Design seen: must be a Scene, the name of a template"),
+        ({"tilt": 200}, "legs.tilt_deg = 200.0: must be"),
+    ],
+)
+def test_a_prediction_refuses_what_the_command_would(words, told):
+    with pytest.raises(InputError, match=told):
+        wg.predict(PAPER, **words)
+
+
+def test_a_simulation_is_the_commands(run, runs):
+    files = ("--trajectory", "run.csv", "--tracks", "all.csv", "--rate", "50")
+    told = json.loads(
+        run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, *files, "--json")
+    )
+    assert runs.summary.impacts_per_s == pytest.approx(told["impacts_per_s"], rel=0.05)
+    plain = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, "--json"))
+    assert runs.speed == speed_of(
+        *(plain[name] for name in ("speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
+                                   "speed_high_95_mm_s"))
+    )  # fmt: skip
+    for found, file in ((runs.trajectory(50), "run.csv"), (runs.tracks(50), "all.csv")):
+        rows = np.loadtxt(file, delimiter=",", skiprows=1)
+        assert list(found.columns) == Path(file).read_text().splitlines()[0].split(",")
+        np.testing.assert_array_equal(np.column_stack([*found.columns.values()]), rows)
+    frame = runs.to_dataframe()
+    assert frame["speed_mm_s"].tolist() == [runs.speed.value]
+    assert frame["outcomes.ok"].tolist() == [4]
+
+
+def test_a_simulation_shows_itself(runs):
+    page = runs._repr_html_()
+    assert "<th>mean speed</th><td>97.5" in page
+    assert "relaxed, method event" in page
+    assert runs.plot()._repr_png_().startswith(b"\x89PNG")
+    assert len(runs.plot().axes[0].lines) == 4
+    with pytest.raises(InputError, match=r"rate_hz=0: must be a number >= 0\.001"):
+        runs.trajectory(0)
+
+
+def test_a_simulation_says_how_far_it_is_and_refuses_bad_numbers():
+    seen = []
+    words = {**SHORT, "seconds": 0.05, "runs": 1}
+    one = wg.simulate(PAPER, LANE, **words, progress=lambda *step: seen.append(step))
+    assert seen[-1] == ("runs", 1, 1)
+    assert np.isnan(one.speed.se)
+    assert str(one.speed).endswith("mm/s, standard error unknown")
+    for bad, told in (({"runs": 0}, "run.runs = 0: must be"), ({"model": "x"}, "legs.model = 'x'")):
+        with pytest.raises(InputError, match=told):
+            wg.simulate(PAPER, LANE, **{**SHORT, **bad})
+
+
+def film():
+    rng = np.random.default_rng(3)
+    frames, particles = np.arange(200), range(9)
+    return {
+        "frame": np.concatenate([frames for _ in particles]),
+        "particle": np.repeat(particles, len(frames)),
+        "x": np.concatenate([frames * 3.0 + rng.normal(0, 0.5, len(frames)) for _ in particles]),
+        "y": rng.normal(0, 0.5, len(frames) * len(particles)),
+    }
+
+
+def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
+    pandas = pytest.importorskip("pandas")
+    columns, units = film(), {"fps": 100, "mm_per_px": 0.1}
+    frame = pandas.DataFrame(columns)
+    frame.to_csv("film.csv", index=False)
+    words = ("film.csv", "--fps", "100", "--mm-per-px", "0.1", "--no-pictures", "--out", "told")
+    told = json.loads(run("analyse", *words, "--json"))
+    found = wg.analyse(Path("film.csv"), **units, folder="found", pictures=False)
+    assert (found.speed.value, found.speed.se) == (told["speed_mm_s"], told["speed_se_mm_s"])
+    assert found.speed.value == pytest.approx(30.0, abs=1.0)
+    for same in (frame, columns, Table(columns)):
+        assert wg.analyse(same, **units).estimates == found.estimates
+    told_files = sorted((tmp_path / "told" / "analysis").iterdir())
+    assert [path.name for path in told_files] == sorted(
+        path.name for path in (tmp_path / "found").iterdir()
+    )
+    for path in told_files:
+        assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
+    assert found.plot("msd")._repr_png_().startswith(b"\x89PNG")
+    assert "speed (mm/s)</th><td>3" in found._repr_html_()
+    row = found.to_dataframe().set_index("name").loc["speed"]
+    assert row["value"] == found.speed.value
+
+
+@pytest.mark.parametrize(
+    ("tracks", "told"),
+    [
+        ({"frame": [0, 1], "x": [0.0, 1.0]}, "^tracks: no column 'y'"),
+        ({"frame": [0, 1], "x": [0.0]}, "^tracks: columns must be of one length, seen frame 2, x"),
+        (7, "^tracks: int seen: must be the path of a CSV file"),
+        ({"a": [1]}, "^tracks: neither trackpy's columns"),
+    ],
+)
+def test_tracks_that_tell_nothing_are_refused(tracks, told):
+    with pytest.raises(InputError, match=told):
+        wg.analyse(tracks, fps=100, mm_per_px=1)
+
+
+def test_plots_that_are_not_there_are_named():
+    found = wg.analyse(film(), fps=100, mm_per_px=0.1)
+    with pytest.raises(InputError, match="plot 'speed': must be one of 'trajectories', 'msd'"):
+        found.plot("speed")
+
+
+def test_a_sweep_is_the_commands(run, tmp_path):
+    words = ("--set", "legs.tilt_deg=5,10", "--set", "scene.drive.gamma=1.5,1.8", "--no-pictures")
+    run("sweep", "koumakis2016", *words, "--out", "told")
+    values = {"legs.tilt_deg": [5, 10], "scene.drive.gamma": np.array([1.5, 1.8])}
+    found = wg.sweep(PAPER, LANE, values)
+    lines = (tmp_path / "told" / "table.csv").read_text().splitlines()
+    speed = lines[0].split(",").index("speed_mm_s")
+    assert found["speed_mm_s"].tolist() == [float(line.split(",")[speed]) for line in lines[1:]]
+    assert [row["legs.tilt_deg"] for row in found] == [5, 5, 10, 10]
+    assert found["speed_mm_s"][3] == wg.predict(PAPER, LANE, tilt=10).speed.value
+    assert found.plot()._repr_png_().startswith(b"\x89PNG")
+    again = wg.sweep(PAPER, LANE, values, folder="found")
+    assert again["speed_mm_s"].tolist() == found["speed_mm_s"].tolist()
+    assert (tmp_path / "found" / "table.csv").exists()
+
+
+def test_a_sweep_simulates_and_refuses():
+    scene = LANE.variant(**{"run.seconds": 0.05, "run.runs": 4})
+    found = wg.sweep(PAPER, scene, {"legs.tilt_deg": range(8, 11, 2)}, model="relaxed", error="50%")
+    assert found["status"].tolist() == ["ok", "ok"]
+    assert (found["se_mm_s"] >= 0).all()
+    for values, told in (
+        ({"legs.nope": [1]}, "legs.nope: unknown key"),
+        ({"legs[x]": [1]}, r"'legs\[x\]': must be a key"),
+        ({"legs.tilt_deg": []}, "legs.tilt_deg: no values"),
+    ):
+        with pytest.raises(InputError, match=told):
+            wg.sweep(PAPER, LANE, values)
+
+
+def test_a_family_and_a_file_are_the_commands(run, tmp_path):
+    run("family", "koumakis2016", "--tilt", "5,10", "--legs", "flexible", "--no-pictures",
+        "--out", "told", "--quiet")  # fmt: skip
+    found = wg.family(PAPER, tmp_path / "found", tilt=[5, 10], legs="flexible", pictures=False)
+    hashes = [
+        json.loads((tmp_path / name / "manifest.json").read_text())["files"]
+        for name in ("told", "found")
+    ]
+    assert hashes[0] == hashes[1]
+    assert found.table["tilt_deg"].tolist() == [5.0, 10.0]
+    assert "walker_t5.0_flexible_s0.40" in found._repr_html_()
+    for form in ("stl", "3mf", "svg", "dxf"):
+        run("export", "koumakis2016", "--format", form, "--out", "parts", "--quiet")
+        (told,) = (tmp_path / "parts" / form).iterdir()
+        path = wg.export(PAPER, tmp_path / f"walker.{form}")
+        assert path.read_bytes() == told.read_bytes()
+    with pytest.raises(InputError, match=r"must end in one of \.stl, \.3mf"):
+        wg.export(PAPER, tmp_path / "walker.step")
+
+
+def test_tables_escape_count_and_need_pandas(monkeypatch):
+    table = Table({"a": range(30), "b": [None] * 29 + ["<i>"]}, "<b>", ["x & y"])
+    page = table._repr_html_()
+    assert "<b>" not in page
+    assert "&lt;b&gt;" in page
+    assert "x &amp; y" in page
+    assert "and 10 more rows" in page
+    assert table["a"].dtype == np.int64
+    assert np.isnan(Table({"c": [1.5, None]})["c"][1])
+    with pytest.raises(KeyError, match="no column 'd'; columns: a, b"):
+        _ = table["d"]
+    monkeypatch.setitem(sys.modules, "pandas", None)
+    with pytest.raises(InputError, match=r"pandas is not installed: .*table\['a'\]"):
+        table.to_dataframe()
+
+
+NOTEBOOKS = sorted((ROOT / "examples").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_the_notebooks_run_as_shown(path, tmp_path, monkeypatch, capsys):
+    monkeypatch.chdir(tmp_path)
+    notebook = json.loads(path.read_text(encoding="utf-8"))
+    assert notebook["nbformat"] == 4
+    space = {}
+    shown = []
+    for cell in notebook["cells"]:
+        if cell["cell_type"] != "code":
+            continue
+        assert cell["outputs"] == []
+        assert cell["execution_count"] is None
+        tree = ast.parse("".join(cell["source"]))
+        last = tree.body.pop() if isinstance(tree.body[-1], ast.Expr) else None
+        exec(compile(tree, path.name, "exec"), space)
+        if last is not None:
+            shown.append(eval(compile(ast.Expression(last.value), path.name, "eval"), space))
+    pages = [one for one in shown if hasattr(one, "_repr_html_") or hasattr(one, "_repr_png_")]
+    assert len(pages) >= 3
+    told = capsys.readouterr().out
+    if path.stem == "design-a-walker":
+        assert "legs.flexible_thickness_mm = -0.5: must be" in told
+        assert (tmp_path / "thin.stl").stat().st_size > 500
+    else:
+        assert abs(float(told.split("apart by ")[1].split()[0])) < 5
+
+
+def test_there_are_two_notebooks():
+    assert [path.stem for path in NOTEBOOKS] == ["design-a-walker", "film-meets-simulation"]
+
+
+SCRIPT = """
+import walkergen as wg
+
+design = wg.load("koumakis2016", "walker").variant(tilt_deg=12.0)
+speed: float = wg.predict(design, "lane-90hz").speed.value
+many = wg.predict(design, tilt=[5.0, 10.0])["speed_mm_s"]
+bar: float = wg.simulate(design, runs=4).speed.se
+"""
+
+
+@pytest.mark.slow
+def test_types_reach_a_users_script(tmp_path):
+    (tmp_path / "good.py").write_text(SCRIPT, encoding="utf-8")
+    (tmp_path / "bad.py").write_text(SCRIPT + "wg.predict(design, nope=1)\n", encoding="utf-8")
+    environment = {**os.environ, "MYPYPATH": str(ROOT)}
+    flags = ("--strict", "--follow-imports=silent", "--no-error-summary")
+    words = [sys.executable, "-m", "mypy", *flags, "good.py", "bad.py"]
+    found = subprocess.run(
+        words, cwd=tmp_path, env=environment, capture_output=True, text=True, check=False
+    )
+    told = [line for line in found.stdout.splitlines() if ": error:" in line]
+    assert {line.partition(": ")[0] for line in told} == {"bad.py:8"}
+    assert 'No overload variant of "predict"' in told[-1]

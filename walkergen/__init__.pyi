@@ -1,0 +1,28 @@
+from walkergen.errors import WalkergenError
+from walkergen.notebook.analysing import analyse
+from walkergen.notebook.loading import load, templates
+from walkergen.notebook.making import export, family
+from walkergen.notebook.predicting import predict
+from walkergen.notebook.simulating import simulate
+from walkergen.notebook.sweeping import sweep
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+__version__: str
+
+__all__ = [
+    "Design",
+    "Printer",
+    "Scene",
+    "WalkergenError",
+    "__version__",
+    "analyse",
+    "export",
+    "family",
+    "load",
+    "predict",
+    "simulate",
+    "sweep",
+    "templates",
+]

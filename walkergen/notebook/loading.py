@@ -1,0 +1,157 @@
+"""Walkers, scenes and printers by name, from a file, or as they are."""
+
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import Any, Literal, TypeVar, overload
+
+from walkergen.errors import InputError
+from walkergen.files import config
+from walkergen.files import templates as shipped
+from walkergen.files.config import Section
+from walkergen.notebook.table import Table, table_of
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import KINDS as LEGS
+from walkergen.walker.limbs import Kind
+
+Name = str | os.PathLike[str]
+"""Name of a template, or path of a TOML file."""
+
+Walker = Design | Name
+Ground = Scene | Name
+Machine = Printer | Name
+Found = TypeVar("Found", Design, Scene, Printer)
+
+KINDS: dict[str, tuple[str, type[Section]]] = {
+    "walker": ("walkers", Design),
+    "scene": ("scenes", Scene),
+    "printer": ("printers", Printer),
+}
+"""Kinds of files: the folder of their templates, and what they hold."""
+
+
+@overload
+def load(name: Name, kind: Literal["walker"]) -> Design: ...
+@overload
+def load(name: Name, kind: Literal["scene"]) -> Scene: ...
+@overload
+def load(name: Name, kind: Literal["printer"]) -> Printer: ...
+@overload
+def load(name: Name, kind: None = None) -> Any: ...
+
+
+def load(name: Name, kind: str | None = None) -> Any:
+    """Load a walker, a scene or a printer: a template by its name, or a TOML file by its path.
+
+    A path ends in .toml, has a / in it or is a Path. `kind` is "walker", "scene" or "printer", by
+    default what the name or the file's keys tell. Raises InputError that lists the known names or
+    kinds, or every mistake in the file.
+    """
+    name = name if isinstance(name, str) else Path(name)
+    if kind is None:
+        kind = _kind_of(name)
+    if kind not in KINDS:
+        raise InputError(
+            f"kind={kind!r}: must be one of {', '.join(map(repr, KINDS))}, or left out"
+        )
+    folder, model = KINDS[kind]
+    return shipped.load(name, folder, model)
+
+
+def templates() -> Table:
+    """Table of the shipped walkers, scenes and printers: kind, name, description."""
+    return table_of(shipped.listing(), "templates")
+
+
+def walker_of(design: Walker) -> Design:
+    """Walker as it is, by name or from a file. Raises InputError."""
+    return _as_it_is(design, Design, "design")
+
+
+def scene_of(scene: Ground) -> Scene:
+    """Scene as it is, by name or from a file. Raises InputError."""
+    return _as_it_is(scene, Scene, "scene")
+
+
+def printer_of(printer: Machine) -> Printer:
+    """Printer as it is, by name or from a file. Raises InputError."""
+    return _as_it_is(printer, Printer, "printer")
+
+
+def one_of(design: Walker, tilt: float | None, legs: Kind | None) -> Design:
+    """Single walker with a tilt (deg) and kind of legs; None leaves its own. Raises InputError."""
+    (member,) = members_of(design, None if tilt is None else [tilt], legs, whole=False)
+    return member
+
+
+def members_of(
+    design: Walker, tilts: Iterable[float] | None, legs: Kind | Iterable[Kind] | None, whole: bool
+) -> list[Design]:
+    """Variants with these tilts (deg) and kinds of legs, kinds outermost.
+
+    None stands for the design's own or, if `whole`, for those of its family. Raises InputError.
+    """
+    found = walker_of(design)
+    kinds = None if legs is None else _kinds(legs)
+    tilts = None if tilts is None else [float(tilt) for tilt in tilts]
+    if not whole:
+        tilts = [found.tilt_deg] if tilts is None else tilts
+        kinds = [found.kind] if kinds is None else kinds
+    return found.members(tilts, kinds)
+
+
+def _kinds(legs: Kind | Iterable[Kind]) -> list[Kind]:
+    """List kinds of legs. Raises InputError."""
+    found: list[Any] = [legs] if isinstance(legs, str) else list(legs)
+    for kind in found:
+        if kind not in LEGS:
+            raise InputError(f"legs={kind!r}: must be one of {', '.join(map(repr, LEGS))}")
+    return found
+
+
+def _as_it_is(given: Any, model: type[Found], what: str) -> Found:
+    if isinstance(given, model):
+        return given
+    if not isinstance(given, (str, os.PathLike)):
+        raise InputError(
+            f"{what}: {type(given).__name__} seen: must be a {model.__name__}, the name of a "
+            "template or the path of a TOML file"
+        )
+    folder = next(folder for folder, known in KINDS.values() if known is model)
+    return shipped.load(given if isinstance(given, str) else Path(given), folder, model)
+
+
+def _kind_of(name: str | Path) -> str:
+    """Kind that a template's name, or the keys of a file, tell. Raises InputError."""
+    if isinstance(name, Path) or shipped.written_as_path(name):
+        found = _kinds_by_keys(Path(name))
+    else:
+        found = [kind for kind, (folder, _) in KINDS.items() if name in shipped.names(folder)]
+        if not found:
+            shipped.find(name)  # raises, with every name there is
+    if len(found) > 1:
+        told = " or ".join(f"kind={kind!r}" for kind in found)
+        raise InputError(f"{str(name)!r}: may be more than one thing: give {told}")
+    return found[0]
+
+
+def _kinds_by_keys(path: Path) -> list[str]:
+    """Kinds of files that have most of a file's keys. Raises InputError."""
+    data, _ = config.load(path)
+    keys = [key for key in _paths(data) if key not in (("name",), ("description",))]
+    known = dict.fromkeys(KINDS, 0)
+    for key in keys:
+        for kind, (_, model) in KINDS.items():
+            own = key[0] == "walker" if kind == "walker" else False  # a table that becomes [body]
+            known[kind] += own or not config.unknown(key, model)
+    return [kind for kind, count in known.items() if count == max(known.values())]
+
+
+def _paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:
+    """Paths of all keys in tables and those within them."""
+    for key, value in data.items():
+        yield (*before, key)
+        if isinstance(value, Mapping):
+            yield from _paths(value, (*before, key))
