@@ -47,7 +47,8 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
     assert files_of(tmp_path) == sorted(
         [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
-        + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md", ".ini")]
+        + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
+        + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_orca.json")]
         + ["family.csv", "family.md", "weights.csv", "manifest.json"]
         + ["speed.png", "speed.pdf", "preview.png"]
     )  # fmt: skip

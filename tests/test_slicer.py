@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import gcode
+import maker
 import numpy as np
 import pytest
 
@@ -45,9 +46,10 @@ def program(name: str) -> str:
 
 
 def sliced(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
-    """Slice a file into G-code beside it."""
-    words = [program("prusa-slicer"), "--load", str(ini), "--dont-arrange", "--export-gcode",
-             "--output", str(model.with_suffix(".gcode")), str(model)]  # fmt: skip
+    """Slice a file into G-code beside it, with the maker's own profile and our settings."""
+    words = [program("prusa-slicer"), "--load", str(ini.with_name("yours.ini")), "--load", str(ini),
+             "--dont-arrange", "--export-gcode", "--output", str(model.with_suffix(".gcode")),
+             str(model)]  # fmt: skip
     return subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
 
 
@@ -68,6 +70,7 @@ def laid_out(
     model = folder / "unchecked.3mf"
     model.write_bytes(plate.plate_3mf(one, parts, meshes, printer, "unchecked"))
     (folder / "unchecked.ini").write_bytes(slicer.prusaslicer_ini(printer))
+    (folder / "yours.ini").write_text(maker.ini(printer))
     return list(one.placements), model
 
 
@@ -158,6 +161,9 @@ class Batch(NamedTuple):
     printed: gcode.Printed
     walkers: list[Walker | None]
     printer: Printer
+    text: str
+    """G-code."""
+    sheet: str
 
 
 @pytest.fixture(scope="module", params=PRINTERS)
@@ -170,11 +176,14 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     order = batch.Order(members, [2] * len(members), [printer], pictures=False)
     rows, files = batch.make_plates(order, folder, lambda *step: None, lambda findings: None)
     (model,) = [path for path in files if path.suffix == ".3mf"]
+    (model.parent / "yours.ini").write_text(maker.ini(printer))
     printed = print_of(model, model.with_name(f"plate_{printer.name}.ini"))
     number = {names.part(member): index for index, member in enumerate(members)}
     where = [Placement(number[row.name], row.copy, row.x_mm, row.y_mm) for row in rows]
     walkers = walkers_of(printed, members, where, printer)
-    return Batch(members, rows, printed, walkers, printer)
+    text = model.with_suffix(".gcode").read_text()
+    sheet = model.with_name(f"plate_{printer.name}.md").read_text(encoding="utf-8")
+    return Batch(members, rows, printed, walkers, printer, text, sheet)
 
 
 def test_every_walker_is_printed_at_its_place_under_its_name(sliced_family):
@@ -213,6 +222,36 @@ def test_the_slicer_takes_every_setting_of_the_profile(sliced_family):
     assert {key: sliced_family.printed.settings.get(key) for key in wanted} == wanted
 
 
+def test_printer_and_filament_stay_the_makers_own(sliced_family):
+    """Bed 60 C and nozzle 215 C, density and start code are her profile's, not our settings'."""
+    text, settings = sliced_family.text, sliced_family.printed.settings
+    wanted = maker.profile(sliced_family.printer)
+    assert {key: settings.get(key) for key in wanted} == wanted
+    heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
+    assert heating == ["M104 S215", "M140 S60", "M190 S60", "M109 S215", "M104 S210", "M104 S0",
+                       "M140 S0"]  # fmt: skip
+    assert 'M862.3 P "MK3S"' in text
+    assert slicer.prusaslicer_settings(sliced_family.printer).keys().isdisjoint(wanted)
+
+
+def test_plastic_and_time_of_the_print_sheet_are_the_slicers(sliced_family):
+    row = re.search(r"\| `plate_\S+` \| ([\d.]+) \| ([\d.]+) \| (\d+) \| .*\| ([\d.]+) (h|min) \|",
+                    sliced_family.sheet)  # fmt: skip
+    grams, metres, layers = float(row[1]), float(row[2]), int(row[3])
+    minutes = float(row[4]) * (60.0 if row[5] == "h" else 1.0)
+
+    def told(what: str) -> str:
+        return re.search(rf"^; {what} = (.*)$", sliced_family.text, re.MULTILINE)[1]
+
+    assert grams == pytest.approx(float(told(r"total filament used \[g\]")), rel=0.01)
+    assert metres == pytest.approx(1e-3 * float(told(r"filament used \[mm\]")), rel=0.01)
+    assert layers == len(np.unique(sliced_family.printed.lines.z))
+    words = told(r"estimated printing time \(normal mode\)").split()
+    length = {"h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
+    theirs = sum(float(word[:-1]) * length[word[-1]] for word in words)
+    assert minutes == pytest.approx(theirs, rel=0.12)
+
+
 def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     program("prusa-slicer")
     printer = templates.load("ender3", "printers", Printer)
@@ -220,6 +259,7 @@ def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     batch.make_plates(order, tmp_path, lambda *step: None, lambda findings: None)
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
+    (folder / "yours.ini").write_text(maker.ini(printer))
     (command,) = re.findall(r"`(prusa-slicer .*?)`", sheet)
     subprocess.run(shlex.split(command), cwd=folder, capture_output=True, check=True)
     assert len(gcode.read((folder / "plate_ender3_1.gcode").read_text()).items) == 2
