@@ -115,7 +115,7 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
     family.make(job_of(), tmp_path, silent, unheard)
-    assert len(files_of(tmp_path)) == 6 + 8
+    assert len(files_of(tmp_path)) == 6 + 9
 
 
 def test_output_that_cannot_be_written_is_one_line(tmp_path):

@@ -79,7 +79,7 @@ def test_a_list_of_one_design_makes_the_bytes_of_the_command_line(run, lists, tm
     assert run("plate", "--orders", str(path), *words, "listed").exit_code == 0
     assert run("plate", "--copies", "5:3,10:4", *words, "plain").exit_code == 0
     plain = files_below(tmp_path / "plain")
-    assert len(plain) == 7
+    assert len(plain) == 8
     assert files_below(tmp_path / "listed") == plain
 
 

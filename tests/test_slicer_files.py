@@ -7,8 +7,10 @@ import zipfile
 from xml.etree import ElementTree
 
 import maker
+import numpy as np
 import pytest
 import threemf
+import trimesh
 
 from walkergen.files import templates
 from walkergen.printing import estimate, export, layout, sheet, slicer
@@ -16,6 +18,7 @@ from walkergen.printing import packing as plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.mass import Mesh
 
 PRINTERS = [templates.load(name, "printers", Printer) for name in templates.names("printers")]
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
@@ -166,11 +169,8 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
     (one,) = made.plates
     weighed = [sheet.weigh("", design, built, MK3S)
                for design, built in zip(made.members, made.built, strict=True)]  # fmt: skip
-    found = estimate.of_plate(
-        one, made.parts, [each.sliced_g for each in weighed],
-        [PAPER.material.density_g_cm3] * 2, MK3S,
-    )  # fmt: skip
-    grams = 2 * weighed[0].sliced_g + 3 * weighed[1].sliced_g
+    found = estimate.of_plate(one, made.parts, [each.load for each in weighed], MK3S)
+    grams = 2 * weighed[0].load.grams + 3 * weighed[1].load.grams
     assert found.grams == pytest.approx(grams)
     # 1.75 mm filament: 2.4053 mm^2
     assert found.metres == pytest.approx(grams / PAPER.material.density_g_cm3 / 2.4053, rel=1e-4)
@@ -179,10 +179,20 @@ def test_the_sheet_says_how_to_load_the_settings_and_what_a_plate_takes():
     assert row in told
 
 
+def test_sides_are_a_bodys_outline_times_its_height():
+    box = mesh_of_box(28.0, 3.0, 8.0)
+    assert estimate.sides(box) == pytest.approx(2.0 * (28.0 + 3.0) * 8.0)
+
+
+def mesh_of_box(*lengths: float) -> Mesh:
+    box = trimesh.creation.box(lengths)
+    return Mesh(np.array(box.vertices), np.array(box.faces))
+
+
 def test_half_a_layer_prints_as_one():
     part = plate.Part("flat", 10.0, 10.0, 0.5, 1)
     (one,) = plate.pack([part], MK3S)
-    assert estimate.of_plate(one, [part], [1.0], [1.24], MK3S).layers == 3
+    assert estimate.of_plate(one, [part], [estimate.Load(1.0, 1.24, 9.0)], MK3S).layers == 3
 
 
 @pytest.mark.parametrize(

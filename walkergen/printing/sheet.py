@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen.printing import checks, estimate, orientation, slicer, walls
 from walkergen.printing.checks import Finding
+from walkergen.printing.estimate import Load
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, solids
@@ -34,8 +35,8 @@ class Weight(NamedTuple):
     """Mass of the mesh of body and legs, g."""
     legs: list[tuple[LegWeight, str]]
     """Every distinct leg and its name: "leg" where all are equal, else as in "legs[1], legs[3]"."""
-    sliced_g: float
-    """Mass of the whole with the legs' expected plastic, g."""
+    load: Load
+    """Plastic of the whole, its legs as sliced."""
 
 
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
@@ -51,7 +52,9 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
     whole = mass.weigh(built.walker, density).mass
     each = [weight_of(limb) for limb in design.limbs]
     sliced = whole + sum(leg.mesh_g * (leg.plastic - 1.0) for leg in each)
-    return Weight(name, whole, walls.alike(design, weight_of), sliced)
+    lying = solids.as_printed(design, built.walker)
+    load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
+    return Weight(name, whole, walls.alike(design, weight_of), load)
 
 
 class Batch(NamedTuple):
@@ -147,23 +150,21 @@ def _contents(batch: Batch) -> str:
 
 
 def _plastic(batch: Batch, weights: Sequence[Weight]) -> str:
-    grams = [one.sliced_g for one in weights]
-    densities = [design.material.density_g_cm3 for design in batch.members]
-    rows = []
+    loads, rows = [one.load for one in weights], []
     for number, one in enumerate(batch.plates, start=1):
-        told = estimate.of_plate(one, batch.parts, grams, densities, batch.printer)
+        told = estimate.of_plate(one, batch.parts, loads, batch.printer)
         rows.append((f"`{batch.stem}_{number}.3mf`", f"{told.grams:.2f}", f"{told.metres:.2f}",
                      str(told.layers), estimate.duration(told.seconds / told.layers),
                      estimate.duration(told.seconds)))  # fmt: skip
+    error = f"{100 * estimate.TIME_TOLERANCE:g} %"
     headings = ("file", "plastic, g", f"filament {slicer.FILAMENT_MM:g} mm, m", "layers",
-                "a layer, about", "all, about")  # fmt: skip
+                "mean layer", f"all, ± {error}")  # fmt: skip
     return (
         "## Plastic and time\n\n"
         "Without skirt, brim and purge. Grams are the legs as sliced and the bodies as drawn, at "
-        "the density of the design. The time is an estimate: "
-        f"{estimate.SPEED_MM_S:g} mm of line a second, travel included, as at PrusaSlicer's "
-        "default speeds, without heating; the slicer knows better, from your speeds.\n\n"
-        + _table(headings, rows)
+        "the density of the design. The time is an estimate for PrusaSlicer's default speeds, "
+        "without heating, from the outlines and lines of the layers; at your speeds the slicer "
+        "knows better.\n\n" + _table(headings, rows)
     )
 
 
