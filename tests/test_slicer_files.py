@@ -97,6 +97,9 @@ def test_all_slicers_are_told_the_same(printer, changes):
         ours: prusa[ours] for ours in SAME
     }
     assert set(prusa) == set(SAME) | OTHERWISE
+    # of their own: two walls on top as everywhere
+    assert (orca["only_one_wall_top"], orca["top_one_wall_type"]) == ("0", "not apply")
+    assert orca["sparse_infill_pattern"] == "zig-zag"
     assert orca["brim_type"] == ("outer_only" if changes else "no_brim")
 
 

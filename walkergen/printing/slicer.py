@@ -116,8 +116,9 @@ def prusaslicer_ini(printer: Printer) -> bytes:
 def orca_settings(printer: Printer) -> dict[str, str]:
     """Print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
 
-    Both know all of them but `top_bottom_infill_wall_overlap`, which Bambu Studio leaves out.
-    "zig-zag" is Bambu Studio's rectilinear, and OrcaSlicer translates it.
+    Each passes over keys that are the other's: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
+    `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is
+    Bambu Studio's rectilinear, and OrcaSlicer translates it.
     """
     height, width = f"{printer.layer_height_mm:g}", f"{printer.line_width_mm:g}"
     overlap = f"{INFILL_OVERLAP_PERCENT}%"
@@ -131,6 +132,7 @@ def orca_settings(printer: Printer) -> dict[str, str]:
         "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
         "wall_loops": f"{walls.PERIMETERS}",
         "only_one_wall_top": "0",
+        "top_one_wall_type": "not apply",
         "sparse_infill_density": "100%",
         "sparse_infill_pattern": "zig-zag",
         "infill_wall_overlap": overlap,
