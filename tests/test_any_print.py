@@ -243,7 +243,9 @@ def test_a_weighed_leg_is_the_mean_of_unlike_legs():
     assert weights.total_error(parts, 3) == pytest.approx(math.hypot(0.001, 0.006))
 
 
-@pytest.mark.parametrize("design", [DISC, NARROW, PAPER, UNLIKE, PROFILE])
+@pytest.mark.parametrize(
+    "design", [DISC, NARROW, PAPER, UNLIKE, PROFILE, *PAPER.members([45.0, -40.0], ["flexible"])]
+)
 def test_labels_lie_on_their_part_beside_its_legs(design):
     mesh = printed(design)
     room = plate_map._between_legs if design.pair and solids.on_side(design) else plate_map._on_part

@@ -47,7 +47,8 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
     assert files_of(tmp_path) == sorted(
         [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
-        + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md", ".ini")]
+        + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
+        + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_orca.json")]
         + ["family.csv", "family.md", "weights.csv", "manifest.json"]
         + ["speed.png", "speed.pdf", "preview.png"]
     )  # fmt: skip
@@ -114,7 +115,7 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
     family.make(job_of(), tmp_path, silent, unheard)
-    assert len(files_of(tmp_path)) == 6 + 8
+    assert len(files_of(tmp_path)) == 6 + 9
 
 
 def test_output_that_cannot_be_written_is_one_line(tmp_path):

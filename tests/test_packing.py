@@ -34,7 +34,7 @@ def boxes(one: plate.Plate, parts: list[Part]) -> list[tuple[float, float, float
 
 
 def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> None:
-    """Every copy once; none off the bed or closer than the gap."""
+    """Every copy once; none off the bed or closer than the gap; all in the middle of the bed."""
     wanted = [(i, c) for i, one in enumerate(parts) for c in range(1, one.copies + 1)]
     assert sorted((p.part, p.copy) for one in plates for p in one.placements) == wanted
     low, gap = printer.margin_mm - NANOMETRE, printer.gap_mm - NANOMETRE
@@ -43,6 +43,9 @@ def check(plates: list[plate.Plate], parts: list[Part], printer: Printer) -> Non
         placed = boxes(one, parts)
         assert placed
         assert all(a >= low and b >= low and c <= right and d <= back for a, b, c, d in placed)
+        lefts, fronts, rights, backs = zip(*placed, strict=True)
+        around = min(lefts) + max(rights), min(fronts) + max(backs)
+        assert around == pytest.approx((printer.bed_width_mm, printer.bed_depth_mm), abs=0.004)
         for (a, b, c, d), (e, f, g, h) in itertools.combinations(placed, 2):
             assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
 
@@ -118,7 +121,8 @@ def test_a_family_lies_in_rows_in_the_order_given() -> None:
     rows = [list(row) for _, row in itertools.groupby(one.placements, key=lambda p: p.y)]
     assert [[p.part for p in row] for row in rows] == [[tilt] * 7 for tilt in range(10)]
     assert [p.copy for p in rows[0]] == list(range(1, 8))
-    assert one.placements[0] == plate.Placement(0, 1, 5.0, 5.0)
+    # 7 x 28 mm and 6 gaps of 3 mm leave 36 mm of 250; ten rows leave 69.75 mm of 210.
+    assert one.placements[0] == plate.Placement(0, 1, 18.0, 34.875)
 
 
 def test_a_part_exactly_as_large_as_the_usable_bed_fits() -> None:
@@ -204,6 +208,9 @@ def test_brims_and_skirts_stay_on_the_bed_and_apart(
         assert max(box[2] for box in placed) <= printer.bed_width_mm - low
         assert max(box[3] for box in placed) <= printer.bed_depth_mm - low
         gap = printer.gap_mm - NANOMETRE
+        lefts, fronts, rights, backs = zip(*placed, strict=True)
+        around = min(lefts) + max(rights), min(fronts) + max(backs)
+        assert around == pytest.approx((printer.bed_width_mm, printer.bed_depth_mm), abs=0.004)
         for (a, b, c, d), (e, f, g, h) in itertools.combinations(placed, 2):
             assert e - c >= gap or a - g >= gap or f - d >= gap or b - h >= gap
     assert len(plate.pack([one], printer)[0].placements) == plate.capacity(one, printer)

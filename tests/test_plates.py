@@ -80,14 +80,15 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     layout = layout_of(PRINTERS[0], copies=(2, 2))
     files = dict(plates.files(layout, "plate", pictures=True))
     assert list(files) == [
-        f"plate_prusa-mk3s{end}" for end in (".csv", ".md", ".ini", "_1.png", "_1.3mf")
+        f"plate_prusa-mk3s{end}"
+        for end in (".csv", ".md", ".ini", "_orca.json", "_1.png", "_1.3mf")
     ]
     archive = zipfile.ZipFile(io.BytesIO(files["plate_prusa-mk3s_1.3mf"]))
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
     assert b"metadata/thumbnail" in archive.read("_rels/.rels")
     threemf.read(files["plate_prusa-mk3s_1.3mf"])
     plain = dict(plates.files(layout, "plate", pictures=False))
-    assert len(plain) == 4
+    assert len(plain) == 5
     bare = zipfile.ZipFile(io.BytesIO(plain["plate_prusa-mk3s_1.3mf"])).namelist()
     assert not any("thumbnail" in name for name in bare)
 

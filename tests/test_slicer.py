@@ -1,153 +1,33 @@
 """What a real slicer makes of our files: PrusaSlicer's G-code, read line by line, and ADMesh.
 
-Skipped where the programs are absent, except in CI (CI=true), which installs them: .ci/run.
+Skipped where the programs are absent: see slicing.program.
 """
 
-import os
 import re
 import shlex
-import shutil
 import subprocess
-from pathlib import Path
 from typing import NamedTuple
 
 import gcode
+import maker
 import numpy as np
 import pytest
+from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 
 from walkergen.files import templates
 from walkergen.jobs.orders import make as batch
-from walkergen.printing import checks, export, slicer, walls
+from walkergen.printing import checks, estimate, export, slicer, walls
 from walkergen.printing import layout as plates
-from walkergen.printing import packing as plate
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Limb
 
 pytestmark = [pytest.mark.slow, pytest.mark.programs]
 
-IN_CI = os.environ.get("CI") == "true"
 PRINTERS = ["prusa-mk3s", "ender3", "replicator2x"]  # classic, arachne, origin in the middle
 TILTS = (0.0, 8.0, 15.0, 40.0)
 FLAT_BED = Printer(name="test", bed_width_mm=250.0, bed_depth_mm=210.0, height_mm=210.0)
-
-
-def program(name: str) -> str:
-    found = shutil.which(name)
-    if found is None:
-        reason = f"{name} is not installed (Debian: apt-get install prusa-slicer admesh)"
-        if IN_CI:
-            pytest.fail(reason)
-        pytest.skip(reason)
-    return found
-
-
-def sliced(model: Path, ini: Path) -> subprocess.CompletedProcess[str]:
-    """Slice a file into G-code beside it."""
-    words = [program("prusa-slicer"), "--load", str(ini), "--dont-arrange", "--export-gcode",
-             "--output", str(model.with_suffix(".gcode")), str(model)]  # fmt: skip
-    return subprocess.run(words, capture_output=True, text=True, check=False, timeout=120)
-
-
-def print_of(model: Path, ini: Path) -> gcode.Printed:
-    result = sliced(model, ini)
-    assert result.returncode == 0, result.stdout + result.stderr
-    return gcode.read(model.with_suffix(".gcode").read_text())
-
-
-def laid_out(
-    designs: list[Design], printer: Printer, folder: Path, one: Plate | None = None
-) -> tuple[list[Placement], Path]:
-    """A plate of designs that nothing has checked, with the printer's settings beside it."""
-    meshes = [solids.build(design).walker for design in designs]
-    parts = [Part.of(f"part{index}", mesh) for index, mesh in enumerate(meshes)]
-    if one is None:
-        (one,) = plate.pack(parts, printer)
-    model = folder / "unchecked.3mf"
-    model.write_bytes(plate.plate_3mf(one, parts, meshes, printer, "unchecked"))
-    (folder / "unchecked.ini").write_bytes(slicer.prusaslicer_ini(printer))
-    return list(one.placements), model
-
-
-class Walker(NamedTuple):
-    """One printed walker of a sliced plate."""
-
-    name: str
-    """Its label in the G-code."""
-    design: Design
-    printer: Printer
-    lines: gcode.Lines
-    """In the design's frame."""
-
-    @property
-    def limb(self) -> Limb:
-        """Back leg, like which the front one is."""
-        return self.design.limbs[0]
-
-    @property
-    def layers(self) -> int:
-        return round(self.design.size.depth / self.printer.layer_height_mm)
-
-    def below(self, low: float, high: float) -> np.ndarray:
-        """Plastic by layer and leg (back, front) between two heights y of the design, mm^3."""
-        lines, tilt, foot = self.lines, self.limb.tilt, self.foot
-        start, end = (np.clip(points[:, 1], low, high) for points in (lines.start, lines.end))
-        length = np.abs(lines.end[:, 1] - lines.start[:, 1])
-        level = (lines.start[:, 1] > low) & (lines.start[:, 1] < high)
-        share = np.where(length > 0, np.abs(end - start) / np.where(length > 0, length, 1), level)
-        middle = 0.5 * (lines.start + lines.end)
-        # Halfway between the back leg and the front one's brace, at any height.
-        front = middle[:, 0] > 0.5 * np.tan(tilt) * (middle[:, 1] - foot)
-        layer = np.rint(lines.z / self.printer.layer_height_mm).astype(int) - 1
-        plastic = np.zeros((self.layers, 2))
-        np.add.at(plastic, (layer, front.astype(int)), share * lines.volume)
-        return plastic
-
-    @property
-    def bottom(self) -> float:
-        return -0.5 * self.design.size.thickness
-
-    @property
-    def foot(self) -> float:
-        return self.limb.foot_height
-
-    @property
-    def legs(self) -> np.ndarray:
-        """Plastic below the body by layer and leg."""
-        return self.below(self.foot - 1.0, self.bottom)
-
-
-def walkers_of(
-    printed: gcode.Printed, designs: list[Design], where: list[Placement], printer: Printer
-) -> list[Walker | None]:
-    """The labelled object that lies at each placement; None where there is none."""
-    lines, corner = printed.lines, np.array(printer.bed_corner)
-    highs = [
-        np.maximum(lines.start, lines.end)[lines.item == item].max(axis=0) - corner
-        for item in range(len(printed.items))
-    ]
-    found: list[Walker | None] = []
-    for placed in where:
-        at, design = np.array([placed.x, placed.y]), designs[placed.part]
-        vertices = solids.build(design).walker.vertices[:, :2]
-        size = np.ptp(vertices, axis=0)
-        # By the body's upper right corner, which is there even when legs are not; the centre of a
-        # line lies half a line inside the part.
-        near = [
-            item
-            for item, high in enumerate(highs)
-            if np.abs(at + size - 0.5 * printer.line_width_mm - high).max() < 0.05
-        ]
-        if len(near) != 1:
-            found.append(None)
-            continue
-        shift = corner + at - vertices.min(axis=0)
-        own = gcode.Lines(*(field[lines.item == near[0]] for field in lines))
-        moved = own._replace(start=own.start - shift, end=own.end - shift)
-        found.append(Walker(printed.items[near[0]][0], design, printer, moved))
-    return found
 
 
 class Batch(NamedTuple):
@@ -158,6 +38,9 @@ class Batch(NamedTuple):
     printed: gcode.Printed
     walkers: list[Walker | None]
     printer: Printer
+    text: str
+    """G-code."""
+    sheet: str
 
 
 @pytest.fixture(scope="module", params=PRINTERS)
@@ -170,11 +53,14 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     order = batch.Order(members, [2] * len(members), [printer], pictures=False)
     rows, files = batch.make_plates(order, folder, lambda *step: None, lambda findings: None)
     (model,) = [path for path in files if path.suffix == ".3mf"]
+    (model.parent / "yours.ini").write_text(maker.ini(printer))
     printed = print_of(model, model.with_name(f"plate_{printer.name}.ini"))
     number = {names.part(member): index for index, member in enumerate(members)}
     where = [Placement(number[row.name], row.copy, row.x_mm, row.y_mm) for row in rows]
     walkers = walkers_of(printed, members, where, printer)
-    return Batch(members, rows, printed, walkers, printer)
+    text = model.with_suffix(".gcode").read_text()
+    sheet = model.with_name(f"plate_{printer.name}.md").read_text(encoding="utf-8")
+    return Batch(members, rows, printed, walkers, printer, text, sheet)
 
 
 def test_every_walker_is_printed_at_its_place_under_its_name(sliced_family):
@@ -213,6 +99,57 @@ def test_the_slicer_takes_every_setting_of_the_profile(sliced_family):
     assert {key: sliced_family.printed.settings.get(key) for key in wanted} == wanted
 
 
+def test_printer_and_filament_stay_the_makers_own(sliced_family):
+    """Bed 60 C and nozzle 215 C, density and start code are her profile's, not our settings'."""
+    text, settings = sliced_family.text, sliced_family.printed.settings
+    wanted = maker.profile(sliced_family.printer)
+    assert {key: settings.get(key) for key in wanted} == wanted
+    heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
+    assert heating == ["M104 S215", "M140 S60", "M190 S60", "M109 S215", "M104 S210", "M104 S0",
+                       "M140 S0"]  # fmt: skip
+    assert 'M862.3 P "MK3S"' in text
+    assert slicer.prusaslicer_settings(sliced_family.printer).keys().isdisjoint(wanted)
+
+
+def compare_with_the_slicer(sheet: str, text: str) -> None:
+    """The sheet's only plate against G-code: masses within 1 %, which the infill overlap allows."""
+    row = re.search(r"\| `plate_\S+` \| ([\d.]+) \| ([\d.]+) \| (\d+) \| .*\| ([\d.]+) (h|min) \|",
+                    sheet)  # fmt: skip
+    grams, metres, layers = float(row[1]), float(row[2]), int(row[3])
+    minutes = float(row[4]) * (60.0 if row[5] == "h" else 1.0)
+
+    def told(what: str) -> str:
+        return re.search(rf"^; {what} = (.*)$", text, re.MULTILINE)[1]
+
+    assert grams == pytest.approx(float(told(r"total filament used \[g\]")), rel=0.01)
+    assert metres == pytest.approx(1e-3 * float(told(r"filament used \[mm\]")), rel=0.01)
+    assert layers == len(np.unique(gcode.read(text).lines.z))
+    words = told(r"estimated printing time \(normal mode\)").split()
+    length = {"h": 60.0, "m": 1.0, "s": 1.0 / 60.0}
+    theirs = sum(float(word[:-1]) * length[word[-1]] for word in words)
+    assert minutes == pytest.approx(theirs, rel=estimate.TIME_TOLERANCE)
+
+
+def test_plastic_and_time_of_the_print_sheet_are_the_slicers(sliced_family):
+    compare_with_the_slicer(sliced_family.sheet, sliced_family.text)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", templates.names("walkers"))
+def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name):
+    printer = templates.load("prusa-mk3s", "printers", Printer)
+    design = templates.load(name, "walkers", Design)
+    order = batch.Order([design], [3], [printer], pictures=False)
+    batch.make_plates(order, tmp_path, lambda *step: None, lambda findings: None)
+    folder = tmp_path / "plates"
+    (folder / "yours.ini").write_text(maker.ini(printer))
+    model = folder / "plate_prusa-mk3s_1.3mf"
+    result = sliced(model, folder / "plate_prusa-mk3s.ini")
+    assert result.returncode == 0, result.stdout + result.stderr
+    sheet = (folder / "plate_prusa-mk3s.md").read_text(encoding="utf-8")
+    compare_with_the_slicer(sheet, model.with_suffix(".gcode").read_text())
+
+
 def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     program("prusa-slicer")
     printer = templates.load("ender3", "printers", Printer)
@@ -220,6 +157,7 @@ def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     batch.make_plates(order, tmp_path, lambda *step: None, lambda findings: None)
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
+    (folder / "yours.ini").write_text(maker.ini(printer))
     (command,) = re.findall(r"`(prusa-slicer .*?)`", sheet)
     subprocess.run(shlex.split(command), cwd=folder, capture_output=True, check=True)
     assert len(gcode.read((folder / "plate_ender3_1.gcode").read_text()).items) == 2

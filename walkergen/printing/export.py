@@ -9,9 +9,10 @@ import io
 import re
 import uuid
 import zipfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from typing import Any, NamedTuple
+from xml.sax.saxutils import quoteattr
 
 import lib3mf
 import numpy.typing as npt
@@ -24,6 +25,11 @@ APPLICATION = "walkergen"
 
 PRUSASLICER_NAMESPACE = b'<model xmlns:slic3rpe="http://schemas.slic3r.org/3mf/2017/06" '
 PRUSASLICER_VERSION = b'<metadata name="slic3rpe:Version3mf">1</metadata><resources>'
+
+MODEL, TYPES = "3D/3dmodel.model", "[Content_Types].xml"
+SETTINGS = "Metadata/model_settings.config"
+"""File of Bambu Studio and OrcaSlicer that names objects and plates."""
+CONFIG_TYPE = b'<Default Extension="config" ContentType="application/xml" />'
 
 # What XML 1.0 cannot hold, escaped or not; tabs and line ends too, which attributes turn to blanks.
 NOT_XML = re.compile("[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
@@ -63,6 +69,8 @@ def threemf_bytes(
 ) -> bytes:
     """3MF file in mm: every solid once, and an item per printed copy, standing on z = 0.
 
+    A copy whose part number is not its solid's name has an object of its own, which refers to the
+    solid and bears the copy's name: Bambu Studio and OrcaSlicer list it, and the plate by `title`.
     Names may hold anything: what XML cannot is replaced by "_". UUIDs follow from the title, the
     names and the order. `thumbnail` is a PNG of the whole. Raises SolidError when lib3mf refuses a
     mesh. Source: 3MF core specification 1.3 and production extension (UUIDs).
@@ -76,15 +84,25 @@ def threemf_bytes(
     metadata = model.GetMetaDataGroup()
     for key, value in (("Title", title), ("Application", APPLICATION)):
         metadata.AddMetaData("", key, value, "xs:string", True)
-    objects = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
-    for number, (item, part_number) in enumerate(zip(items, part_numbers, strict=True)):
+    meshes = [_add_solid(model, solid, title, number) for number, solid in enumerate(solids)]
+    named: list[_Named] = []
+    for number, (item, name) in enumerate(zip(items, part_numbers, strict=True)):
+        built_of, solid_name = meshes[item.solid], _xml_safe(solids[item.solid].name)
+        if name != solid_name:
+            mesh, built_of = built_of, _add_copy(model, built_of, name, title, number)
+            ids = built_of.GetModelResourceID(), mesh.GetModelResourceID()
+            named.append(_Named(name, solid_name, *ids))
         place = wrapper.GetTranslationTransform(item.x, item.y, 0.0)
-        built = model.AddBuildItem(objects[item.solid], place)
-        built.SetPartNumber(part_number)
+        built = model.AddBuildItem(built_of, place)
+        built.SetPartNumber(name)
         built.SetUUID(_identifier(title, "item", number))
     if thumbnail is not None:
         model.CreatePackageThumbnailAttachment().ReadFromBuffer(thumbnail)
-    return bytes(model.QueryWriter("3mf").WriteToBuffer())
+    files = _unzipped(bytes(model.QueryWriter("3mf").WriteToBuffer()))
+    if named:
+        files[SETTINGS] = _model_settings(named, title)
+        files[TYPES] = files[TYPES].replace(b"</Types>", CONFIG_TYPE + b"</Types>", 1)
+    return _zipped(files)
 
 
 def for_prusaslicer(data: bytes) -> bytes:
@@ -94,15 +112,62 @@ def for_prusaslicer(data: bytes) -> bytes:
     items, and slices it once; of other files it makes an object of every item. It looks for its
     namespace by the prefix, which lib3mf does not let us choose. Measured with PrusaSlicer 2.5.
     """
-    source, target = zipfile.ZipFile(io.BytesIO(data)), io.BytesIO()
+    files = _unzipped(data)
+    model = files[MODEL].replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
+    files[MODEL] = model.replace(b"<resources>", PRUSASLICER_VERSION, 1)
+    return _zipped(files)
+
+
+def _unzipped(data: bytes) -> dict[str, bytes]:
+    archive = zipfile.ZipFile(io.BytesIO(data))
+    return {name: archive.read(name) for name in archive.namelist()}
+
+
+def _zipped(files: Mapping[str, bytes]) -> bytes:
+    """Archive whose files are of 1980-01-01: lib3mf's are of a month 0, which no calendar has."""
+    target = io.BytesIO()
     with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
-        for name in source.namelist():
-            content = source.read(name)
-            if name == "3D/3dmodel.model":
-                content = content.replace(b"<model ", PRUSASLICER_NAMESPACE, 1)
-                content = content.replace(b"<resources>", PRUSASLICER_VERSION, 1)
-            archive.writestr(zipfile.ZipInfo(name), content, zipfile.ZIP_DEFLATED)
+        for name, content in files.items():
+            entry = zipfile.ZipInfo(name)
+            entry.create_system = 0  # else it tells the system that made it
+            archive.writestr(entry, content, zipfile.ZIP_DEFLATED)
     return target.getvalue()
+
+
+class _Named(NamedTuple):
+    """Copy with an object of its own."""
+
+    name: str
+    solid: str
+    """Name of its solid."""
+    number: int
+    """Number of its object in the file."""
+    solid_number: int
+
+
+def _model_settings(named: Sequence[_Named], title: str) -> bytes:
+    """Names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
+    lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
+    for one in named:
+        lines += [
+            f'  <object id="{one.number}">',
+            f"    {_setting('name', one.name)}",
+            f'    <part id="{one.solid_number}" subtype="normal_part">',
+            f"      {_setting('name', one.solid)}",
+            "    </part>",
+            "  </object>",
+        ]
+    lines += ["  <plate>", *(f"    {_setting(*pair)}" for pair in
+              (("plater_id", "1"), ("plater_name", title), ("locked", "false")))]  # fmt: skip
+    for one in named:
+        pairs = (("object_id", f"{one.number}"), ("instance_id", "0"))
+        settings = "".join(_setting(*pair) for pair in pairs)
+        lines.append(f"    <model_instance>{settings}</model_instance>")
+    return "\n".join([*lines, "  </plate>", "</config>", ""]).encode()
+
+
+def _setting(key: str, value: str) -> str:
+    return f"<metadata key={quoteattr(key)} value={quoteattr(value)}/>"
 
 
 @cache
@@ -125,6 +190,16 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
         )
     except lib3mf.ELib3MFException as error:
         raise SolidError(f"{name}: lib3mf refuses the mesh: {error}") from None
+    return added
+
+
+def _add_copy(model: Any, mesh: Any, name: str, title: str, number: int) -> Any:
+    """Object of a model that shows a mesh's object under a name of its own."""
+    added = model.AddComponentsObject()
+    added.SetName(name)
+    added.SetUUID(_identifier(title, "copy", number, name))
+    component = added.AddComponent(mesh, _wrapper().GetIdentityTransform())
+    component.SetUUID(_identifier(title, "component", number, name))
     return added
 
 

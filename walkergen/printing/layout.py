@@ -13,7 +13,7 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 from walkergen.walker.solids import Solids
 
-COMMON_FILES = 3
+COMMON_FILES = 4
 """Number of files of a layout apart from those of each plate."""
 
 
@@ -118,7 +118,8 @@ def files(
     """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
-    PrusaSlicer; STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
+    PrusaSlicer; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
+    STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
     plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
@@ -126,6 +127,7 @@ def files(
     yield f"{start}.csv", to_csv(places(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
     yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
+    yield f"{start}_orca.json", slicer.orca_json(layout.printer)
     for number, one in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None

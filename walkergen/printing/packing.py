@@ -83,6 +83,7 @@ def pack(
 ) -> list[Plate]:
     """Place all copies in rows in the order of the parts, at most `max_parts` on a plate.
 
+    The rows of a plate together lie in the middle of the bed.
     Raises PlateError when a part is larger than the usable bed or taller than the printer, when
     more than `max_plates` are needed, and for more than MOST_PARTS copies.
     """
@@ -135,21 +136,39 @@ def item_name(part: Part, copy: int) -> str:
 
 def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Plate]:
     """Place copies in rows, left to right and front to back, each as deep as its deepest part."""
-    (bed_width, bed_depth), edge = _bed(printer), border(printer)
+    bed_width, bed_depth = _bed(printer)
     plates: list[Plate] = []
-    placed: list[Placement] = []
-    x = y = row_depth = 0
+    placed: list[tuple[int, int, int, int]] = []
+    x = y = right = row_depth = 0
     for index, part in enumerate(parts):
         width, depth = _cell(part, printer)
         for copy in range(1, part.copies + 1):
             if x + width > bed_width:
                 x, y, row_depth = 0, y + row_depth, 0
             if y + depth > bed_depth or len(placed) == max_parts:
-                plates.append(Plate(tuple(placed)))
-                placed, x, y, row_depth = [], 0, 0, 0
-            placed.append(Placement(index, copy, edge + 1e-3 * x, edge + 1e-3 * y))
+                plates.append(_centred(placed, (right, y + row_depth), printer))
+                placed, x, y, right, row_depth = [], 0, 0, 0, 0
+            placed.append((index, copy, x, y))
             x, row_depth = x + width, max(row_depth, depth)
-    return [*plates, Plate(tuple(placed))] if placed else plates
+            right = max(right, x)
+    return [*plates, _centred(placed, (right, y + row_depth), printer)] if placed else plates
+
+
+def _centred(
+    placed: Sequence[tuple[int, int, int, int]], used: tuple[int, int], printer: Printer
+) -> Plate:
+    """Plate of copies (part, copy, x, y) moved to the middle of the free bed by whole micrometres.
+
+    `used` is the width and depth of all their cells, micrometres.
+    """
+    edge, (bed_width, bed_depth) = border(printer), _bed(printer)
+    right, back = (bed_width - used[0]) // 2, (bed_depth - used[1]) // 2
+    return Plate(
+        tuple(
+            Placement(part, copy, edge + 1e-3 * (x + right), edge + 1e-3 * (y + back))
+            for part, copy, x, y in placed
+        )
+    )
 
 
 def _free(printer: Printer) -> tuple[float, float]:

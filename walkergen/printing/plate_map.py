@@ -170,10 +170,14 @@ def _label_parts(
 
 
 def _between_legs(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:
-    """Middle of a label between two equal legs, from the box's corner, and its font's height."""
+    """Middle of a label between two equal legs, from the box's corner, and its font's height.
+
+    Halfway up, legs that lean are as far to the right of their feet.
+    """
     left, bottom = mesh.vertices[:, :2].min(axis=0)
     below = 0.5 * (-bottom - 0.5 * design.size.thickness)
-    return -left, below, min(below, 0.8 * design.foot_span / (LETTER * letters))
+    middle = below * math.tan(design.limbs[0].tilt) - left
+    return middle, below, min(below, 0.8 * design.foot_span / (LETTER * letters))
 
 
 def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, float]:

@@ -4,8 +4,9 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen.printing import checks, orientation, slicer, walls
+from walkergen.printing import checks, estimate, orientation, slicer, walls
 from walkergen.printing.checks import Finding
+from walkergen.printing.estimate import Load
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, solids
@@ -34,6 +35,8 @@ class Weight(NamedTuple):
     """Mass of the mesh of body and legs, g."""
     legs: list[tuple[LegWeight, str]]
     """Every distinct leg and its name: "leg" where all are equal, else as in "legs[1], legs[3]"."""
+    load: Load
+    """Plastic of the whole, its legs as sliced."""
 
 
 def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
@@ -47,7 +50,11 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
         return LegWeight(grams, walls.leg_plastic(limb, printer, side), tolerance)
 
     whole = mass.weigh(built.walker, density).mass
-    return Weight(name, whole, walls.alike(design, weight_of))
+    each = [weight_of(limb) for limb in design.limbs]
+    sliced = whole + sum(leg.mesh_g * (leg.plastic - 1.0) for leg in each)
+    lying = solids.as_printed(design, built.walker)
+    load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
+    return Weight(name, whole, walls.alike(design, weight_of), load)
 
 
 class Batch(NamedTuple):
@@ -69,9 +76,10 @@ def to_markdown(
     printer = batch.printer
     sections = [
         f"# Print sheet: {batch.stem}, {printer.description or printer.name}",
-        _steps(batch.stem),
+        _steps(batch),
         _settings(batch),
         _contents(batch),
+        _plastic(batch, weights),
         *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
         _findings(findings),
         _weighing(weights, batch),
@@ -87,20 +95,28 @@ def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
     }
 
 
-def _steps(stem: str) -> str:
+def _steps(batch: Batch) -> str:
+    stem, name = batch.stem, slicer.preset_name(batch.printer)
     return (
         "## Print\n\n"
-        f"1. PrusaSlicer: File > Import > Import Config, `{stem}.ini`. Another slicer: enter the "
-        "settings below.\n"
-        "2. Choose your filament's temperatures; change nothing else.\n"
-        "3. Open a plate's 3MF. Keep names and places: do not arrange, turn, scale or merge. "
-        "(PrusaSlicer shows copies under one name; a plate of one kind alone under the file's, "
-        "unless it was made with --prusaslicer.)\n"
-        "4. Slice. In the preview every leg must show plastic in every layer.\n"
-        "5. Print; take the parts off cold, by the body; cut off any brim.\n\n"
-        f"Without a window: `prusa-slicer --load {stem}.ini --dont-arrange --export-gcode "
-        f"--output {stem}_1.gcode {stem}_1.3mf` (without --output the file takes a part's name, "
-        "and the next plate overwrites it)."
+        "1. Choose your own printer and filament in the slicer: the files here leave both alone.\n"
+        f"2. Load the print settings, once. PrusaSlicer: File > Import > Import Config Bundle, "
+        f"`{stem}.ini` (not Import Config, which replaces printer and filament). OrcaSlicer or "
+        f"Bambu Studio: File > Import > Import Configs, `{stem}_orca.json`. Another slicer: enter "
+        "the settings below.\n"
+        f"3. Choose `{name}` among the print settings (OrcaSlicer, Bambu Studio: among the user "
+        "presets under Process). Its speeds are the slicer's defaults: yours to change, they move "
+        "no plastic. Change nothing else.\n"
+        "4. Open a plate's 3MF; where the slicer asks, as geometry. Keep names and places: do not "
+        "arrange, turn, scale or merge. (OrcaSlicer and Bambu Studio name every copy. PrusaSlicer "
+        "shows copies under one name; a plate of one kind alone under the file's, unless it was "
+        "made with --prusaslicer.)\n"
+        "5. Slice. In the preview every leg must show plastic in every layer.\n"
+        "6. Print; take the parts off cold, by the body; cut off any brim.\n\n"
+        "Without a window, `yours.ini` being your printer and filament (PrusaSlicer: File > Export "
+        f"> Export Config): `prusa-slicer --load yours.ini --load {stem}.ini --dont-arrange "
+        f"--export-gcode --output {stem}_1.gcode {stem}_1.3mf` (without --output the file takes a "
+        "part's name, and the next plate overwrites it)."
     )
 
 
@@ -116,8 +132,9 @@ def _settings(batch: Batch) -> str:
     rows = [(one.name, one.value, one.reason) for one in listed]
     return (
         "## Settings on which the prediction rests\n\n"
-        f"Printer profile {printer.name}; exact keys in `{stem}.ini`.\n\n"
-        + _table(("setting", "value", "because"), rows)
+        f"Printer profile {printer.name}; exact keys in `{stem}.ini`. What they lay down is "
+        "measured in PrusaSlicer 2.5; other slicers are given the same settings, and not measured."
+        "\n\n" + _table(("setting", "value", "because"), rows)
     )
 
 
@@ -130,6 +147,25 @@ def _contents(batch: Batch) -> str:
             rows.append((f"`{batch.stem}_{number}.3mf`", name, str(copies)))
     told = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
     return "## What is on which plate\n\n" + told + _table(("file", "part", "copies"), rows)
+
+
+def _plastic(batch: Batch, weights: Sequence[Weight]) -> str:
+    loads, rows = [one.load for one in weights], []
+    for number, one in enumerate(batch.plates, start=1):
+        told = estimate.of_plate(one, batch.parts, loads, batch.printer)
+        rows.append((f"`{batch.stem}_{number}.3mf`", f"{told.grams:.2f}", f"{told.metres:.2f}",
+                     str(told.layers), estimate.duration(told.seconds / told.layers),
+                     estimate.duration(told.seconds)))  # fmt: skip
+    error = f"{100 * estimate.TIME_TOLERANCE:g} %"
+    headings = ("file", "plastic, g", f"filament {slicer.FILAMENT_MM:g} mm, m", "layers",
+                "mean layer", f"all, ± {error}")  # fmt: skip
+    return (
+        "## Plastic and time\n\n"
+        "Without skirt, brim and purge. Grams are the legs as sliced and the bodies as drawn, at "
+        "the density of the design. The time is an estimate for PrusaSlicer's default speeds, "
+        "without heating, from the outlines and lines of the layers; at your speeds the slicer "
+        "knows better.\n\n" + _table(headings, rows)
+    )
 
 
 def _findings(findings: Sequence[Finding]) -> str:

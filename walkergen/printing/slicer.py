@@ -1,6 +1,11 @@
-"""Slicer: the settings on which the predicted masses rest, for PrusaSlicer and in words."""
+"""Slicer: the settings on which the predicted masses rest, for slicers and in words.
 
-from collections.abc import Sequence
+Files hold print settings only: what belongs to a printer (bed, nozzle, start code) and a filament
+(temperatures, density, flow) stays as its owner has it.
+"""
+
+import json
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 from walkergen.printing import walls
@@ -14,6 +19,9 @@ its own 25 % puts 4 to 5 % more (28 x 3 mm body, lines of 0.40 and 0.45 mm)."""
 
 WIDTHS = ("", "external_perimeter_", "perimeter_", "infill_", "solid_infill_", "top_infill_",
           "first_layer_")  # fmt: skip
+
+ORCA_WIDTHS = ("", "outer_wall_", "inner_wall_", "sparse_infill_", "internal_solid_infill_",
+               "top_surface_", "initial_layer_")  # fmt: skip
 
 
 class Setting(NamedTuple):
@@ -37,32 +45,28 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
     return [
         *orientations,
         Setting("scale", "100 %, no XY or shrinkage compensation", "tilt and masses are as drawn"),
-        Setting("nozzle", f"{printer.nozzle_mm:g} mm", ""),
+        Setting("nozzle", f"{printer.nozzle_mm:g} mm", "of your own printer profile"),
         Setting("layer height", f"{height}, the first layer too", "whole layers make the depth"),
         Setting("line width", f"{printer.line_width_mm:g} mm, everywhere", "legs are few lines"),
         Setting("wall generator", printer.wall_generator + thin, "decides the leg's plastic"),
         Setting("walls", f"{walls.PERIMETERS}", ""),
         Setting("infill", "100 %, rectilinear", "the masses M and m are those of solid parts"),
         Setting("infill overlap", f"{INFILL_OVERLAP_PERCENT} %", "more makes the body heavier"),
-        Setting("flow", "100 %", "masses"),
+        Setting("flow", "100 %", "masses; extrusion multiplier of your own filament profile"),
         Setting("brim", f"{printer.brim_width_mm:g} mm", "what stays on a leg adds to m"),
         Setting("skirt", skirt if printer.skirt_loops else "none", ""),
         Setting("supports, raft, elephant foot compensation", "none", "legs keep their thickness"),
     ]
 
 
+def preset_name(printer: Printer) -> str:
+    """Name under which slicers list the print settings."""
+    return f"walkergen {printer.name}"
+
+
 def prusaslicer_settings(printer: Printer) -> dict[str, str]:
-    """Settings by PrusaSlicer's keys; all others are left to its defaults."""
-    width, depth = printer.bed_width_mm, printer.bed_depth_mm
-    left, front = printer.bed_corner
-    corners = [(left, front), (left + width, front), (left + width, front + depth),
-               (left, front + depth)]  # fmt: skip
+    """Print settings by PrusaSlicer's keys; its other print settings keep their defaults."""
     return {
-        "bed_shape": ",".join(f"{x:g}x{y:g}" for x, y in corners),
-        "max_print_height": f"{printer.height_mm:g}",
-        "nozzle_diameter": f"{printer.nozzle_mm:g}",
-        "filament_diameter": f"{FILAMENT_MM:g}",
-        "extrusion_multiplier": "1",
         "layer_height": f"{printer.layer_height_mm:g}",
         "first_layer_height": f"{printer.layer_height_mm:g}",
         **{f"{part}extrusion_width": f"{printer.line_width_mm:g}" for part in WIDTHS},
@@ -91,7 +95,82 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
 
 
 def prusaslicer_ini(printer: Printer) -> bytes:
-    """Configuration file that PrusaSlicer imports, or loads with --load."""
-    lines = [f"# {printer.name}, for PrusaSlicer 2.5 and later: File > Import > Import Config"]
-    lines += [f"{key} = {value}" for key, value in prusaslicer_settings(printer).items()]
+    """Print settings as a config bundle of PrusaSlicer, which --load reads as well.
+
+    A bundle's import takes the section, as a preset of its own: it inherits nothing, for a preset
+    whose parent a user lacks would be in vain. --load takes the lines above and no section.
+    """
+    name, settings = preset_name(printer), prusaslicer_settings(printer)
+    lines = [
+        f"# Print settings {name}, for PrusaSlicer 2.5 and later.",
+        "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
+        "# With --load after your own printer and filament; that reads these first lines.",
+        *_lines(settings),
+        "",
+        f"[print:{name}]",
+        *_lines(settings),
+    ]
     return ("\n".join(lines) + "\n").encode()
+
+
+def orca_settings(printer: Printer) -> dict[str, str]:
+    """Print settings by the keys of OrcaSlicer and Bambu Studio; others keep their defaults.
+
+    Each passes over keys that are the other's: OrcaSlicer's `only_one_wall_top` is Bambu Studio's
+    `top_one_wall_type`, and `top_bottom_infill_wall_overlap` is OrcaSlicer's alone. "zig-zag" is
+    Bambu Studio's rectilinear, and OrcaSlicer translates it.
+    """
+    height, width = f"{printer.layer_height_mm:g}", f"{printer.line_width_mm:g}"
+    overlap = f"{INFILL_OVERLAP_PERCENT}%"
+    return {
+        "layer_height": height,
+        "initial_layer_print_height": height,
+        **{f"{part}line_width": width for part in ORCA_WIDTHS},
+        "wall_generator": printer.wall_generator,
+        "detect_thin_wall": f"{printer.thin_walls:d}",
+        "min_bead_width": f"{100 * walls.LEAST_BEAD:g}%",
+        "min_feature_size": f"{100 * walls.LEAST_FEATURE:g}%",
+        "wall_loops": f"{walls.PERIMETERS}",
+        "only_one_wall_top": "0",
+        "top_one_wall_type": "not apply",
+        "sparse_infill_density": "100%",
+        "sparse_infill_pattern": "zig-zag",
+        "infill_wall_overlap": overlap,
+        "top_bottom_infill_wall_overlap": overlap,
+        "brim_type": "outer_only" if printer.brim_width_mm else "no_brim",
+        "brim_width": f"{printer.brim_width_mm:g}",
+        "skirt_loops": f"{printer.skirt_loops}",
+        "skirt_distance": f"{printer.skirt_distance_mm:g}",
+        "skirt_height": "1",
+        "elefant_foot_compensation": "0",
+        "xy_contour_compensation": "0",
+        "xy_hole_compensation": "0",
+        "raft_layers": "0",
+        "enable_support": "0",
+        "enable_prime_tower": "0",
+        "print_sequence": "by layer",
+    }
+
+
+def orca_json(printer: Printer) -> bytes:
+    """Print settings as a user's process preset of OrcaSlicer and Bambu Studio.
+
+    It inherits nothing and so fits every printer: their import drops a preset whose parent is not
+    installed without a word. They tell a process by `print_settings_id`, and Bambu Studio skips a
+    preset whose version begins with a number above its own.
+    """
+    name = preset_name(printer)
+    preset = {
+        "type": "process",
+        "name": name,
+        "print_settings_id": name,
+        "inherits": "",
+        "from": "User",
+        "version": "1.10.0.0",
+        **orca_settings(printer),
+    }
+    return (json.dumps(preset, indent=4) + "\n").encode()
+
+
+def _lines(settings: Mapping[str, str]) -> list[str]:
+    return [f"{key} = {value}" for key, value in settings.items()]
