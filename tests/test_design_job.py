@@ -258,7 +258,7 @@ def test_rounding_stays_within_the_bounds():
     (["legs.tilt_deg=2:inf"], "write finite numbers"),
     (["legs.tilt_deg=nan:40"], "write finite numbers"),
     (["legs.tilt_deg=2:40", "legs.tilt_deg=3:4"], "given 2 times"),
-    (["scene.drive.gama=1:2"], "did you mean drive.gamma"),
+    (["scene.drive.gama=1:2"], "did you mean scene.drive.gamma"),
 ])  # fmt: skip
 def test_ranges_that_are_none_are_refused(texts, told):
     with pytest.raises(InputError, match=r"^--vary") as caught:
