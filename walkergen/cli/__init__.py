@@ -29,7 +29,7 @@ from walkergen.cli import (
     validate,
     weigh,
 )
-from walkergen.cli.layout import HELP_OPTIONS, Group, epilog
+from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
 from walkergen.errors import WalkergenError
 
 COMMANDS = {
@@ -57,7 +57,8 @@ for heading, commands in COMMANDS.items():
         if isinstance(command, typer.Typer):
             app.add_typer(command, rich_help_panel=heading)
         else:
-            app.command(epilog=epilog(command.__name__), rich_help_panel=heading)(command)
+            about = epilog(command.__name__)
+            app.command(cls=Command, epilog=about, rich_help_panel=heading)(command)
 
 
 def _show_version(wanted: bool) -> None:

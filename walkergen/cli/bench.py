@@ -7,7 +7,7 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli.layout import Group, epilog
+from walkergen.cli.layout import Command, Group, epilog
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ Tries = Annotated[
 ]
 
 
-@app.command(epilog=epilog("bench drop"))
+@app.command(cls=Command, epilog=epilog("bench drop"))
 def drop(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
@@ -119,7 +119,7 @@ def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     return movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress).gif
 
 
-@app.command(epilog=epilog("bench slide"))
+@app.command(cls=Command, epilog=epilog("bench slide"))
 def slide(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
@@ -146,7 +146,7 @@ def slide(
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
-@app.command(epilog=epilog("bench pluck"))
+@app.command(cls=Command, epilog=epilog("bench pluck"))
 def pluck(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,

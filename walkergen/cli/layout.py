@@ -1,9 +1,10 @@
 """Layout of the help: commands in groups, whole sentences, examples; readable at 60 columns."""
 
+import re
 from collections.abc import Callable
 from typing import Any
 
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 from walkergen.cli.examples import EXAMPLES
 
@@ -12,6 +13,28 @@ OTHERS = "Commands"
 
 HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 """Settings of the whole command line: what asks for help."""
+
+
+TYPE = re.compile(r" <[^>]*>$")
+RANGE = re.compile(r"([-+.0-9e]+)<=x<=([-+.0-9e]+)")
+"""What the library adds to an argument's name, and how it writes what is allowed."""
+
+
+class Command(TyperCommand):
+    """Command whose help has names, sentences and defaults, and no names of Python's types."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the arguments, then the options."""
+        rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if record is not None:
+                name, told = record
+                rows[param.param_type_name].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", told)))
+        for heading, kind in (("Arguments", "argument"), ("Options", "option")):
+            if rows[kind]:
+                with formatter.section(heading):
+                    formatter.write_dl(rows[kind])
 
 
 class Group(TyperGroup):

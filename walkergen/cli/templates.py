@@ -7,7 +7,7 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
-from walkergen.cli.layout import Group, epilog, names_of
+from walkergen.cli.layout import Command, Group, epilog, names_of
 from walkergen.errors import InputError
 
 app = typer.Typer(
@@ -42,7 +42,7 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
         show.templates(rows)
 
 
-@app.command("show", epilog=epilog("templates show"))
+@app.command("show", cls=Command, epilog=epilog("templates show"))
 def show_template(name: TemplateName) -> None:
     """Print a template's TOML file."""
     from walkergen.files import templates
@@ -50,7 +50,7 @@ def show_template(name: TemplateName) -> None:
     print(templates.find(name).read_text(encoding="utf-8"), end="")
 
 
-@app.command("copy", epilog=epilog("templates copy"))
+@app.command("copy", cls=Command, epilog=epilog("templates copy"))
 def copy_template(
     name: TemplateName,
     to: Annotated[

@@ -2,8 +2,9 @@
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -11,6 +12,9 @@ if TYPE_CHECKING:
 
 MOST_WIDE = 10_000
 """Letters in a line, more than any table needs."""
+
+EDGES = 2
+"""Letters of a table's edges, at most."""
 
 
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
@@ -32,51 +36,100 @@ def as_markdown(table: "Table") -> str:
 
 
 def show(table: "Table", console: "Console") -> None:
-    """Print a table; one too wide for the console in pieces below each other, each with the first.
+    """Print a table so that no word or number of it is cut, at any width of the console.
 
-    So that no number is cut at any width: columns of numbers must be no_wrap, and of these even the
-    widest is printed whole.
+    Columns that may wrap become narrower first. What still has no room comes in pieces, one below
+    the other, each with the columns that name the rows.
     """
-    for piece in _pieces(table, console):
-        wide = _width(piece, console)
-        console.print(piece, width=wide if wide > console.width else None, crop=False)
+    from rich.measure import Measurement
+
+    sizes = [_sizes(table, index, console) for index in range(len(table.columns))]
+    wide = console.options.update(width=MOST_WIDE)
+    whole = Measurement.get(console, wide, table).maximum
+    if whole <= console.width:
+        console.print(table)
+        return
+    frame = -(-(whole - EDGES - sum(size.natural for size in sizes)) // len(sizes))
+    title: Any = table.title
+    for chosen in _pieces(table, sizes, frame, console.width - EDGES):
+        room = console.width - EDGES - frame * len(chosen)
+        widths = _widths([sizes[index] for index in chosen], room)
+        piece = _of_columns(table, chosen, widths)
+        piece.title, title = title, None
+        wide_enough = max(console.width, frame * len(chosen) + EDGES + sum(widths))
+        with _widened(console, wide_enough):
+            console.print(piece)
 
 
-def _pieces(table: "Table", console: "Console") -> "list[Table]":
-    """Tables of the first column with as many of the others as the console has room for."""
-    if _width(table, console) <= console.width or len(table.columns) < 3:
-        return [table]
-    first, *others = range(len(table.columns))
-    groups: list[list[int]] = [[first, others[0]]]
-    for column in others[1:]:
-        if _width(_of_columns(table, [*groups[-1], column]), console) <= console.width:
-            groups[-1].append(column)
+@contextmanager
+def _widened(console: "Console", width: int) -> Iterator[None]:
+    """Console of another width: lines too long for the terminal are the terminal's to break."""
+    before = console.width
+    console.width = width
+    try:
+        yield
+    finally:
+        console.width = before
+
+
+class Sizes(NamedTuple):
+    """Letters that a column needs."""
+
+    least: int
+    """Letters of its longest word, or line where it must not wrap."""
+    natural: int
+
+
+def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
+    column = table.columns[index]
+    told = [column.header, *column.cells] if table.show_header else [*column.cells]
+    texts = [console.render_str(one).plain if isinstance(one, str) else str(one) for one in told]
+    lines = [len(line) for text in texts for line in text.splitlines()]
+    words = [len(word) for text in texts for word in text.split()]
+    natural = max(lines, default=0)
+    return Sizes(natural if column.no_wrap else max(words, default=0), natural)
+
+
+def _pieces(
+    table: "Table", sizes: Sequence[Sizes], frame: int, width: int
+) -> Sequence[Sequence[int]]:
+    """Columns of each piece: those that name the rows, and as many others as have room."""
+    justify = [column.justify for column in table.columns[:2]]
+    names = [0, 1] if justify == ["right", "left"] else [0]
+    found: list[list[int]] = []
+    for column in range(len(names), len(sizes)):
+        own = [*(found[-1] if found else names), column]
+        if not found or sum(sizes[one].least + frame for one in own) > width:
+            own = [*names, column]
+            found.append(own)
         else:
-            groups.append([first, column])
-    pieces = [_of_columns(table, group) for group in groups]
-    pieces[0].title, pieces[0].title_justify = table.title, table.title_justify
-    return pieces
+            found[-1] = own
+    return found or [names]
 
 
-def _of_columns(table: "Table", chosen: Sequence[int]) -> "Table":
-    """A table's chosen columns as a table of its own, without its title."""
+def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
+    """Widths of columns: at least what each needs, and shares of the room for those that wrap."""
+    found = [size.least for size in sizes]
+    left = room - sum(found)
+    wanting = sorted(range(len(sizes)), key=lambda one: sizes[one].natural - sizes[one].least)
+    for place, one in enumerate(wanting):
+        more = min(sizes[one].natural - sizes[one].least, left // (len(wanting) - place))
+        found[one] += max(more, 0)
+        left -= max(more, 0)
+    return found
+
+
+def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
+    """A table's chosen columns, of given widths, as a table of its own, without its title."""
     from rich.table import Table
 
     found = Table(
         box=table.box, padding=table.padding, pad_edge=table.pad_edge,
-        show_header=table.show_header,
+        show_header=table.show_header, title_justify=table.title_justify,
     )  # fmt: skip
     columns = [table.columns[index] for index in chosen]
-    for one in columns:
-        found.add_column(one.header, justify=one.justify, no_wrap=one.no_wrap)
+    for one, width in zip(columns, widths, strict=True):
+        found.add_column(one.header, justify=one.justify, no_wrap=one.no_wrap, width=width)
     for cells in zip(*(one.cells for one in columns), strict=True):
         found.add_row(*cells)
     return found
-
-
-def _width(table: "Table", console: "Console") -> int:
-    """Least number of letters in which no word of a table's is cut."""
-    from rich.measure import Measurement
-
-    wide = console.options.update(width=MOST_WIDE)
-    return Measurement.get(console, wide, table).minimum
