@@ -89,7 +89,7 @@ def test_commands_stand_under_their_headings(monkeypatch):
     assert headings == ["Options", *COMMANDS]
     below = text.partition("Measure:")[2].partition("Trust:")[0]
     assert re.findall(r"^  (\w+)", below, re.MULTILINE) == ["analyse", "fit", "weigh", "bench"]
-    assert "..." not in text  # whole sentences
+    assert "..." not in text.partition("Make:")[2]  # whole sentences
 
 
 def complete(words, shell="bash"):
