@@ -239,8 +239,13 @@ def _mean(values: Sequence[float]) -> Mean:
     return Mean(float(np.mean(values)), error, count)
 
 
-def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> None:
-    """Write the form folder/NAME unless somebody filled it in. Raises InputError, OutputError."""
+def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> Path | None:
+    """Write the form folder/NAME, and return its path, unless somebody filled it in: then None.
+
+    Raises InputError and OutputError.
+    """
     path = folder / name
-    if not filled(path):
-        output.write(path, template(parts).encode())
+    if filled(path):
+        return None
+    output.write(path, template(parts).encode())
+    return path

@@ -128,7 +128,7 @@ def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     yield "in contact", told(observables.CONTACT, 100.0, " % of the time")
     powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
     unaccounted = 100 * found.point.summary.energy_error
-    yield "power, uW", f"{', '.join(powers)}; unaccounted {unaccounted:.2g} %"
+    yield "power, uW", f"{', '.join(powers)}; unaccounted {words.number(unaccounted, 2)} %"
     for reason, mark in _marks(found).items():
         yield "note" if reason == resolution.TURNING else mark, reason
 
