@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app, main
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
+from walkergen.scene import Scene
 from walkergen.theory.impact import Law, resolve
 from walkergen.theory.tensors import feet
 from walkergen.walker import names, solids
@@ -92,9 +93,7 @@ def test_export_writes_both_formats(run, tmp_path):
     run("templates", "copy", "koumakis2016", "my.toml")
     result = run("export", "my.toml", "--tilt", "12", "--format", "stl,3mf", "--json")
     files = json.loads(result.stdout)["files"]
-    assert files == [
-        f"out/koumakis2016/{form}/walker_t12.0_flexible_s0.40.{form}" for form in ("stl", "3mf")
-    ]
+    assert files == [f"out/my/{form}/walker_t12.0_flexible_s0.40.{form}" for form in ("stl", "3mf")]
     assert all((tmp_path / name).stat().st_size > 500 for name in files)
 
 
@@ -126,6 +125,12 @@ def test_templates_are_listed_shown_and_copied(run, tmp_path):
     run("templates", "copy", "maker-large")
     assert (tmp_path / "maker-large.toml").read_text().startswith("#")
     assert "exists already" in refused(run, "templates", "copy", "maker-large")
+    source = (templates.folder() / "scenes" / "lane-90hz.toml").read_text()
+    for name, file in (("my-shaker", "my-shaker.toml"), ("a-b", "_a b.toml")):
+        assert run("templates", "copy", "lane-90hz", file).stdout == f"{file}\n"
+        copied = (tmp_path / file).read_text()
+        assert copied == source.replace('name = "lane-90hz"', f'name = "{name}"', 1) != source
+        assert templates.load(file, "scenes", Scene).name == name
     assert "no such template" in refused(run, "templates", "copy", "../x")
 
 

@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import WalkergenError
+from walkergen.files import templates
+from walkergen.scene import Scene
 
 WALKER = Walker()
 
@@ -163,6 +165,8 @@ def test_fit_writes_a_scene_that_predicts_the_speeds(run, tmp_path):
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]
     assert row["speed_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
+    name = templates.load(str(folder / "scene.toml"), "scenes", Scene).name
+    assert name == "lane-90hz-fit-speeds" not in templates.names("scenes")
     with (folder / "speeds.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert [row["legs"] for row in rows] == ["flexible"] * 6 + ["braced"]

@@ -124,7 +124,7 @@ def test_two_hundred_walkers_go_to_two_printers_with_one_command(run, tmp_path):
         assert [sum(row["tilt_deg"] == t for row in own) for t in (5, 10, 15, 20)] == [50] * 4
     assert all((tmp_path / name).is_file() for name in found["files"])
     kinds = [name.rsplit(".", 1)[1] for name in found["files"]]
-    assert (kinds.count("csv"), kinds.count("png"), kinds.count("3mf")) == (2, 5, 5)
+    assert (kinds.count("csv"), kinds.count("png"), kinds.count("3mf")) == (3, 5, 5)
     template = (tmp_path / "out" / "koumakis2016" / "weights.csv").read_text().splitlines()
     assert len(template) == 201
     assert template[1] == "walker_t5.0_flexible_s0.40-1,,,"
@@ -301,3 +301,17 @@ def test_prusaslicer_numbers_the_copies_as_the_map_does(tmp_path, printer):
         # lines lie half a width inside on every side; thin feet may end a line early
         assert middle[0] == pytest.approx(row.x_mm + 0.5 * row.width_mm, abs=0.1)
         assert middle[1] == pytest.approx(row.y_mm + 0.5 * row.depth_mm, abs=0.5)
+
+
+def test_a_second_order_leaves_no_plate_of_the_first_and_what_a_person_made(run, tmp_path):
+    words = ("plate", "--no-pictures", "--quiet", "--out", "here")
+    assert run(*words, "--tilt", "5", "--copies", "3", "--max-parts", "1").exit_code == 0
+    folder = tmp_path / "here" / "plates"
+    (folder / "notes.txt").write_text("mine")
+    (folder / "plate_prusa-mk3s_2.3mf").write_bytes(b"arranged by hand")
+    assert run(*words, "--tilt", "10").exit_code == 0
+    ends = (".csv", ".ini", ".json", ".md", "_1.3mf", "_2.3mf")
+    assert {path.name for path in folder.iterdir()} == {
+        "notes.txt", *(f"plate_prusa-mk3s{end}" for end in ends)
+    }  # fmt: skip
+    assert (folder / "plate_prusa-mk3s_2.3mf").read_bytes() == b"arranged by hand"

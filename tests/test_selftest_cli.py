@@ -3,6 +3,7 @@
 import json
 import math
 
+import numpy as np
 import pytest
 from typer.testing import CliRunner
 
@@ -54,6 +55,14 @@ def test_a_check_beyond_its_limit_fails_the_command(monkeypatch, value):
     assert "FAILED" in result.stdout
     assert "0 runs hold, 1 fail" in result.stdout
     assert json.loads(call("--json").stdout)["failed"] == 1
+
+
+def test_json_takes_numbers_of_numpy(monkeypatch):
+    check = Check("a thing", np.float32(0.5), np.int64(1), "because")
+    only(monkeypatch, lambda model, method: iter([check]))
+    (row,) = json.loads(call("--json").stdout)["rows"]
+    (told,) = row["checks"]
+    assert (told["value"], told["limit"], told["holds"], row["holds"]) == (0.5, 1.0, True, True)
 
 
 def test_a_case_that_raises_is_a_failed_case_with_its_message(monkeypatch):

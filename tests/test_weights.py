@@ -7,7 +7,7 @@ from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.family import make as family
 from walkergen.scene import Scene
-from walkergen.walker import mass, solids, weights
+from walkergen.walker import mass, names, solids, weights
 from walkergen.walker.design import Design
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
@@ -117,6 +117,36 @@ def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
     found = read("part,body_g,leg_g\n" + rows)[TEN]
     assert weights.total_error(found, 2) == pytest.approx(np.hypot(0.01, 2 * 0.002))
     assert weights.total_error(read(f"part,leg_g\n{TEN},0.03\n{TEN},0.04\n")[TEN], 2) is None
+
+
+def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
+    """Walkers of other tilts and kinds are left out and named; those of no design are refused."""
+    rows = [f"{name},0.9" for name in names_of_family()]
+    rows += [f"{FIVE}-2,0.9", "walker_t7.5_flexible_s0.40-3,1"]
+    found = read("part,grams\n" + "\n".join(rows))
+    assert {name: one.grams.weighings for name, one in found.items()} == {FIVE: 2, TEN: 1}
+    unused = weights.unused(tmp_path / "weights.csv", MEMBERS)
+    others = [name for name in names_of_family() if name not in (FIVE, TEN)]
+    assert unused == [*others, "walker_t7.5_flexible_s0.40"]
+    with pytest.raises(InputError, match="no masses of the walkers of --tilt and --legs"):
+        read("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
+
+
+def names_of_family():
+    return [names.part(one) for one in PAPER.members()]
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        "walker_t15.0_flexible_s0.50",  # of another thickness
+        "walker_t15.00_flexible_s0.40", "walker_t80.0_flexible_s0.40", "walker_t1.5.0_flexible_s1",
+        "walker_t15.0_soft_s0.40", "duck_t15.0_flexible_s0.40", "walker_t15.0_flexible_s0.40-0",
+    ],
+)  # fmt: skip
+def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
+    with pytest.raises(InputError, match=r":2: part .* is not among"):
+        read(f"part,grams\n{name},0.9\n{TEN},0.9\n")
 
 
 @pytest.mark.parametrize(

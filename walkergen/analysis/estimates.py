@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.files import words
 from walkergen.numerics import statistics
 
 Array = npt.NDArray[np.float64]
@@ -289,8 +290,8 @@ def with_error(one: Estimate) -> str:
     if one.value is None or one.se is None:
         return one.reason
     if not one.se > 0:
-        return f"{one.value:.4g}"
+        return words.number(one.value, 4)
     digits = max(1 - math.floor(math.log10(one.se)), 0)
     if digits > MOST_DIGITS:
-        return f"{one.value:.3g} ± {one.se:.2g}"
+        return f"{words.number(one.value)} ± {words.number(one.se, 2)}"
     return f"{one.value:.{digits}f} ± {one.se:.{digits}f}"

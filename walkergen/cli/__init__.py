@@ -29,24 +29,36 @@ from walkergen.cli import (
     validate,
     weigh,
 )
+from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
 from walkergen.errors import WalkergenError
+
+COMMANDS = {
+    "Make": (family.family, export.export, check.check, plate.plate, design.design),
+    "Predict": (predict.predict, sweep.sweep),
+    "Simulate": (simulate.simulate, movie.movie, explain.explain),
+    "Measure": (analyse.analyse, fit.fit, bench.app, weigh.weigh),
+    "Trust": (accuracy.accuracy, selftest.selftest, validate.validate, reproduce.reproduce),
+    "Files": (report.report, templates.app),
+}
+"""Commands under the headings of the help."""
 
 app = typer.Typer(
     name="walkergen",
     help="From a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    add_completion=False,
+    cls=Group,
+    context_settings=HELP_OPTIONS,
+    rich_markup_mode=None,  # boxes and columns of types leave no room for words
+    epilog="walkergen COMMAND -h shows a command's options and examples.",
 )
-for command in (
-    family.family, predict.predict, sweep.sweep, design.design, export.export, check.check,
-    plate.plate, simulate.simulate, explain.explain, accuracy.accuracy, selftest.selftest,
-    analyse.analyse, fit.fit, movie.movie, report.report, reproduce.reproduce, validate.validate,
-    weigh.weigh,
-):  # fmt: skip
-    app.command()(command)
-app.add_typer(bench.app, name="bench")
-app.add_typer(templates.app, name="templates")
+for heading, commands in COMMANDS.items():
+    for command in commands:
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, rich_help_panel=heading)
+        else:
+            about = epilog(command.__name__)
+            app.command(cls=Command, epilog=about, rich_help_panel=heading)(command)
 
 
 def _show_version(wanted: bool) -> None:

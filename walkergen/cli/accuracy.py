@@ -63,22 +63,19 @@ def accuracy(
 
 def _show_study(found: "Study", folder: Path) -> None:
     """Print the ladders, what to run for which error, and where the tables and figures are."""
-    from rich.console import Console
-
     from walkergen.jobs.accuracy import tables as ladders
 
-    console = Console(highlight=False)
     for ladder in found.ladders:
         if len(ladder.rungs) <= MOST_ROWS:
-            console.print(ladders.to_table(ladder))
+            show.table(ladders.to_table(ladder))
         else:
-            console.print(f"{ladder.title}: {len(ladder.rungs)} rows in {ladder.name}.md")
-        console.print(f"error: {ladder.error}\nreference: {ladder.reference}", markup=False)
+            show.text(f"{ladder.title}: {len(ladder.rungs)} rows in {ladder.name}.md")
+        show.text(f"error: {ladder.error}\nreference: {ladder.reference}")
         for note in ladder.notes:
-            console.print(f"- {note}", markup=False)
-        console.print()
+            show.text(f"- {note}")
+        print()
     if found.answers:
-        console.print("What to run for which error of the mean speed:")
-        console.print(ladders.answers_table(found.answers))
+        print("What to run for which error of the mean speed:")
+        show.table(ladders.answers_table(found.answers))
     print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
           + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip

@@ -14,9 +14,11 @@ if TYPE_CHECKING:
 
 def analyse(
     file: Annotated[Path, typer.Argument(metavar="TRACKS.csv", help="File of tracks of walkers.")],
-    fps: Annotated[float | None, typer.Option(help="Frames per second of the film.")] = None,
+    fps: Annotated[
+        float | None, typer.Option(metavar="N", help="Frames per second of the film.")
+    ] = None,
     mm_per_px: Annotated[
-        float | None, typer.Option(help="Millimetres per pixel of the film.")
+        float | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film.")
     ] = None,
     y_down: Annotated[
         bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")
@@ -26,7 +28,9 @@ def analyse(
     ] = False,
     lag_ms: Annotated[
         float | None,
-        typer.Option(help="Lag of displacements along and across the body, ms; 40 by default."),
+        typer.Option(
+            metavar="MS", help="Lag of displacements along and across the body, ms; 40 by default."
+        ),
     ] = None,
     pictures: opt.Pictures = True,
     out: opt.Out = None,
@@ -65,16 +69,13 @@ def _motion_as_json(found: "Analysed") -> None:
 
 def _show_motion(found: "Analysed", title: str) -> None:
     """Print the table of measured quantities, and the notes made while reading."""
-    from rich.console import Console
-
     from walkergen.jobs.analyse import tables as motion_tables
 
-    console = Console(highlight=False)
     if found.motion.by_plate_speed:
-        console.print(motion_tables.plate_table(found.motion))
-        console.print(motion_tables.line_told(found.motion), markup=False)
+        show.table(motion_tables.plate_table(found.motion))
+        show.text(motion_tables.line_told(found.motion))
     else:
-        console.print(motion_tables.to_table(found.motion, title))
+        show.table(motion_tables.to_table(found.motion, title))
     for note in found.notes:
-        console.print(note, markup=False)
+        show.text(note)
     print(f"tables and figures in {found.folder}/")

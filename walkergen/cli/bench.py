@@ -7,6 +7,7 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
+from walkergen.cli.layout import Command, Group, epilog
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -18,6 +19,9 @@ if TYPE_CHECKING:
     from walkergen.walker.design import Design
 
 app = typer.Typer(
+    name="bench",
+    cls=Group,
+    epilog=epilog("bench"),
     help="Simulate tests that a person can make with a phone, and invert what they measured.",
     no_args_is_help=True,
 )
@@ -26,14 +30,16 @@ FPS = 20
 """Frames per second of the film of a drop."""
 
 MeasuredSd = Annotated[
-    float | None, typer.Option("--measured-sd", help="Standard error of the measured number.")
+    float | None,
+    typer.Option("--measured-sd", metavar="NUMBER", help="Standard error of the measured number."),
 ]
 Tries = Annotated[
-    int, typer.Option("--tries", min=1, max=10_000, help="Tries whose mean was measured.")
+    int,
+    typer.Option("--tries", metavar="N", min=1, max=10_000, help="Tries whose mean was measured."),
 ]
 
 
-@app.command()
+@app.command(cls=Command, epilog=epilog("bench drop"))
 def drop(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
@@ -42,16 +48,27 @@ def drop(
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
     measured: Annotated[
-        float | None, typer.Option("--measured", help="Rebound seen: root of height over height.")
+        float | None,
+        typer.Option(
+            "--measured", metavar="NUMBER", help="Rebound seen: root of height over height."
+        ),
     ] = None,
     measured_sd: MeasuredSd = None,
     tries: Tries = 1,
-    height_mm: Annotated[float, typer.Option("--height-mm", help="Height of the drop, mm.")] = 10.0,
+    height_mm: Annotated[
+        float, typer.Option("--height-mm", metavar="MM", help="Height of the drop, mm.")
+    ] = 10.0,
     roll_deg: Annotated[
         float,
-        typer.Option("--roll-deg", help="Deviation of pitch and roll of drops from the hand, deg."),
+        typer.Option(
+            "--roll-deg",
+            metavar="DEG",
+            help="Deviation of pitch and roll of drops from the hand, deg.",
+        ),
     ] = 1.0,
-    drops: Annotated[int, typer.Option("--drops", help="Drops from the hand for each point.")] = 24,
+    drops: Annotated[
+        int, typer.Option("--drops", metavar="N", help="Drops from the hand for each point.")
+    ] = 24,
     seed: opt.Seed = None,
     keys: opt.Values = None,
     movie: Annotated[
@@ -76,16 +93,20 @@ def drop(
     test = make.Test(chosen, asked.scene(scene), found, pictures)
     how = make.Drop(height_mm, roll_deg, drops)
 
+    films: list[Path] = []
+
     def dropped(folder: Path, progress: "Progress") -> "Report":
         report = make.dropped(test, how, folder, progress)
         if movie is not None:
-            _film(test, how, movie, progress)
+            films.append(_film(test, how, movie, progress))
         return report
 
     _report("drop", chosen, out, json, quiet, dropped)
+    if not (json or quiet):
+        print("".join(f"{film}\n" for film in films), end="")
 
 
-def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> None:
+def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     """Film the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.jobs.bench import drop, still
     from walkergen.jobs.movie import make as movies
@@ -95,17 +116,18 @@ def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> None:
     job = movies.plan(
         [test.design], scene, seconds=drop.seconds_of(how.height), fps=FPS, view="perspective"
     )
-    movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress)
+    return movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress).gif
 
 
-@app.command()
+@app.command(cls=Command, epilog=epilog("bench slide"))
 def slide(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
     scene: opt.SceneName = opt.SCENE,
     measured: Annotated[
-        float | None, typer.Option("--measured", help="Slope at which it slid, deg.")
+        float | None,
+        typer.Option("--measured", metavar="NUMBER", help="Slope at which it slid, deg."),
     ] = None,
     measured_sd: MeasuredSd = None,
     keys: opt.Values = None,
@@ -124,22 +146,28 @@ def slide(
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
-@app.command()
+@app.command(cls=Command, epilog=epilog("bench pluck"))
 def pluck(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
     scene: opt.SceneName = opt.SCENE,
     measured: Annotated[
-        float | None, typer.Option("--measured", help="Frequency heard, Hz, the body held.")
+        float | None,
+        typer.Option("--measured", metavar="NUMBER", help="Frequency heard, Hz, the body held."),
     ] = None,
     measured_sd: MeasuredSd = None,
     decrement: Annotated[
         float | None,
-        typer.Option("--decrement", help="Logarithm of a swing over the next on the same side."),
+        typer.Option(
+            "--decrement",
+            metavar="NUMBER",
+            help="Logarithm of a swing over the next on the same side.",
+        ),
     ] = None,
     decrement_sd: Annotated[
-        float | None, typer.Option("--decrement-sd", help="Standard error of the decrement.")
+        float | None,
+        typer.Option("--decrement-sd", metavar="NUMBER", help="Standard error of the decrement."),
     ] = None,
     keys: opt.Values = None,
     pictures: opt.Pictures = True,
@@ -176,12 +204,9 @@ def _report(
     if json:
         show.as_json(reports.as_dict(report) | {"folder": str(folder)})
     elif not quiet:
-        from rich.console import Console
-
-        console = Console(highlight=False)
-        console.print(report.caption, markup=False)
+        show.text(report.caption)
         for rows in report.tables:
-            console.print(reports.to_table(rows))
+            show.table(reports.to_table(rows))
         for line in reports.lines(report):
-            console.print(line, markup=False)
+            show.text(line)
         print(f"tables, page and figure in {folder}/")

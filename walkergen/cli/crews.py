@@ -12,7 +12,8 @@ if TYPE_CHECKING:
     from walkergen.exploring.crew import Crew
 
 Workers = Annotated[
-    int | None, typer.Option("--workers", help="Number of processes; all cores by default.")
+    int | None,
+    typer.Option("--workers", metavar="N", help="Number of processes; all cores by default."),
 ]
 
 

@@ -15,17 +15,21 @@ if TYPE_CHECKING:
 
 
 def design(
-    speed: Annotated[float | None, typer.Option("--speed", help="Speed wished, mm/s.")] = None,
+    speed: Annotated[
+        float | None, typer.Option("--speed", metavar="MM/S", help="Speed wished, mm/s.")
+    ] = None,
     fastest: Annotated[bool, typer.Option("--fastest", help="Wish for the fastest.")] = False,
     calm: Annotated[
         bool,
         typer.Option("--least-sensitive", help="Wish for the least change of speed with friction."),
     ] = False,
     persistence: Annotated[
-        float | None, typer.Option("--persistence", help="Persistence length wished, mm.")
+        float | None,
+        typer.Option("--persistence", metavar="MM", help="Persistence length wished, mm."),
     ] = None,
     radius: Annotated[
-        float | None, typer.Option("--turning-radius", help="Radius of turning wished, mm.")
+        float | None,
+        typer.Option("--turning-radius", metavar="MM", help="Radius of turning wished, mm."),
     ] = None,
     start: Annotated[
         str, typer.Option("--from", metavar="DESIGN", help="Walker to change; name or TOML file.")
@@ -39,7 +43,9 @@ def design(
     printer: opt.PrinterName = opt.PRINTER,
     model: Annotated[
         str | None,
-        typer.Option("--model", help="theory, or a model; by default the one of `simulate`."),
+        typer.Option(
+            "--model", metavar="MODEL", help="theory, or a model; by default the one of `simulate`."
+        ),
     ] = None,
     error: Annotated[
         str, typer.Option("--error", metavar="ERROR", help="Error allowed: 5% or 3mm/s.")
@@ -93,14 +99,12 @@ def design(
 def _show(result: "Result") -> None:
     """Print the designs, what was done, and where they are."""
     from rich import box
-    from rich.console import Console
 
     from walkergen.jobs.design import tables
 
-    console = Console(highlight=False)
-    console.print(tables.to_table(result.job, result.designs, box.SIMPLE, False))
-    console.print(tables.units(result.job), markup=False)
+    show.table(tables.to_table(result.job, result.designs, box.SIMPLE, False))
+    show.text(tables.units(result.job))
     for line in tables.notes(result):
-        console.print(line.removeprefix("- "), markup=False)
+        show.text(line.removeprefix("- "))
     names = "design-1.toml" if len(result.designs) == 1 else f"design-1 to {len(result.designs)}"
     print(f"{names}, scenes, design.csv, design.md and design.png in {result.folder}/")

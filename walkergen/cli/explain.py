@@ -26,7 +26,9 @@ def explain(
     gamma: opt.Gamma = None,
     frequency: opt.Frequency = None,
     keys: opt.Values = None,
-    cost: Annotated[bool, typer.Option(help="Measure the CPU time that each effect costs.")] = True,
+    cost: Annotated[
+        bool, typer.Option(show_default=False, help="Measure the CPU time that each effect costs.")
+    ] = True,
     json: opt.AsJson = False,
 ) -> None:
     """Say which effects a scene calls for, why, how large they are and what they cost."""
@@ -54,7 +56,6 @@ def _show_effects(
 ) -> None:
     """Print which effects are on, why, how large they are and what they cost."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
@@ -64,10 +65,7 @@ def _show_effects(
         cost = "-" if row.cost is None else f"x {row.cost:.2f}"
         why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
         table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
-    console = Console(highlight=False)
-    console.print(f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}:")
-    console.print(f"model {plan.resolved.model}, method {plan.resolved.method}")
-    console.print(table)
-    console.print(
-        "cost: CPU time over that of the scene without the effect, whose motion differs too"
-    )
+    print(f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}:")
+    print(f"model {plan.resolved.model}, method {plan.resolved.method}")
+    show.table(table)
+    show.text("cost: CPU time over that of the scene without the effect, whose motion differs too")

@@ -43,14 +43,15 @@ def family(
         Path | None,
         typer.Option("--measured", metavar="FILE", help="Measured speeds (CSV) for speed.png."),
     ] = None,
-    pictures: Annotated[bool, typer.Option(help="Draw speed.png and preview.png.")] = True,
+    pictures: Annotated[
+        bool, typer.Option(show_default=False, help="Draw speed.png and preview.png.")
+    ] = True,
     strict: opt.Strict = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
     from walkergen.jobs.family import make as families
-    from walkergen.walker import weights as balance
 
     asked = loading.asked(
         keys, "design scene printer",
@@ -70,7 +71,7 @@ def family(
         copies=counts,
         max_parts=max_parts,
         prusaslicer=prusaslicer,
-        weighed={} if weights is None else balance.read(weights, members),
+        weighed=loading.weighed(weights, members, quiet),
         strict=strict,
         measured=_measured(measured, chosen, resolved),
     )

@@ -145,35 +145,29 @@ def _learn(
 
 def _tell_fit(found: "Fitted", title: str, json: bool, quiet: bool) -> None:
     """Print the fitted parameters, the quality of the fit and the notes."""
-    from rich.console import Console
-
     from walkergen.jobs.fit import tables
 
     if json:
         data = tables.as_dict(found.fit)
         show.as_json(data | {"notes": found.notes, "folder": str(found.folder)})
     elif not quiet:
-        console = Console(highlight=False)
-        console.print(tables.to_table(found.fit, title))
+        show.table(tables.to_table(found.fit, title))
         for line in (tables.quality(found.fit), tables.correlations(found.fit), *found.notes):
             if line:
-                console.print(line, markup=False)
+                show.text(line)
         print(f"tables, figure, scene.toml and design.toml in {found.folder}/")
 
 
 def _tell_learned(found: "Learned", title: str, json: bool, quiet: bool) -> None:
     """Print what was learnt, what follows at every tilt, and the notes."""
-    from rich.console import Console
-
     from walkergen.jobs.fit import learnt_tables as tables
 
     if json:
         data = tables.as_dict(found)
         show.as_json(data | {"notes": found.notes, "folder": str(found.folder)})
     elif not quiet:
-        console = Console(highlight=False)
-        console.print(tables.to_table(found.rows, title))
-        console.print(tables.bands_table(found.bands))
+        show.table(tables.to_table(found.rows, title))
+        show.table(tables.bands_table(found.bands))
         for line in (tables.quality(found.posterior, found.speeds), *found.notes):
-            console.print(line, markup=False)
+            show.text(line)
         print(f"tables, figure, scene.toml and design.toml in {found.folder}/")

@@ -4,6 +4,7 @@ Whatever sets a key goes one way: a flag of its own (--gamma) and --set scene.dr
 become a dotted key with a value, and the file is read as if that stood in it.
 """
 
+import sys
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -11,11 +12,14 @@ from walkergen.cli import variants
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from walkergen.files.config import Model
     from walkergen.printing.printers import Printer
     from walkergen.scene import Scene
     from walkergen.theory.speed import Mode
     from walkergen.walker.design import Design
+    from walkergen.walker.weights import Weighings
 
 FLAGS = {
     "restitution": "scene.contact.restitution",
@@ -184,6 +188,21 @@ def _set_by(values: Mapping[str, Any], key: str) -> str:
         if other == key or inside:
             return other
     return ""
+
+
+def weighed(
+    path: "Path | None", members: "Sequence[Design]", quiet: bool
+) -> "dict[str, Weighings]":
+    """Read masses of members from a balance; name other walkers' rows on the error stream."""
+    from walkergen.walker import weights
+
+    if path is None:
+        return {}
+    found, unused = weights.read(path, members), weights.unused(path, members)
+    if unused and not quiet:
+        few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
+        print(f"{path}: {len(unused)} walkers beside those asked for: {few}", file=sys.stderr)
+    return found
 
 
 def mode_of(mode: str, scene: "Scene") -> "Mode":

@@ -19,10 +19,11 @@ def movie(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     seconds: Annotated[
-        float | None, typer.Option("--seconds", help="Simulated time to show, s.")
+        float | None, typer.Option("--seconds", metavar="S", help="Simulated time to show, s.")
     ] = None,
     periods: Annotated[
-        float | None, typer.Option("--periods", help="Time to show, in periods of the drive.")
+        float | None,
+        typer.Option("--periods", metavar="N", help="Time to show, in periods of the drive."),
     ] = None,
     slow: Annotated[
         float | None,
@@ -34,7 +35,9 @@ def movie(
             "--view", metavar="VIEW", help="How to see a walker in space: above or perspective."
         ),
     ] = None,
-    fps: Annotated[int, typer.Option("--fps", help="Frames per second: 10, 20, 25 or 50.")] = 25,
+    fps: Annotated[
+        int, typer.Option("--fps", metavar="N", help="Frames per second: 10, 20, 25 or 50.")
+    ] = 25,
     model: opt.Model = None,
     method: opt.Method = None,
     law: opt.LawName = None,

@@ -5,11 +5,18 @@ from typing import Annotated
 
 import typer
 
+from walkergen.cli.layout import names_of
+
 PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
 """Templates of the walker, the scene and the printer that commands use by default."""
 
 DesignName = Annotated[
-    str, typer.Argument(metavar="DESIGN", help="Walker: a template or a TOML file.")
+    str,
+    typer.Argument(
+        metavar="DESIGN",
+        help="Walker: a template or a TOML file.",
+        autocompletion=names_of("walkers"),
+    ),
 ]
 OneTilt = Annotated[float | None, typer.Option("--tilt", metavar="DEG", help="Tilt of the legs.")]
 OneKind = Annotated[
@@ -26,12 +33,21 @@ LegKinds = Annotated[
     ),
 ]
 SceneName = Annotated[
-    str, typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file.")
+    str,
+    typer.Option(
+        "--scene",
+        metavar="SCENE",
+        help="Scene: a template or a TOML file.",
+        autocompletion=names_of("scenes"),
+    ),
 ]
 Restitution = Annotated[
-    float | None, typer.Option("--restitution", help="Coefficient of restitution, 0..1.")
+    float | None,
+    typer.Option("--restitution", metavar="NUMBER", help="Coefficient of restitution, 0..1."),
 ]
-Friction = Annotated[float | None, typer.Option("--friction", help="Friction coefficient, >= 0.")]
+Friction = Annotated[
+    float | None, typer.Option("--friction", metavar="NUMBER", help="Friction coefficient, >= 0.")
+]
 ModeName = Annotated[
     str,
     typer.Option(
@@ -47,10 +63,13 @@ LawName = Annotated[
     ),
 ]
 Seconds = Annotated[
-    float | None, typer.Option("--seconds", help="Measured time of each simulated run, s.")
+    float | None,
+    typer.Option("--seconds", metavar="S", help="Measured time of each simulated run, s."),
 ]
-Runs = Annotated[int | None, typer.Option("--runs", help="Number of simulated runs.")]
-Seed = Annotated[int | None, typer.Option("--seed", help="Seed of the runs' random starts.")]
+Runs = Annotated[int | None, typer.Option("--runs", metavar="N", help="Number of simulated runs.")]
+Seed = Annotated[
+    int | None, typer.Option("--seed", metavar="N", help="Seed of the runs' random starts.")
+]
 Model = Annotated[
     str | None,
     typer.Option(
@@ -60,17 +79,27 @@ Model = Annotated[
 Method = Annotated[
     str | None, typer.Option("--method", metavar="METHOD", help="Method: event, step or auto.")
 ]
-Gamma = Annotated[float | None, typer.Option("--gamma", help="Peak acceleration over g.")]
-Frequency = Annotated[float | None, typer.Option("--frequency", help="Frequency of the drive, Hz.")]
+Gamma = Annotated[
+    float | None, typer.Option("--gamma", metavar="NUMBER", help="Peak acceleration over g.")
+]
+Frequency = Annotated[
+    float | None, typer.Option("--frequency", metavar="HZ", help="Frequency of the drive, Hz.")
+]
 Step = Annotated[
     float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step of method step.")
 ]
 Uncertain = Annotated[
     bool, typer.Option("--uncertain", help="Draw uncertain inputs; say what to measure next.")
 ]
-Pictures = Annotated[bool, typer.Option(help="Draw the figures.")]
+Pictures = Annotated[bool, typer.Option(show_default=False, help="Draw the figures.")]
 PrinterName = Annotated[
-    str, typer.Option("--printer", metavar="PRINTER", help="Printer: a template or a TOML file.")
+    str,
+    typer.Option(
+        "--printer",
+        metavar="PRINTER",
+        help="Printer: a template or a TOML file.",
+        autocompletion=names_of("printers"),
+    ),
 ]
 Copies = Annotated[
     str | None,
@@ -81,7 +110,10 @@ Copies = Annotated[
     ),
 ]
 MaxParts = Annotated[
-    int, typer.Option("--max-parts", min=1, max=5000, help="Largest number of parts on a plate.")
+    int,
+    typer.Option(
+        "--max-parts", metavar="N", min=1, max=5000, help="Largest number of parts on a plate."
+    ),
 ]
 ForPrusaSlicer = Annotated[
     bool,

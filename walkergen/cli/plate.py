@@ -44,14 +44,17 @@ def plate(
     max_parts: opt.MaxParts = 5000,
     prusaslicer: opt.ForPrusaSlicer = False,
     max_plates: Annotated[
-        int | None, typer.Option(min=1, max=1000, help="Largest number of plates to use.")
+        int | None,
+        typer.Option(metavar="N", min=1, max=1000, help="Largest number of plates to use."),
     ] = None,
     how_many: Annotated[
         bool, typer.Option("--how-many", help="Print how many of each fit on a plate.")
     ] = False,
     strict: opt.Strict = False,
     out: opt.Out = None,
-    pictures: Annotated[bool, typer.Option(help="Draw a map of every plate.")] = True,
+    pictures: Annotated[
+        bool, typer.Option(show_default=False, help="Draw a map of every plate.")
+    ] = True,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:

@@ -36,7 +36,6 @@ def predict(
     from walkergen import prediction
     from walkergen.jobs.family import make as families
     from walkergen.walker import solids
-    from walkergen.walker import weights as balance
 
     asked = loading.asked(
         keys, "design scene",
@@ -46,7 +45,7 @@ def predict(
     checked = loading.mode_of(mode, resolved)
     members = asked.members(chosen, tilt, legs, whole=False)
     built = [solids.build(member) for member in members]
-    masses = {} if weights is None else balance.read(weights, members)
+    masses = loading.weighed(weights, members, quiet=json)
     made = list(families.predicted(members, built, resolved, checked, masses))
     (rows, _), weighed = families.rows_of(made), families.weighed_of(made)
     shares = [

@@ -83,12 +83,10 @@ def _comparison_as_json(found: "Findings", rows: "Sequence[Compared]", folder: P
 
 def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
     """Print the paper's facts beside our numbers, and where the figures are."""
-    from rich.console import Console
-
     from walkergen.jobs.paper import mechanisms_tables
     from walkergen.jobs.paper import tables as tables
 
-    Console(highlight=False).print(tables.to_console(rows, found.assumptions))
+    show.table(tables.to_console(rows, found.assumptions))
     print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
     for line in mechanisms_tables.lines(found.mechanisms):
         print(line)

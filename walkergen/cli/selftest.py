@@ -44,7 +44,8 @@ def _hard_cases_as_json(results: "Sequence[Result]") -> None:
     rows = []
     for result in results:
         checks = [
-            check._asdict() | {"value": _number(check.value), "holds": check.holds}
+            check._asdict()
+            | {"value": _number(check.value), "limit": _number(check.limit), "holds": check.holds}
             for check in result.checks
         ]
         rows.append(result._asdict() | {"checks": checks, "holds": result.holds})

@@ -8,6 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from rich.table import Table
+
     from walkergen.files.templates import Entry
     from walkergen.jobs.family.tables import Simulated, Weighing
     from walkergen.prediction import Prediction
@@ -39,6 +41,22 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
         print("\n".join(str(path) for path in paths))
 
 
+def table(made: "Table") -> None:
+    """Print a table with all its numbers whole, at any width of the terminal."""
+    from rich.console import Console
+
+    from walkergen.files import tables
+
+    tables.show(made, Console(highlight=False))
+
+
+def text(line: str) -> None:
+    """Print a paragraph, broken between words where the terminal ends."""
+    from rich.console import Console
+
+    Console(highlight=False).print(line, markup=False)
+
+
 def predictions(
     rows: "Sequence[Prediction]",
     caption: str,
@@ -47,18 +65,15 @@ def predictions(
     weighed: "Sequence[Weighing]" = (),
 ) -> None:
     """Print the table of predicted speeds, its notes and caption, and the weighed masses."""
-    from rich.console import Console
-
     from walkergen.jobs.family import tables
 
-    console = Console(highlight=False)
-    console.print(tables.to_table(rows, title, simulated))
+    table(tables.to_table(rows, title, simulated))
     for number, note in enumerate(tables.notes_of(rows), start=1):
-        console.print(f"[{number}] {note}", markup=False)
-    console.print(caption, markup=False)
+        text(f"[{number}] {note}")
+    text(caption)
     if weighed:
-        console.print(tables.weighed_table(rows, weighed))
-        console.print(tables.WEIGHED, markup=False)
+        table(tables.weighed_table(rows, weighed))
+        text(tables.WEIGHED)
 
 
 def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:

@@ -46,16 +46,19 @@ def simulate(
     seed: opt.Seed = None,
     keys: opt.Values = None,
     trajectory: Annotated[
-        Path | None, typer.Option("--trajectory", help="File for the first run's trajectory.")
+        Path | None,
+        typer.Option("--trajectory", metavar="FILE", help="File for the first run's trajectory."),
     ] = None,
     tracks: Annotated[
-        Path | None, typer.Option("--tracks", help="CSV file for the tracks of all runs.")
+        Path | None,
+        typer.Option("--tracks", metavar="FILE", help="CSV file for the tracks of all runs."),
     ] = None,
     form: Annotated[
         str, typer.Option("--format", metavar="FORMAT", help="Trajectory's format: csv or npz.")
     ] = "csv",
     rate: Annotated[
-        float, typer.Option("--rate", min=1e-3, max=1e7, help="Samples per second of both.")
+        float,
+        typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of both."),
     ] = 1000.0,
     error: Annotated[
         str | None,
@@ -63,7 +66,8 @@ def simulate(
     ] = None,
     uncertain: opt.Uncertain = False,
     draws: Annotated[
-        int, typer.Option("--draws", help="Prints of --uncertain, best a power of two.")
+        int,
+        typer.Option("--draws", metavar="N", help="Prints of --uncertain, best a power of two."),
     ] = 64,
     out: Annotated[
         Path | None, typer.Option("--out", metavar="FOLDER", help="Folder for --uncertain.")
@@ -143,6 +147,9 @@ def simulate(
         show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
         _show_summary(found, resolved_scene, chosen, met)
+        for path in (tracks, trajectory):
+            if path is not None:
+                print(path)
 
 
 def _met(
@@ -168,8 +175,6 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
 
     Raises InputError for one that cannot be simulated, before any is.
     """
-    from rich.console import Console
-
     from walkergen.jobs.simulate import several
 
     wanted, rows = several.asked(scene, members), []
@@ -187,7 +192,7 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
         drive = scene.drive
         plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
         title = f"{members[0].name} on {scene.name}, {plate}"
-        Console(highlight=False).print(several.to_table(rows, title))
+        show.table(several.to_table(rows, title))
     if missing := members[len(rows) :]:
         told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
         print(f"missing: {told}", file=sys.stderr)
@@ -220,6 +225,8 @@ def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> d
 
 def _met_rows(met: "Met") -> list[tuple[str, str]]:
     """Rows of the summary on what --error chose, the reason, and the error obtained."""
+    from walkergen.files import words
+
     choice, unit = met.choice, "mm/s" if met.of == "speed_mm_s" else f"of {met.of}"
     source = "on record" if met.on_record else "measured just now"
     verdict = "within" if met.error <= met.allowed else "NOT within"
@@ -227,9 +234,10 @@ def _met_rows(met: "Met") -> list[tuple[str, str]]:
     return [
         ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
         ("because", f"cheapest of the ladders {source} with a margin of two in the step; its bias "
-                    f"is at most {choice.bias_bound:.2g} {unit} (95 %)"),
-        ("error, 95 %", f"{met.error:.2g} {unit}, {verdict} the {met.allowed:.2g} asked "
-                        f"(bias, and by Student's t the {bars:.2g} of the runs)"),
+                    f"is at most {words.number(choice.bias_bound, 2)} {unit} (95 %)"),
+        ("error, 95 %", f"{words.number(met.error, 2)} {unit}, {verdict} the "
+                        f"{words.number(met.allowed, 2)} asked (bias, and by Student's t the "
+                        f"{words.number(bars, 2)} of the runs)"),
     ]  # fmt: skip
 
 
@@ -238,9 +246,9 @@ def _show_summary(
 ) -> None:
     """Print the mean speed and everything measured beside it."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
+    from walkergen.files import words
     from walkergen.jobs.simulate import tables
 
     table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
@@ -248,11 +256,12 @@ def _show_summary(
     bars = found.speed_se_mm_s
     speed = "none: no run ended well"
     if found.speed_mm_s is not None:
-        error = "standard error unknown: needs 4 runs" if bars is None else f"± {bars:.2g}"
-        speed = f"{found.speed_mm_s:.2f} {error} mm/s"
+        error = "" if bars is None else f" ± {words.number(bars, 2)}"
+        speed = f"{found.speed_mm_s:.2f}{error} mm/s"
         if measured.point.model == "space":
             speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
         speed += tables.speed_by_step(measured)
+        speed += "; standard error unknown: needs 4 runs" if bars is None else ""
     correlation = found.correlation_time_s
     rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
     for name, value in (
@@ -271,4 +280,4 @@ def _show_summary(
         ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
     ):
         table.add_row(name, value)
-    Console(highlight=False).print(table)
+    show.table(table)

@@ -55,7 +55,9 @@ def sweep(
             "--sample", metavar="METHOD:N", help="Samples of LOW:HIGH: sobol:256, latin:99."
         ),
     ] = None,
-    seed: Annotated[int, typer.Option("--seed", min=0, help="Seed of the samples.")] = 1,
+    seed: Annotated[
+        int, typer.Option("--seed", metavar="N", min=0, help="Seed of the samples.")
+    ] = 1,
     keep: Annotated[
         str,
         typer.Option(

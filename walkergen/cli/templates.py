@@ -7,9 +7,25 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
+from walkergen.cli.layout import Command, Group, epilog, names_of
 from walkergen.errors import InputError
 
-app = typer.Typer(help="List, show or copy the shipped TOML files.", invoke_without_command=True)
+app = typer.Typer(
+    name="templates",
+    cls=Group,
+    epilog=epilog("templates"),
+    help="List, show or copy the shipped TOML files.",
+    invoke_without_command=True,
+)
+
+TemplateName = Annotated[
+    str,
+    typer.Argument(
+        metavar="NAME",
+        help="Name of a template.",
+        autocompletion=names_of("walkers", "scenes", "printers"),
+    ),
+]
 
 
 @app.callback()
@@ -26,24 +42,27 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
         show.templates(rows)
 
 
-@app.command("show")
-def show_template(name: str) -> None:
+@app.command("show", cls=Command, epilog=epilog("templates show"))
+def show_template(name: TemplateName) -> None:
     """Print a template's TOML file."""
     from walkergen.files import templates
 
     print(templates.find(name).read_text(encoding="utf-8"), end="")
 
 
-@app.command("copy")
+@app.command("copy", cls=Command, epilog=epilog("templates copy"))
 def copy_template(
-    name: str,
-    to: Annotated[Path | None, typer.Argument(help="File to write; NAME.toml by default.")] = None,
+    name: TemplateName,
+    to: Annotated[
+        Path | None, typer.Argument(metavar="FILE", help="File to write; NAME.toml by default.")
+    ] = None,
 ) -> None:
-    """Copy a template into a file of your own to edit."""
+    """Copy a template into a file of your own to edit; the copy is named after its file."""
     from walkergen.files import output, templates
 
-    source, target = templates.find(name), to or Path(f"{name}.toml")
+    target = to or Path(f"{name}.toml")
+    text = templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
     if target.exists():
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
-    output.write(target, source.read_bytes())
+    output.write(target, text.encode())
     print(target)

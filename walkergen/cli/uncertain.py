@@ -18,7 +18,6 @@ def simulate(
 ) -> None:
     """Simulate uncertain prints and print their speeds, with what to measure next."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     from walkergen.jobs.simulate import prints
@@ -37,7 +36,7 @@ def simulate(
     table = Table(title=title, box=box.SIMPLE, show_header=False, padding=(0, 1))
     for name, value in prints.rows(found):
         table.add_row(name, value)
-    Console(highlight=False).print(table)
+    show.table(table)
     if found.shares:
         _show_shares(found)
     if out is not None:
@@ -46,21 +45,16 @@ def simulate(
 
 def _show_shares(found: "Uncertain") -> None:
     """Print where the scatter between prints comes from."""
-    from rich.console import Console
-
     from walkergen.jobs.simulate import prints
 
     shares(found.shares, "share of the variance between prints")
     rest = f"{100 * found.unexplained:.0f} ± {100 * found.unexplained_se:.0f} %"
-    Console(highlight=False).print(
-        f"{prints.UNEXPLAINED}: {rest} (heights of its corners, and what the fit misses)"
-    )
+    show.text(f"{prints.UNEXPLAINED}: {rest} (heights of its corners, and what the fit misses)")
 
 
 def shares(found: "Sequence[Share]", title: str) -> None:
     """Print the shares of a variance by input: measure next what stands first."""
     from rich import box
-    from rich.console import Console
     from rich.table import Table
 
     table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1))
@@ -71,4 +65,4 @@ def shares(found: "Sequence[Share]", title: str) -> None:
             f"{100 * value:.0f} ± {100 * error:.0f}"
             for value, error in ((one.first, one.first_se), (one.total, one.total_se))
         ))  # fmt: skip
-    Console(highlight=False).print(table)
+    show.table(table)

@@ -2,11 +2,19 @@
 
 import csv
 import io
-from collections.abc import Iterable, Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
+    from rich.console import Console
     from rich.table import Table
+
+MOST_WIDE = 10_000
+"""Letters in a line, more than any table needs."""
+
+EDGES = 2
+"""Letters of a table's edges, at most."""
 
 
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
@@ -25,3 +33,103 @@ def as_markdown(table: "Table") -> str:
     text = io.StringIO()
     Console(file=text, width=300, color_system=None).print(table)
     return "\n".join(line.rstrip() for line in text.getvalue().strip().splitlines())
+
+
+def show(table: "Table", console: "Console") -> None:
+    """Print a table so that no word or number of it is cut, at any width of the console.
+
+    Columns that may wrap become narrower first. What still has no room comes in pieces, one below
+    the other, each with the columns that name the rows.
+    """
+    from rich.measure import Measurement
+
+    sizes = [_sizes(table, index, console) for index in range(len(table.columns))]
+    wide = console.options.update(width=MOST_WIDE)
+    whole = Measurement.get(console, wide, table).maximum
+    if whole <= console.width:
+        console.print(table)
+        return
+    frame = -(-(whole - EDGES - sum(size.natural for size in sizes)) // len(sizes))
+    title: Any = table.title
+    for chosen in _pieces(table, sizes, frame, console.width - EDGES):
+        room = console.width - EDGES - frame * len(chosen)
+        widths = _widths([sizes[index] for index in chosen], room)
+        piece = _of_columns(table, chosen, widths)
+        piece.title, title = title, None
+        wide_enough = max(console.width, frame * len(chosen) + EDGES + sum(widths))
+        with _widened(console, wide_enough):
+            console.print(piece)
+
+
+@contextmanager
+def _widened(console: "Console", width: int) -> Iterator[None]:
+    """Console of another width: lines too long for the terminal are the terminal's to break."""
+    before = console.width
+    console.width = width
+    try:
+        yield
+    finally:
+        console.width = before
+
+
+class Sizes(NamedTuple):
+    """Letters that a column needs."""
+
+    least: int
+    """Letters of its longest word, or line where it must not wrap."""
+    natural: int
+
+
+def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
+    column = table.columns[index]
+    told = [column.header, *column.cells] if table.show_header else [*column.cells]
+    texts = [console.render_str(one).plain if isinstance(one, str) else str(one) for one in told]
+    lines = [len(line) for text in texts for line in text.splitlines()]
+    words = [len(word) for text in texts for word in text.split()]
+    natural = max(lines, default=0)
+    return Sizes(natural if column.no_wrap else max(words, default=0), natural)
+
+
+def _pieces(
+    table: "Table", sizes: Sequence[Sizes], frame: int, width: int
+) -> Sequence[Sequence[int]]:
+    """Columns of each piece: those that name the rows, and as many others as have room."""
+    justify = [column.justify for column in table.columns[:2]]
+    names = [0, 1] if justify == ["right", "left"] else [0]
+    found: list[list[int]] = []
+    for column in range(len(names), len(sizes)):
+        own = [*(found[-1] if found else names), column]
+        if not found or sum(sizes[one].least + frame for one in own) > width:
+            own = [*names, column]
+            found.append(own)
+        else:
+            found[-1] = own
+    return found or [names]
+
+
+def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
+    """Widths of columns: at least what each needs, and shares of the room for those that wrap."""
+    found = [size.least for size in sizes]
+    left = room - sum(found)
+    wanting = sorted(range(len(sizes)), key=lambda one: sizes[one].natural - sizes[one].least)
+    for place, one in enumerate(wanting):
+        more = min(sizes[one].natural - sizes[one].least, left // (len(wanting) - place))
+        found[one] += max(more, 0)
+        left -= max(more, 0)
+    return found
+
+
+def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
+    """A table's chosen columns, of given widths, as a table of its own, without its title."""
+    from rich.table import Table
+
+    found = Table(
+        box=table.box, padding=table.padding, pad_edge=table.pad_edge,
+        show_header=table.show_header, title_justify=table.title_justify,
+    )  # fmt: skip
+    columns = [table.columns[index] for index in chosen]
+    for one, width in zip(columns, widths, strict=True):
+        found.add_column(one.header, justify=one.justify, no_wrap=one.no_wrap, width=width)
+    for cells in zip(*(one.cells for one in columns), strict=True):
+        found.add_row(*cells)
+    return found

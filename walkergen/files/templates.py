@@ -1,5 +1,6 @@
 """Templates: the TOML files shipped with walkergen, found by bare name from any folder."""
 
+import re
 import tomllib
 from pathlib import Path
 from typing import NamedTuple
@@ -10,6 +11,9 @@ from walkergen.errors import InputError
 from walkergen.files.config import Model, Section, read
 
 KINDS = ("walkers", "scenes", "printers")
+
+NAME_KEY = re.compile(r'^name = "[^"]*"', re.MULTILINE)
+"""Line of a template that names it: every shipped one has it, above its tables."""
 
 
 class Entry(NamedTuple):
@@ -39,6 +43,12 @@ def find(name: str) -> Path:
             return folder() / kind / f"{name}.toml"
     known = ", ".join(name for kind in KINDS for name in names(kind))
     raise InputError(f"{name!r}: no such template; known: {known}")
+
+
+def renamed(path: Path, name: str) -> str:
+    """Text of a template under another name, with its comments as they are."""
+    text = path.read_text(encoding="utf-8")
+    return NAME_KEY.sub(f'name = "{name}"', text, count=1)
 
 
 def load(name_or_path: str | Path, kind: str, model: type[Model], near: Path = Path()) -> Model:

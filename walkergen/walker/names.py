@@ -18,6 +18,13 @@ def part(design: Design, stem: str = STEM) -> str:
     return f"{stem}_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
 
 
+def race(members: Sequence[Design]) -> str:
+    """Name of several walkers of a design together, such as race_t5.0-10.0_flexible."""
+    tilts = dict.fromkeys(_decimal(one.tilt_deg, 1) for one in members)
+    kinds = dict.fromkeys(one.kind for one in members)
+    return f"race_t{'-'.join(tilts)}_{'-'.join(kinds)}"
+
+
 def legs(design: Design) -> tuple[str, ...]:
     """Names of a walker's legs in their order: back and front of two, of others their numbers.
 

@@ -12,11 +12,11 @@ import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.errors import InputError
+from walkergen.errors import GeometryError, InputError
 from walkergen.files import columns, output, reading
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
@@ -29,6 +29,9 @@ HEADER = ",".join(("part", *QUANTITIES))
 MOST_BYTES = 10_000_000
 FACTOR = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
+
+PART = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
+"""Name of a walker, as `names.part` writes it."""
 
 COPY = re.compile(r"-[1-9][0-9]*$")
 SEPARATOR = re.compile(r"[,;\t]")
@@ -77,34 +80,47 @@ def filled(path: Path) -> bool:
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """Mean masses by the names of members, copies (NAME-3) taken together.
 
-    Names may begin with the design's name, as on plates of several designs.
+    Names may begin with the design's name, as on plates of several designs. Walkers of the same
+    designs that are not members are left out, and `unused` names them: a form is of a whole family.
     Raises InputError when the file is no table of masses, or with every line of a wrong mass and
     every unknown part with its near matches.
     """
     rows = _rows(path)
-    parts = {
-        names.part(design, stem): names.part(design)
-        for design in members
-        for stem in (design.name, names.STEM)
-    }
+    parts, others = _parts(members), False
     found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
             if values := _values(row):
-                part = _known(row["part"].strip(), parts)
+                part = _known(row["part"].strip(), parts, members)
+                if part is None:
+                    others = True
+                    continue
                 for quantity, value in values.items():
                     found[part][quantity].append(value)
         except InputError as error:
             problems.append(f"{path}:{line}: {error}")
     if problems:
         raise InputError("\n".join(problems))
+    if others and not found:
+        raise InputError(f"{path}: no masses of the walkers of --tilt and --legs, only of others")
     if not found:
         raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
     return {
         part: Weighings(**{quantity: _mean(values) for quantity, values in quantities.items()})
         for part, quantities in found.items()
     }
+
+
+def unused(path: Path, members: Sequence[Design]) -> list[str]:
+    """Parts with masses in a file that `read` leaves out: walkers of the same designs, not asked.
+
+    Raises InputError as `read` does.
+    """
+    own = _parts(members)
+    masses = (row["part"].strip() for _, row in _rows(path) if _values(row))
+    parts = dict.fromkeys(COPY.sub("", name) for name in masses if not _named(name, own))
+    return list(parts)
 
 
 def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
@@ -175,15 +191,45 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
     return found
 
 
-def _known(name: str, parts: Mapping[str, str]) -> str:
+def _parts(members: Sequence[Design]) -> dict[str, str]:
+    """Names of members by the names that files may have for them."""
+    return {
+        names.part(design, stem): names.part(design)
+        for design in members
+        for stem in (design.name, names.STEM)
+    }
+
+
+def _named(name: str, parts: Mapping[str, str]) -> str | None:
     """Part of a name as in stl/ or, with the number of its copy, as on a plate map."""
-    for candidate in (name, COPY.sub("", name)):
-        if candidate in parts:
-            return parts[candidate]
+    return parts.get(name) or parts.get(COPY.sub("", name))
+
+
+def _known(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+    """Part of a name; None for another walker of the members' designs. Raises InputError."""
+    if (part := _named(name, parts)) or _another(COPY.sub("", name), members):
+        return part
     known = list(dict.fromkeys(parts.values()))
     near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
     hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(known[:3])} ..."
     raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
+
+
+def _another(name: str, members: Sequence[Design]) -> bool:
+    """True for the name that a member's design gives to its walker of another tilt or kind."""
+    found = PART.fullmatch(name)
+    if found is None:
+        return False
+    for own in names.by_design(members).values():
+        kind: Any = found["kind"]
+        try:
+            one = own[0].variant(tilt_deg=float(found["tilt"]), kind=kind)
+        except (InputError, GeometryError, ValueError):  # the design has no such walker
+            continue
+        stem = found["stem"]
+        if stem in (one.name, names.STEM) and names.part(one, stem) == name:
+            return True
+    return False
 
 
 def _mean(values: Sequence[float]) -> Mean:
@@ -193,8 +239,13 @@ def _mean(values: Sequence[float]) -> Mean:
     return Mean(float(np.mean(values)), error, count)
 
 
-def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> None:
-    """Write the form folder/NAME unless somebody filled it in. Raises InputError, OutputError."""
+def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> Path | None:
+    """Write the form folder/NAME, and return its path, unless somebody filled it in: then None.
+
+    Raises InputError and OutputError.
+    """
     path = folder / name
-    if not filled(path):
-        output.write(path, template(parts).encode())
+    if filled(path):
+        return None
+    output.write(path, template(parts).encode())
+    return path

@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.exploring.wanted import Wanted
+from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import kept, observed
 from walkergen.jobs.accuracy.setting import Measured, Setting
@@ -29,6 +30,9 @@ PILOT_S = 30.0
 
 MARGIN = 1.9
 """Ratio of steps on a ladder that counts as two."""
+
+LONGEST_BUDGET = 86_400.0
+"""Longest time, s, that is advised for measuring the ladders."""
 
 ATTEMPTS = 3
 """Number of ensembles tried, each longer than the last, until the error is met."""
@@ -75,7 +79,10 @@ def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     unit = survey.unit(reference)
     if unit.relative:
         return wanted.value * unit.size
-    told = f"--error {wanted}: {survey.title}, {reference.value:.2g} ± {reference.se:.2g}"
+    assert reference.value is not None
+    assert reference.se is not None
+    known = f"{words.number(reference.value, 2)} ± {words.number(reference.se, 2)}"
+    told = f"--error {wanted}: {survey.title}, {known}"
     if survey.of == SPEED:
         raise InputError(f"{told} mm/s, may be zero; give the error in mm/s: --error 1mm/s")
     raise InputError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
@@ -126,11 +133,16 @@ def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured)
     assert reference.se is not None
     known = 2.0 * reference.se
     spent = reference.cpu_s / FINEST_SHARE / survey.cores
-    budget = _up(spent * max(3.0 * known / error, 1.0) ** 2)
-    return (
-        f"--error {wanted}: the most accurate setting is itself known to {known:.2g} mm/s only; "
-        f"measure longer: walkergen accuracy ... --only steps --budget {budget:g}s"
+    needed = spent * max(3.0 * known / error, 1.0) ** 2
+    told = (
+        f"--error {wanted}: the most accurate setting is itself known to "
+        f"{words.number(known, 2)} mm/s only; "
     )
+    if needed > LONGEST_BUDGET:
+        least = _up(3.0 * known * math.sqrt(spent / LONGEST_BUDGET))
+        return f"{told}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
+    budget = words.budget(needed)
+    return f"{told}measure longer: walkergen accuracy ... --only steps --budget {budget}"
 
 
 def margin(survey: Survey, one: Measured, found: Sequence[Measured]) -> list[Measured | None]:

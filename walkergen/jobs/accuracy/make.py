@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.exploring import wanted as asked_error
-from walkergen.files import output
+from walkergen.files import output, words
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
 from walkergen.jobs.accuracy import (
@@ -136,6 +136,6 @@ def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
     except InputError as refused:
         return Answer(str(wanted), "-", None, None, None, str(refused).partition(": ")[2])
     bias = choice.bias_bound
-    why = f"bias at most {bias:.2g} mm/s, ± {choice.se:.2g} for the runs"
+    why = f"bias at most {words.number(bias, 2)} mm/s, ± {words.number(choice.se, 2)} for the runs"
     expected = choice.cpu_s / survey.cores
     return Answer(str(wanted), choice.setting.flags, choice.runs, choice.seconds, expected, why)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.errors import TheoryError
+from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time
 from walkergen.jobs.accuracy.setting import Measured
@@ -65,7 +66,7 @@ def certificate(survey: Survey, progress: Progress) -> str:
         return f"{told}; NOT certified: {other.setting.label} ends as {other.outcomes}"
     found = f"{other.setting.label} {other.value:.2f} ± {other.se:.2f}"
     if abs(bias.size) <= 2.0 * bias.se:
-        return f"{told}; certified to ± {bias.bound:.2g} mm/s: {found}, which agrees"
+        return f"{told}; certified to ± {words.number(bias.bound, 2)} mm/s: {found}, which agrees"
     return f"{told}; NOT certified: {found}, {abs(bias.size) / bias.se:.1f} errors away"
 
 

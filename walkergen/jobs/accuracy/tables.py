@@ -6,6 +6,7 @@ from typing import NamedTuple
 from rich import box
 from rich.table import Table
 
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 
@@ -60,7 +61,7 @@ def answers_table(answers: Sequence[Answer], markdown: bool = False) -> Table:
         table.add_column(heading, no_wrap=markdown)
     for answer in answers:
         run = "-" if answer.runs is None else f"{answer.runs} x {answer.seconds:g} s"
-        takes = "-" if answer.expected_s is None else _time(answer.expected_s)
+        takes = "-" if answer.expected_s is None else words.duration(answer.expected_s)
         table.add_row(answer.error, answer.setting, run, takes, answer.why)
     return table
 
@@ -77,18 +78,16 @@ def _filled(table: Table, ladder: Ladder, details: bool = True) -> Table:
 
 
 def _cells(rung: Rung) -> tuple[str, ...]:
-    return (rung.series, rung.setting, _short(rung.error), _short(rung.error_sd), _time(rung.cpu_s))
+    return (
+        rung.series,
+        rung.setting,
+        _short(rung.error),
+        _short(rung.error_sd),
+        words.duration(rung.cpu_s),
+    )
 
 
 def _short(value: float | str | None) -> str:
     if value is None:
         return "-"
     return value if isinstance(value, str) else f"{value:.3g}"
-
-
-def _time(seconds: float) -> str:
-    """Format a time with a unit that suits it."""
-    for unit, size in (("h", 3600.0), ("min", 60.0), ("s", 1.0), ("ms", 1e-3)):
-        if seconds >= size:
-            return f"{seconds / size:.2g} {unit}"
-    return f"{seconds / 1e-6:.2g} us"

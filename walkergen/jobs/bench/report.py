@@ -6,6 +6,7 @@ from typing import Any, Literal, NamedTuple
 from rich import box
 from rich.table import Table
 
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.bench.inverse import Inverse
 
@@ -60,14 +61,16 @@ def to_table(rows: Rows, form: box.Box = box.SIMPLE_HEAD) -> Table:
 def _shown(value: Value) -> str:
     if value is None:
         return ""
-    return value if isinstance(value, str) else f"{value:.4g}"
+    return value if isinstance(value, str) else words.number(value, 4)
 
 
 def lines(report: Report) -> list[str]:
     """Answers, settings and notes, a line each."""
     told = [f"{one.condition}: {one.told}" if one.condition else one.told for one in report.answers]
     if report.settings:
-        keys = ", ".join(f"{key} = {value:.4g}" for key, value in report.settings.items())
+        keys = ", ".join(
+            f"{key} = {words.number(value, 4)}" for key, value in report.settings.items()
+        )
         told.append(f"set {keys}")
     return [*told, *report.notes]
 

@@ -1,5 +1,6 @@
 """Limits: what stopped a search that found no design for its wish."""
 
+from walkergen.files import words
 from walkergen.jobs.design.lab import Job, Trial
 from walkergen.jobs.design.search import Found
 from walkergen.jobs.design.verify import Verified
@@ -20,17 +21,18 @@ def stopped(job: Job, found: Found, designs: list[Verified]) -> str:
     head = f"no design for {wish.words} within {wish.error}: the nearest runs at "
     if wish.of != "speed":
         head = f"no design for {wish.words} within {wish.error}: the nearest has "
-    head += f"{nearest:.4g} {unit}"
+    head += f"{words.number(nearest, 4)} {unit}"
     tried = [(trial.seen.value, trial) for trial in found.trials if trial.usable and trial.seen]
     low, high = min(tried, key=lambda one: one[0]), max(tried, key=lambda one: one[0])
     if low[0] <= target <= high[0]:
         return (
-            f"{head}, though values from {low[0]:.4g} to {high[0]:.4g} {unit} were seen: other "
+            f"{head}, though values from {words.span(low[0], high[0])} {unit} were seen: other "
             "--vary ranges, a larger --error or another --seed"
         )
     extreme, at = high if target > high[0] else low
     side = "largest" if target > high[0] else "smallest"
-    return f"{head}; the {side} {wish.of} found is {extreme:.4g} {unit}, {_limit(job, found, at)}"
+    most = f"the {side} {wish.of} found is {words.number(extreme, 4)} {unit}"
+    return f"{head}; {most}, {_limit(job, found, at)}"
 
 
 def _limit(job: Job, found: Found, extreme: Trial) -> str:
@@ -45,7 +47,7 @@ def _limit(job: Job, found: Found, extreme: Trial) -> str:
     missed = int((~found.survey.feasible).sum())
     if missed:
         held.append(f"what cannot be made or printed ({missed} of {len(found.survey.x)} designs)")
-    at = ", ".join(f"{key} = {value:g}" for key, value in extreme.values.items())
+    at = ", ".join(f"{key} = {words.number(value, 6)}" for key, value in extreme.values.items())
     if not held:
         return f"within the ranges, at {at}: vary other keys"
     return f"at {at}, stopped by {' and '.join(held)}"

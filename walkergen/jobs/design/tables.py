@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 from walkergen.exploring.point import THEORY
-from walkergen.files import templates
+from walkergen.files import templates, words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.design.lab import Job
 from walkergen.jobs.design.verify import Verified
@@ -106,7 +106,8 @@ def _short(keys: Sequence[str]) -> list[str]:
 def _with_error(seen: Seen | None) -> str:
     if seen is None:
         return "unknown"
-    return f"{seen.value:.4g} ± {seen.se:.2g}" if seen.se else f"{seen.value:.4g}"
+    value = words.number(seen.value, 4)
+    return f"{value} ± {words.number(seen.se, 2)}" if seen.se else value
 
 
 def title(job: Job) -> str:

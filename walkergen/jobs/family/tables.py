@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Literal, NamedTuple
 from rich import box
 from rich.table import Table
 
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.prediction import Prediction
 
@@ -88,7 +89,7 @@ def weighed_table(
         text = heading if style is not box.MARKDOWN else heading.replace("\n", " ")
         table.add_column(text, justify="left" if heading == "legs" else "right", no_wrap=True)
     for row, one in zip(rows, weighed, strict=True):
-        error = "" if one.mass_se_g is None else f" ± {one.mass_se_g:.2g}"
+        error = "" if one.mass_se_g is None else f" ± {words.number(one.mass_se_g, 2)}"
         table.add_row(
             f"{row.tilt_deg:g}", row.legs, str(one.weighings), f"{_short(one.mass_g)}{error}",
             _short(one.mass_mesh_g), _fixed(row.speed_mm_s, 2), _fixed(one.speed_mesh_mm_s, 2),

@@ -18,6 +18,7 @@ from walkergen.jobs.fit import emulated, lessons, posterior
 from walkergen.jobs.fit import learnt_tables as tables
 from walkergen.jobs.fit.emulated import Ground, Response, Setting
 from walkergen.jobs.fit.lessons import Learnt
+from walkergen.jobs.fit.make import fitted_name
 from walkergen.jobs.fit.parameters import KEYS, ModelName, PriorName, held, unknown
 from walkergen.jobs.fit.posterior import Observed, Posterior
 from walkergen.scene import Scene
@@ -267,7 +268,7 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
             data[table] |= {key: row.mean, f"{key}_sd": row.sd}
     data["legs"]["model"] = job.model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"
-    data["name"] = f"{scene.name[:57]}-fitted"
+    data["name"] = fitted_name(scene.name, path)
     return validate(data, Scene, "fitted scene")
 
 
@@ -280,7 +281,7 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
         elif row.name == "youngs_modulus_gpa":
             data["material"] |= {row.name: row.mean, "youngs_modulus_sd_gpa": row.sd}
     data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
-    data["name"] = f"{design.name[:57]}-fitted"
+    data["name"] = fitted_name(design.name, path)
     return validate(data, Design, "fitted design")
 
 

@@ -11,6 +11,7 @@ from rich.table import Table
 
 from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.analysis.speeds import Measured
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.fit.lessons import Learnt
 from walkergen.jobs.fit.posterior import Posterior
@@ -32,7 +33,7 @@ def to_table(rows: Sequence[Learnt], title: str, form: box.Box = box.SIMPLE_HEAD
     for row in rows:
         table.add_row(
             row.name.replace("_", " "), with_error(Estimate(row.mean, row.sd)),
-            f"{row.low_95:.3g} to {row.high_95:.3g}", row.prior,
+            words.span(row.low_95, row.high_95, 3), row.prior,
         )  # fmt: skip
     return table
 

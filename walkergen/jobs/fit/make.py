@@ -11,7 +11,7 @@ from walkergen.analysis import fits
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.fits import RANGES, ContactFit, Speeds
 from walkergen.errors import InputError
-from walkergen.files import templates
+from walkergen.files import output, templates
 from walkergen.files.config import validate
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
@@ -25,6 +25,9 @@ from walkergen.walker.limbs import KINDS, Kind
 Array = npt.NDArray[np.float64]
 
 CURVE_POINTS = 121
+
+DECIMALS = 12
+"""Decimals of fitted numbers in scene.toml: what lies beyond is the search's rounding."""
 
 
 class Job(NamedTuple):
@@ -70,7 +73,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     progress("fitting", 0, 2)
     result = fits.fit_contact(speeds, job.fixed)
     progress("drawing", 1, 2)
-    scene = _scene(job.scene, result, path.name)
+    scene = _scene(job.scene, result, path)
     notes = [*result.notes, *([found.bad] if found.bad else [])]
     fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
     target = Folder(folder)
@@ -109,19 +112,24 @@ def _with_tensors(
     return Speeds(speed, se, plate, *fits.tensors(masses), job.scene.contact.law, job.mode)
 
 
-def _scene(scene: Scene, result: ContactFit, source: str) -> Scene:
+def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
     """Scene with the fitted values; fixed values keep the scene's standard deviations."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     places = {name: "prediction" if name.startswith("impact") else "contact" for name in RANGES}
     for name, value in result.values.items():
-        data[places[name]][name] = value
+        data[places[name]][name] = round(value, DECIMALS) + 0.0
         if name in result.errors:
             low, high = RANGES[name]
             error = result.errors[name]
             data[places[name]][f"{name}_sd"] = min(error if error is not None else high - low, high)
-    data["description"] = f"As {scene.name}, with the contact fitted to {source[:200]}"
-    data["name"] = f"{scene.name[:57]}-fitted"
+    data["description"] = f"As {scene.name}, with the contact fitted to {source.name[:200]}"
+    data["name"] = fitted_name(scene.name, source)
     return validate(data, Scene, "fitted scene")
+
+
+def fitted_name(name: str, source: Path) -> str:
+    """Name of a fitted scene, or design, after the file of speeds: never that of a shipped one."""
+    return f"{name[:30]}-fit-{output.named_after(source)[:28]}"
 
 
 def _write_figures(fitted: Fitted, job: Job, title: str, target: Folder) -> None:

@@ -8,6 +8,7 @@ import numpy.typing as npt
 
 from walkergen import uncertain
 from walkergen.errors import InputError
+from walkergen.files import words
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.uncertain import Input
 from walkergen.walker.design import Design
@@ -62,7 +63,7 @@ class Parameter(NamedTuple):
             return f"half normal, {prior.sd:g}"
         if self.flat:
             return f"flat, {prior.low:g} to {prior.high:g}"
-        return f"{prior.mean:.4g} ± {prior.sd:.2g}"
+        return f"{words.number(prior.mean, 4)} ± {words.number(prior.sd, 2)}"
 
 
 class Unknown(NamedTuple):

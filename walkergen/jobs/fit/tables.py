@@ -11,6 +11,7 @@ from rich.table import Table
 
 from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.analysis.fits import ContactFit, Speeds
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 
 Array = npt.NDArray[np.float64]
@@ -30,12 +31,15 @@ def _rows(fit: ContactFit) -> Iterator[tuple[str, str, str]]:
     for name, value in fit.values.items():
         shown = name.replace("_", " ")
         if name not in fit.errors:
-            yield shown, f"{value:g}", "given"
+            yield shown, words.number(value, 6), "given"
             continue
         error = fit.errors[name]
-        told = f"{value:.4g} ± unknown" if error is None else with_error(Estimate(value, error))
-        ends = ("no end" if end is None else f"{end:.4g}" for end in fit.intervals[name])
-        yield shown, told, " to ".join(ends)
+        told = (
+            f"{words.number(value, 4)} ± unknown"
+            if error is None
+            else with_error(Estimate(value, error))
+        )
+        yield shown, told, words.span(*fit.intervals[name])
 
 
 def quality(fit: ContactFit) -> str:

@@ -80,9 +80,8 @@ class Job(NamedTuple):
 
 
 def file_name(job: Job) -> str:
-    """Default name of the GIF: the walker's name or the number of lanes, and the scene's name."""
-    single = len(job.members) == 1
-    what = names.part(job.members[0]) if single else f"race_of_{len(job.members)}"
+    """Default name of the GIF: the walker's, or the tilts and kinds of legs, and the scene's."""
+    what = names.part(job.members[0]) if len(job.members) == 1 else names.race(job.members)
     seen = "_perspective" if job.view == "perspective" else ""
     return f"{what}_{job.scene.name}{seen}.gif"
 

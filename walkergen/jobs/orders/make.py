@@ -187,8 +187,7 @@ def make_plates(
         paths.append(target.path / target.manifest)
         progress(target.manifest, len(paths), steps)
     rows = [row for layout in layouts for row in plates.places(layout)]
-    _write_forms(order.members, rows, folder)
-    return rows, paths
+    return rows, [*paths, *_write_forms(order.members, rows, folder)]
 
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
@@ -206,11 +205,15 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
     }
 
 
-def _write_forms(members: Sequence[Design], rows: Sequence[plates.Place], folder: Path) -> None:
-    """Write a form for the masses of each design's copies, unless somebody filled it in."""
+def _write_forms(
+    members: Sequence[Design], rows: Sequence[plates.Place], folder: Path
+) -> list[Path]:
+    """Write forms for the masses of each design's copies, but for those somebody filled in."""
     design_of = dict(zip(names.parts(members), members, strict=True))
     items: dict[str, dict[str, None]] = {}
     for row in rows:  # with several printers a copy has several rows
         items.setdefault(design_of[row.name].name, {})[row.item] = None
+    written = []
     for name, own in items.items():
-        weights.write_template(folder, own, weights.form(members, name))
+        written.append(weights.write_template(folder, own, weights.form(members, name)))
+    return [path for path in written if path is not None]

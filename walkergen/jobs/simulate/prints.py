@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.files import output
+from walkergen.files import output, words
 from walkergen.files.tables import csv_text
 from walkergen.jobs.simulate.uncertain import Uncertain
 
@@ -20,7 +20,10 @@ UNEXPLAINED = "which print it is"
 def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
     low2, low1, high1, high2 = found.bounds_mm_s
-    yield "mean over prints", f"{found.speed_mm_s:.1f} ± {found.speed_se_mm_s:.2g} mm/s"
+    yield (
+        "mean over prints",
+        f"{found.speed_mm_s:.1f} ± {words.number(found.speed_se_mm_s, 2)} mm/s",
+    )
     yield "a print", f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %)"
     scatter = f"standard deviation {found.between_prints_mm_s:.1f} mm/s"
     if not found.between_prints_mm_s:
@@ -29,7 +32,11 @@ def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
     step = found.by_step_mm_s
     yield (
         "by the step",
-        ("not known: see `simulate` without --uncertain" if step is None else f"± {step:.2g} mm/s"),
+        (
+            "not known: see `simulate` without --uncertain"
+            if step is None
+            else f"± {words.number(step, 2)} mm/s"
+        ),
     )
     yield "statistical", f"± {found.statistical_mm_s:.1f} mm/s of each short run, not in the bounds"
     outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())

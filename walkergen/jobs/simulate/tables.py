@@ -10,6 +10,7 @@ import numpy as np
 from walkergen.analysis.estimates import IN_A_LANE, Estimate, with_error
 from walkergen.analysis.landings import CORNERS, TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
+from walkergen.files import words
 from walkergen.jobs.simulate.make import Simulated
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
@@ -72,7 +73,7 @@ def motion_rows(found: Simulated) -> Iterator[tuple[str, str]]:
             value = with_error(one)
             told = f"{value} {unit}"
             if name == "rotational_diffusion" and one.value:
-                told += f" (1/D_r = {1.0 / one.value:.3g} s)"
+                told += f" (1/D_r = {words.number(1.0 / one.value)} s)"
             yield title, value if one.value is None else told
         before = one.reason
     yield "msd exponent", _exponents(found.motion)
@@ -100,7 +101,7 @@ def speed_by_step(found: Simulated) -> str:
     verdict = found.verdicts[observables.SPEED]
     if verdict.error is None:
         return f" {_marks(found)[verdict.reason]}"
-    return f" ± {verdict.error:.2g} by the step (95 %)" if verdict.error else ""
+    return f" ± {words.number(verdict.error, 2)} by the step (95 %)" if verdict.error else ""
 
 
 def bound_rows(found: Summary) -> Iterator[tuple[str, str]]:
@@ -127,7 +128,7 @@ def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     yield "in contact", told(observables.CONTACT, 100.0, " % of the time")
     powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
     unaccounted = 100 * found.point.summary.energy_error
-    yield "power, uW", f"{', '.join(powers)}; unaccounted {unaccounted:.2g} %"
+    yield "power, uW", f"{', '.join(powers)}; unaccounted {words.number(unaccounted, 2)} %"
     for reason, mark in _marks(found).items():
         yield "note" if reason == resolution.TURNING else mark, reason
 
@@ -136,9 +137,13 @@ def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> st
     """An observable with its error, or with the mark of the reason why it has none."""
     verdict, value = found.verdicts[name], scale * found.values[name]
     if verdict.error is None:
-        return f"{value:.4g}{unit} {_marks(found)[verdict.reason]}"
+        return f"{words.number(value, 4)}{unit} {_marks(found)[verdict.reason]}"
     error = found.errors[name]
-    both = f"{value:.4g} ± ?" if error is None else with_error(Estimate(value, scale * error))
+    both = (
+        f"{words.number(value, 4)} ± ?"
+        if error is None
+        else with_error(Estimate(value, scale * error))
+    )
     return f"{both}{unit}"
 
 

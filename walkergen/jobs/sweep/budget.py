@@ -11,6 +11,7 @@ from walkergen.exploring.point import THEORY, Point, Record, key
 from walkergen.exploring.request import Request
 from walkergen.exploring.run import Asked
 from walkergen.exploring.store import Store
+from walkergen.files import words
 from walkergen.files.progress import Progress
 
 BATCH = 4
@@ -52,7 +53,11 @@ def spend(
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
-        progress(f"widest bars, ± {half[worst[0]]:.2g} mm/s", round(seconds - left), round(seconds))
+        progress(
+            f"widest bars, ± {words.number(half[worst[0]], 2)} mm/s",
+            round(seconds - left),
+            round(seconds),
+        )
         more = [_doubled(asked[n], 1) for n in worst]
         for n, one, done in zip(worst, more, run.each(more, store, crew), strict=True):
             asked[n], half[n] = one, _half(done.record)

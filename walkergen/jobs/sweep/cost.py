@@ -7,6 +7,7 @@ from typing import NamedTuple
 from walkergen.exploring import run
 from walkergen.exploring.request import Request
 from walkergen.exploring.store import Store
+from walkergen.files import words
 
 UNASKED = 100_000
 """Number of points up to which a sweep begins without being asked for its cost."""
@@ -40,20 +41,8 @@ def estimate(request: Request, store: Store, workers: int) -> Cost:
 
 def in_words(cost: Cost) -> str:
     """Cost as a line for a person."""
-    return (
-        f"{cost.points:.4g} points: about {_time(cost.seconds)} and {_room(cost.bytes)} on the disk"
-    )
-
-
-def _time(seconds: float) -> str:
-    for size, unit in ((3.15576e7, "years"), (86400.0, "days"), (3600.0, "h"), (60.0, "min")):
-        if seconds >= 2.0 * size:
-            return (
-                f"{seconds / size:.2g} {unit}"
-                if seconds < 1e3 * size
-                else f"{seconds / size:.0f} {unit}"
-            )
-    return f"{seconds:.2g} s"
+    needed = f"about {words.duration(cost.seconds)} and {_room(cost.bytes)} on the disk"
+    return f"{words.number(cost.points, 4)} points: {needed}"
 
 
 def _room(size: float) -> str:

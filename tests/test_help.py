@@ -1,0 +1,120 @@
+"""Help as people read it: at every width, with examples that the options understand."""
+
+import re
+import shlex
+import subprocess
+import sys
+
+import pytest
+import typer
+from typer.testing import CliRunner
+
+from walkergen.cli import COMMANDS, app
+from walkergen.cli.examples import EXAMPLES
+
+ROOT = typer.main.get_command(app)
+
+
+def leaves(command=ROOT, path=()):
+    """Every command of the command line by its words."""
+    for name, one in command.commands.items():
+        words = (*path, name)
+        yield " ".join(words), one
+        if hasattr(one, "commands"):
+            yield from leaves(one, words)
+
+
+NAMES = [name for name, _ in leaves()]
+
+
+def told(monkeypatch, columns, name):
+    """Help of a command on a terminal of some width (the library's own runner has 80 columns)."""
+    monkeypatch.setenv("COLUMNS", str(columns))
+    context = ROOT.make_context("walkergen", [], resilient_parsing=True)
+    command = dict(leaves()).get(name, ROOT)
+    if name:
+        context = command.make_context(name, [], parent=context, resilient_parsing=True)
+    return command.get_help(context) + "\n"
+
+
+def test_every_command_has_two_examples_and_nothing_else_has():
+    assert sorted(NAMES) == sorted(EXAMPLES)
+    assert all(len(set(examples)) == 2 for examples in EXAMPLES.values())
+
+
+@pytest.mark.parametrize(
+    ("name", "example"), [(name, one) for name, both in EXAMPLES.items() for one in both]
+)
+def test_an_example_is_of_its_command_and_its_options_are_real(name, example):
+    words = shlex.split(example)
+    assert words[: len(name.split())] == name.split()
+    context, command = None, ROOT
+    while command is not None:  # as the program does, but for running it
+        context = command.make_context("walkergen", list(words), parent=context)
+        words = [*getattr(context, "_protected_args", []), *context.args]
+        if not (words and hasattr(command, "commands")):
+            break
+        _, command, words = command.resolve_command(context, words)
+    assert not words, "left over"
+
+
+def test_an_example_that_no_option_understands_is_seen():
+    (command,) = (one for name, one in leaves() if name == "predict")
+    with pytest.raises(Exception, match="No such option"):
+        command.make_context("predict", ["--colour", "red"])
+
+
+@pytest.mark.parametrize("columns", [60, 80, 200])
+@pytest.mark.parametrize("name", ["", *NAMES])
+def test_help_fits_and_shows_no_types(monkeypatch, columns, name):
+    text = told(monkeypatch, columns, name)
+    lines = text.partition("Examples:")[0].splitlines()
+    assert max(len(line) for line in lines) <= min(columns, 80)
+    assert not re.search(r"<(str|bool|float|int|path)|\bTEXT\b|<=x|…|\[default: (no-)?pict", text)
+    assert "-h, --help" in text
+    for example in EXAMPLES.get(name, ()):
+        assert f"  walkergen {example}\n" in text  # in one line, to be copied
+
+
+@pytest.mark.parametrize("words", [["-h"], ["predict", "-h"], ["bench", "drop", "--help"]])
+def test_both_flags_ask_for_help(words):
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0
+    assert result.stdout.startswith("Usage:")
+
+
+def test_commands_stand_under_their_headings(monkeypatch):
+    text = told(monkeypatch, 80, "")
+    headings = re.findall(r"^(\w+):$", text, re.MULTILINE)
+    assert headings == ["Options", *COMMANDS]
+    below = text.partition("Measure:")[2].partition("Trust:")[0]
+    assert re.findall(r"^  (\w+)", below, re.MULTILINE) == ["analyse", "fit", "weigh", "bench"]
+    assert "..." not in text.partition("Make:")[2]  # whole sentences
+
+
+def complete(words, shell="bash"):
+    """What the program answers to the shell's key for completion."""
+    line = f"walkergen {words}"
+    own = {
+        "_WALKERGEN_COMPLETE": f"complete_{shell}",
+        "COMP_WORDS": line,
+        "COMP_CWORD": str(len(line.split(" ")) - 1),
+    }
+    code = "from walkergen.cli import app; app(prog_name='walkergen')"
+    result = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=own
+    )
+    return result.stdout.split()
+
+
+@pytest.mark.parametrize(
+    ("words", "found"),
+    [
+        ("sel", ["selftest"]),
+        ("predict kou", ["koumakis2016"]),
+        ("simulate --scene lane-90hz-f", ["lane-90hz-fitted"]),
+        ("templates copy ender", ["ender3"]),
+    ],
+)
+def test_the_shell_completes_commands_and_names(words, found):
+    assert complete(words) == found

@@ -1,0 +1,33 @@
+"""Examples at the end of every command's help, without the word walkergen; tests parse them all."""
+
+EXAMPLES: dict[str, tuple[str, str]] = {
+    "family": ("family", "family maker-large --tilt 5:20:5 --copies 4"),
+    "export": ("export --tilt 12 --format stl,3mf", "export my.toml --legs flexible,braced"),
+    "check": ("check", "check my.toml --tilt 5,10 --printer ender3"),
+    "plate": ("plate --tilt 5,10,15 --copies 8", "plate --orders orders.csv --printer ender3"),
+    "design": ("design --speed 80", "design --fastest --vary legs.length_mm=4:9"),
+    "predict": ("predict --tilt 5:30:5", "predict my.toml --tilt 10 --weights weights.csv"),
+    "sweep": (
+        "sweep --set legs.tilt_deg=0:40:2",
+        "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
+    ),
+    "simulate": ("simulate --tilt 10", "simulate --tilt 10 --error 5%"),
+    "movie": ("movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
+    "explain": ("explain --tilt 10", "explain --scene plane-noisy --no-cost"),
+    "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
+    "fit": ("fit speeds.csv", "fit speeds.csv --model space --predict 8,12"),
+    "bench": ("bench drop --measured 0.5", "bench slide --measured 14"),
+    "bench drop": ("bench drop", "bench drop --measured 0.5 --tries 10"),
+    "bench slide": ("bench slide", "bench slide --measured 14 --measured-sd 1"),
+    "bench pluck": ("bench pluck", "bench pluck --measured 180 --decrement 0.2"),
+    "weigh": ("weigh walker.stl", "weigh robot.3mf --density 1.27"),
+    "accuracy": ("accuracy --budget 30s", "accuracy --tilt 10 --only models,steps"),
+    "selftest": ("selftest", "selftest --only 6.7"),
+    "validate": ("validate --quick", "validate --only paper,closed"),
+    "reproduce": ("reproduce", "reproduce --tilt 5,10,20 --runs 8"),
+    "report": ("report out/koumakis2016", "report out/koumakis2016 --run plane-90hz --tilt 10"),
+    "templates": ("templates", "templates copy koumakis2016 my.toml"),
+    "templates show": ("templates show lane-90hz", "templates show prusa-mk3s"),
+    "templates copy": ("templates copy lane-90hz", "templates copy koumakis2016 my.toml"),
+}
+"""Two examples of each command, by its name; files in them are the user's own."""

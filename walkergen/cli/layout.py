@@ -1,0 +1,76 @@
+"""Layout of the help: commands in groups, whole sentences, examples; readable at 60 columns."""
+
+import re
+from collections.abc import Callable
+from typing import Any
+
+from typer.core import TyperCommand, TyperGroup
+
+from walkergen.cli.examples import EXAMPLES
+
+OTHERS = "Commands"
+"""Heading over commands that belong to no group."""
+
+HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
+"""Settings of the whole command line: what asks for help."""
+
+
+TYPE = re.compile(r" <[^>]*>$")
+RANGE = re.compile(r"([-+.0-9e]+)<=x<=([-+.0-9e]+)")
+"""What the library adds to an argument's name, and how it writes what is allowed."""
+
+
+class Command(TyperCommand):
+    """Command whose help has names, sentences and defaults, and no names of Python's types."""
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the arguments, then the options."""
+        rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
+        for param in self.get_params(ctx):
+            record = param.get_help_record(ctx)
+            if record is not None:
+                name, told = record
+                rows[param.param_type_name].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", told)))
+        for heading, kind in (("Arguments", "argument"), ("Options", "option")):
+            if rows[kind]:
+                with formatter.section(heading):
+                    formatter.write_dl(rows[kind])
+
+
+class Group(TyperGroup):
+    """Commands listed under the headings that they were given, each with its whole sentence."""
+
+    def format_commands(self, ctx: Any, formatter: Any) -> None:
+        """Write a list for each heading, in the order in which headings and commands came."""
+        groups: dict[str, list[tuple[str, str]]] = {}
+        wide = max((len(name) for name in self.commands), default=0)
+        for name, command in self.commands.items():
+            heading = getattr(command, "rich_help_panel", None)
+            heading = heading if isinstance(heading, str) else OTHERS
+            groups.setdefault(heading, []).append((f"{name:{wide}s}", _sentence(command)))
+        for heading, rows in groups.items():
+            with formatter.section(heading):
+                formatter.write_dl(rows)
+
+
+def epilog(command: str) -> str:
+    """Examples of a command, such as "bench drop", for the end of its help."""
+    lines = [f"  walkergen {words}" for words in EXAMPLES[command]]
+    return "\n".join(["\b", "Examples:", *lines])  # \b: lines stay as they are
+
+
+def names_of(*kinds: str) -> Callable[[str], list[str]]:
+    """Completion, for the shell, of names of shipped templates; where none fits it names files."""
+
+    def complete(incomplete: str) -> list[str]:
+        from walkergen.files import templates
+
+        names = [name for kind in kinds for name in templates.names(kind)]
+        return [name for name in names if name.startswith(incomplete)]
+
+    return complete
+
+
+def _sentence(command: Any) -> str:
+    """First paragraph of a command's help as one line."""
+    return " ".join(str(command.short_help or command.help or "").split("\n\n")[0].split())

@@ -1,0 +1,53 @@
+"""Numbers, spans and times in words: as people write them, without exponents where they can."""
+
+import math
+
+NOTHING = 1e-12
+"""Size below which a number is zero to people: rounding, in every unit that is printed."""
+
+PLAIN_LOW, PLAIN_HIGH = 1e-6, 1e7
+"""Sizes between which a number is written without an exponent."""
+
+
+def number(value: float, digits: int = 3) -> str:
+    """Format a number with significant digits: 260, not 2.6e+02; an exponent only far from 1."""
+    if abs(value) < NOTHING:
+        return "0"
+    text = f"{value:.{digits}g}"
+    if "e" not in text or not PLAIN_LOW <= abs(value) < PLAIN_HIGH:
+        return text
+    decimals = max(digits - 1 - math.floor(math.log10(abs(float(text)))), 0)
+    return f"{float(text):.{decimals}f}"
+
+
+def span(low: float | None, high: float | None, digits: int = 4) -> str:
+    """Format an interval; None is an end that is not known."""
+    if low is None and high is None:
+        return "any value"
+    if low is None or high is None:
+        known = low if high is None else high
+        assert known is not None
+        return f"{'above' if high is None else 'below'} {number(known, digits)}"
+    return f"{number(low, digits)} to {number(high, digits)}"
+
+
+def duration(seconds: float, digits: int = 2) -> str:
+    """Format a time in a unit that suits it, from us to years."""
+    units = (
+        (3.15576e7, "years"), (86_400.0, "days"), (3600.0, "h"), (60.0, "min"),
+    )  # fmt: skip
+    for size, unit in units:
+        if seconds >= 2.0 * size:
+            return f"{number(seconds / size, digits)} {unit}"
+    for size, unit in ((1.0, "s"), (1e-3, "ms")):
+        if seconds >= size:
+            return f"{number(seconds / size, digits)} {unit}"
+    return f"{number(seconds / 1e-6, digits)} us"
+
+
+def budget(seconds: float) -> str:
+    """Format a time as --budget reads it, rounded up: 45s, 12min, 3h."""
+    for most, size, unit in ((120.0, 1.0, "s"), (7200.0, 60.0, "min")):
+        if seconds <= most:
+            return f"{math.ceil(seconds / size)}{unit}"
+    return f"{math.ceil(seconds / 3600.0)}h"
