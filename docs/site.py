@@ -62,8 +62,11 @@ def on_files(files, config):
 
 
 def _paper(path):
-    """Text of a paper of the project, as a page."""
-    return re.sub(r"\]\(docs/", "](", path.read_text(encoding="utf-8"))
+    """Text of a paper of the project, as a page; what lies outside docs/ is no link there."""
+    text = re.sub(
+        r"\[([^]]+)\]\((?!https?:|#|docs/)[^)]+\)", r"\1", path.read_text(encoding="utf-8")
+    )
+    return re.sub(r"\]\(docs/", "](", text)
 
 
 def _gallery():
