@@ -238,12 +238,12 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
             key, *workers = process.stdout.readline().split()
             started = time.monotonic()
             process.send_signal(ended_by)
-            told, _ = process.communicate(timeout=10)
+            told, _ = process.communicate(timeout=30)
         finally:
             process.kill()  # one that does not end fails, and is not waited for
-    assert time.monotonic() - started < 10
+    assert time.monotonic() - started < 30
     assert told == ("interrupted\n" if ended_by == signal.SIGINT else "")
-    while any(alive(int(worker)) for worker in workers) and time.monotonic() - started < 10:
+    while any(alive(int(worker)) for worker in workers) and time.monotonic() - started < 30:
         time.sleep(0.05)
     assert not any(alive(int(worker)) for worker in workers)
     assert list(Store(path).get([key])) == [key]

@@ -12,7 +12,15 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
-from pydantic import Discriminator, Field, Tag, ValidationInfo, field_validator, model_validator
+from pydantic import (
+    Discriminator,
+    Field,
+    SerializeAsAny,
+    Tag,
+    ValidationInfo,
+    field_validator,
+    model_validator,
+)
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
@@ -100,6 +108,7 @@ class Design(Section):
         Annotated[Legs, Tag("table")]
         | Annotated[Annotated[list[Leg], Field(min_length=1, max_length=MOST_LEGS)], Tag("list")],
         Discriminator(lambda legs: "list" if isinstance(legs, list) else "table"),
+        SerializeAsAny(),  # a Ctrl-C that arrives while the discriminator serializes is lost
     ] = Legs()
     leg_tilt_deg: Tilt | None = None
     """Tilt of those legs of a list that give none of their own; None: 10 deg."""
