@@ -16,5 +16,5 @@ plan = prepare(scene, design, solids.mass_of(design))
 state = plan.start(0.05, 0.0, 0.0)
 plan.advance(state, 1e-5, record.new(len(state)))
 kernel = plan.model.advance
-text = kernel.inspect_llvm(kernel.signatures[0])  # type: ignore[attr-defined]
+text = kernel.outer.inspect_llvm(kernel.outer.signatures[0])  # type: ignore[attr-defined]
 print(len(re.findall(r"call double @(?:llvm\.)?(?:sin|cos)", text)), text.count("\n"))

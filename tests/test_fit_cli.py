@@ -19,7 +19,7 @@ from walkergen.walker.design import Design
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(kept.kernels, "cache", lambda name: tmp_path)
+    monkeypatch.setattr(kept.caches, "folder", lambda name: tmp_path)
 
     def call(*words):
         return CliRunner().invoke(app, list(words), catch_exceptions=True)

@@ -3,8 +3,11 @@
 import ast
 from pathlib import Path
 
+import numba
+import pytest
+
 import walkergen
-from walkergen.numerics.kernels import SOURCES
+from walkergen.numerics.kernels import SOURCES, kernel
 
 PACKAGE = Path(walkergen.__file__).parent
 COVERED = {path for pattern in SOURCES for path in PACKAGE.glob(pattern)}
@@ -40,3 +43,24 @@ def test_the_cache_covers_every_file_that_kernels_are_made_of():
             if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("walkergen"):
                 for name, source in imported(node):
                     assert source in COVERED or name not in used, f"{path.name} uses {name}"
+
+
+@kernel
+def _twice(pair):
+    return 2.0 * pair[0] + pair[1]
+
+
+@kernel
+def _called(pair):
+    return _twice(pair) + 1.0
+
+
+@pytest.mark.skipif(numba.config.DISABLE_JIT, reason="the compiler is off")
+def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
+    pair = (0.5, 0.25)
+    assert _called(pair) == _called.__wrapped__(pair) == 2.25
+    assert len(_called.outer.signatures) == 1
+    assert len(_twice.inner.signatures) == 1
+    assert not _twice.outer.signatures
+    assert _twice(pair) == 1.25
+    assert len(_twice.outer.signatures) == 1

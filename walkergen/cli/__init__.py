@@ -61,20 +61,39 @@ for heading, commands in COMMANDS.items():
             app.command(cls=Command, epilog=about, rich_help_panel=heading)(command)
 
 
-def _show_version(wanted: bool) -> None:
-    if wanted:
-        typer.echo(f"walkergen {__version__}")
-        raise typer.Exit
-
-
-@app.callback()
+@app.callback(invoke_without_command=True)
 def _options(
-    version: Annotated[
-        bool,
-        typer.Option("--version", callback=_show_version, is_eager=True, help="Show the version."),
+    context: typer.Context,
+    version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
+    verbose: Annotated[
+        bool, typer.Option("--verbose", help="With --version: of Python and numba, and the cache.")
     ] = False,
 ) -> None:
     """From a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted."""
+    if version:
+        typer.echo(f"walkergen {__version__}")
+        if verbose:
+            _show_surroundings()
+        raise typer.Exit
+    if verbose:
+        context.fail("--verbose goes with --version")
+    if context.invoked_subcommand is None:
+        context.fail("Missing command.")
+
+
+def _show_surroundings() -> None:
+    """Print the versions and the place that a report of a mistake needs."""
+    import platform
+    from importlib.metadata import version
+
+    from walkergen import caches
+
+    print(f"Python {platform.python_version()} on {platform.system()} {platform.machine()}")
+    print(f"numba {version('numba')}")
+    try:
+        print(f"cache {caches.home()}, {caches.size() / 1e6:.1f} MB: may be deleted at any time")
+    except OSError as error:
+        print(f"cache of this process alone: {error}")
 
 
 def main() -> None:

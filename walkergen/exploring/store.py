@@ -8,9 +8,9 @@ import sqlite3
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from walkergen import caches
 from walkergen.errors import OutputError
 from walkergen.exploring.point import Record
-from walkergen.numerics import kernels
 
 WAIT_S = 60.0
 """Time for which a store waits until another program has written, s."""
@@ -20,7 +20,7 @@ class Store:
     """Records by the keys of their points. Every call raises OutputError where it cannot go on."""
 
     def __init__(self, path: Path | None = None) -> None:
-        self.path = kernels.cache("points") / "points.sqlite" if path is None else path
+        self.path = caches.folder("points") / "points.sqlite" if path is None else path
         try:
             self._base = sqlite3.connect(self.path, timeout=WAIT_S, isolation_level=None)
             # Kills lose nothing all the same; what a power failure tears can be computed anew

@@ -9,10 +9,11 @@ import functools
 import hashlib
 import os
 import sys
-import tempfile
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any, TypeVar
+
+from walkergen import caches
 
 SOURCES = ("numerics/*.py", "theory/*.py", "simulation/**/*.py")
 """Patterns of the files that kernels, their constants and their arguments' types come from."""
@@ -28,30 +29,49 @@ def digest() -> str:
     return found.hexdigest()[:16]
 
 
-def cache(name: str) -> Path:
-    """Writable folder in the user's cache, for files that can be made again at any time."""
-    try:
-        base = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-        folder = base / "walkergen" / name
-        folder.mkdir(parents=True, exist_ok=True)
-        with tempfile.TemporaryFile(dir=folder):
-            return folder
-    except (OSError, RuntimeError):  # no home, or a read-only home: a folder for this process alone
-        return Path(tempfile.mkdtemp(prefix=f"walkergen-{name}-"))
-
-
 if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
-    os.environ["NUMBA_CACHE_DIR"] = str(cache(f"numba-{digest()}"))
+    os.environ["NUMBA_CACHE_DIR"] = str(caches.versioned("numba", digest()))
 
 import numba  # noqa: E402  (the cache folder has to be set first)
+from numba.extending import typeof_impl  # noqa: E402
 
 F = TypeVar("F", bound=Callable[..., Any])
 
 
+class Kernel:
+    """Compiled function: for kernels without, for Python with the wrapper that unpacks arguments.
+
+    Of nested tuples that wrapper is larger than most functions; only what Python calls has one.
+    """
+
+    def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
+        functools.update_wrapper(self, function)
+        bare = options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        self.inner = numba.njit(**bare)(function)  # not cached: what calls it has its code
+        self.outer = numba.njit(cache=True, **options)(function)
+
+    def __call__(self, *arguments: Any) -> Any:
+        """Run on arguments from Python."""
+        return self.outer(*arguments)
+
+
+@typeof_impl.register(Kernel)  # type: ignore[untyped-decorator]
+def _typeof_kernel(kernel: Kernel, context: Any) -> Any:
+    """Type of a kernel that another one calls."""
+    return numba.typeof(kernel.inner)
+
+
+def _compiled(function: F, **options: Any) -> F:
+    """Kernel of a function; the function itself where the compiler is off."""
+    if numba.config.DISABLE_JIT:
+        return function
+    found: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
+    return found  # type: ignore[no-any-return]
+
+
 def kernel(function: F) -> F:
     """Compile `function` with numba on its first call; type checkers see the plain function."""
-    compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy")(function)
-    return compiled
+    return _compiled(function)
 
 
 def inlined(function: F) -> F:
@@ -59,10 +79,7 @@ def inlined(function: F) -> F:
 
     For parts of a hot loop that take whole tuples: a call copies each of their numbers, 1 ns each.
     """
-    compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True)(
-        function
-    )
-    return compiled
+    return _compiled(function, forceinline=True)
 
 
 def lean(function: F) -> F:
@@ -71,8 +88,7 @@ def lean(function: F) -> F:
     A call that passes many arrays otherwise counts a reference of each: 0.3 us for those of a
     walker in space, as much as one of its steps, and threads that share arrays wait for each other.
     """
-    compiled: F = numba.njit(cache=True, nogil=True, error_model="numpy", _nrt=False)(function)
-    return compiled
+    return _compiled(function, _nrt=False)
 
 
 def entry(function: F, *arguments: Any) -> F:
@@ -80,7 +96,7 @@ def entry(function: F, *arguments: Any) -> F:
 
     A call through it does not look up the types, which for nested tuples takes 0.1 ms.
     """
-    if not hasattr(function, "compile"):  # a plain function, or the compiler is off
+    if not isinstance(function, Kernel):  # a plain function, or the compiler is off
         return function
-    code: F = function.compile(tuple(numba.typeof(argument) for argument in arguments))
+    code: F = function.outer.compile(tuple(numba.typeof(argument) for argument in arguments))
     return code

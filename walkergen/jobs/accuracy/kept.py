@@ -4,11 +4,11 @@ import hashlib
 import json
 from pathlib import Path
 
+from walkergen import caches
 from walkergen.files import output
 from walkergen.jobs.accuracy.ladder import machine
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.numerics import kernels
 from walkergen.simulation import points
 
 
@@ -19,7 +19,7 @@ def record(survey: Survey) -> Path:
         scene["run"].pop(key)
     scene["legs"].pop("model")
     text = json.dumps([scene, *others, machine()], sort_keys=True)
-    return kernels.cache("accuracy") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
+    return caches.folder("accuracy") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
 
 
 def remember(survey: Survey) -> None:

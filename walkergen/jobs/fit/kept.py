@@ -4,8 +4,8 @@ import hashlib
 import json
 from pathlib import Path
 
+from walkergen import caches
 from walkergen.files import output
-from walkergen.numerics import kernels
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.walker.design import Design
@@ -14,7 +14,7 @@ from walkergen.walker.design import Design
 def place(scene: Scene, design: Design) -> Path:
     """File of the speeds of this walker in this scene, for this version."""
     text = json.dumps(points.facts(scene, design), sort_keys=True)
-    return kernels.cache("fit") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
+    return caches.folder("fit") / f"{hashlib.sha256(text.encode()).hexdigest()[:32]}.json"
 
 
 def remember(path: Path, speeds: dict[str, float | None]) -> None:

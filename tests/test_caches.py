@@ -1,0 +1,86 @@
+"""Folders in the cache: the user's alone, of the version in use, never in the way."""
+
+import os
+import stat
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+
+from walkergen import caches
+
+POSIX = pytest.mark.skipif(sys.platform == "win32", reason="owners and modes of POSIX")
+
+
+@pytest.fixture
+def home(monkeypatch, tmp_path):
+    monkeypatch.setattr(caches, "home", lambda: tmp_path / "cache" / "walkergen")
+    return tmp_path / "cache" / "walkergen"
+
+
+@POSIX
+def test_folders_are_for_the_user_alone(home):
+    found = caches.folder("points")
+    assert found == home / "points"
+    for one in (home, found):
+        assert stat.S_IMODE(one.stat().st_mode) == 0o700
+
+
+@POSIX
+@pytest.mark.parametrize("at", [".", "points"])
+@pytest.mark.parametrize("mode", [0o770, 0o707, 0o777])
+def test_a_folder_that_others_may_write_to_is_not_used(home, at, mode):
+    (home / "points").mkdir(parents=True)
+    (home / at).chmod(mode)
+    found = caches.folder("points")
+    assert home not in found.parents
+    assert stat.S_IMODE(found.stat().st_mode) == 0o700
+
+
+@POSIX
+def test_a_folder_of_another_user_is_not_used(home, monkeypatch):
+    caches.folder("points")
+    monkeypatch.setattr(os, "getuid", lambda: 12345)
+    assert home not in caches.folder("points").parents
+
+
+def test_a_home_that_cannot_be_written_is_no_obstacle(home):
+    home.parent.write_text("no folder")
+    assert caches.folder("points").is_dir()
+
+
+def test_what_old_versions_left_is_removed_and_what_is_in_use_stays(home):
+    old, young, other = (caches.folder(name) for name in ("numba-a", "numba-b", "points"))
+    then = time.time() - (caches.FORGOTTEN_DAYS + 1) * 86400
+    for path in (old, other):
+        (path / "index").write_text("1")
+        os.utime(path, (then, then))
+    found = caches.versioned("numba", "c")
+    assert [path.name for path in sorted(home.iterdir())] == ["numba-b", "numba-c", "points"]
+    os.utime(found, (then, then))
+    assert caches.versioned("numba", "c").stat().st_mtime > then  # used again
+    assert young.is_dir()
+
+
+def test_the_cache_is_that_of_the_platform_and_its_size_is_said(tmp_path):
+    asked = [sys.executable, "-m", "walkergen", "--version", "--verbose"]
+    environment = os.environ | {"XDG_CACHE_HOME": str(tmp_path), "LOCALAPPDATA": str(tmp_path)}
+    caches.folder("here")
+    told = subprocess.run(asked, env=environment, capture_output=True, text=True, check=True)
+    lines = told.stdout.splitlines()
+    assert [line.split()[0] for line in lines] == ["walkergen", "Python", "numba", "cache"]
+    if sys.platform == "linux":
+        assert lines[3].startswith(f"cache {tmp_path / 'walkergen'}, 0.0 MB")
+        (tmp_path / "walkergen" / "points").mkdir(parents=True)
+        Path(tmp_path, "walkergen", "points", "one").write_bytes(bytes(2_000_000))
+        told = subprocess.run(asked, env=environment, capture_output=True, text=True, check=True)
+        assert "2.0 MB" in told.stdout
+
+
+def test_a_cache_home_that_is_no_full_path_is_not_used(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", "beside")
+    caches.folder("points")
+    assert not list(tmp_path.iterdir())
