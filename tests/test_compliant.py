@@ -193,9 +193,9 @@ def test_single_landing_is_that_of_an_independent_integration(name):
 @pytest.mark.parametrize(
     ("tilt", "kind", "contact"),
     [
-        (10, "flexible", Contact(0.3, 0.25, Law.POISSON)),
-        (20, "flexible", Contact(0.0, 0.25, Law.STRONGE)),
-        (10, "braced", Contact(0.5, 0.25, Law.POISSON)),
+        (10, "flexible", Contact(0.3, 0.25, Law.POISSON.value)),
+        (20, "flexible", Contact(0.0, 0.25, Law.STRONGE.value)),
+        (10, "braced", Contact(0.5, 0.25, Law.POISSON.value)),
     ],
 )
 def test_energy_balance_closes(method, tilt, kind, contact):

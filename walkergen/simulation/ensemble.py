@@ -173,7 +173,7 @@ def measure(
 ) -> tuple[Summary, list[RunResult]]:
     """Run an ensemble (see `run`) and summarise it; its wall time leaves out compilation."""
     progress("compiling (slow the first time only)", 0, plan.scene.run.runs)
-    compile_kernels(plan, sample_interval is not None, impacts)
+    compile_kernels(plan)
     started = time.perf_counter()
     results = run(plan, progress, threads, impacts, sample_interval)
     return summarise(results, time.perf_counter() - started), results

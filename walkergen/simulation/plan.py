@@ -42,7 +42,7 @@ def _contacts(scene: Scene, limbs: tuple[Limb, ...]) -> tuple[Contact, ...]:
         Contact(
             given.restitution if limb.restitution is None else limb.restitution,
             given.friction if limb.friction is None else limb.friction,
-            Law[given.law.upper()],
+            Law[given.law.upper()].value,
         )
         for limb in limbs
     )

@@ -84,7 +84,6 @@ def sample(plan: Plan, interval: float, number: int = 0) -> Poses:
     result = run.with_impacts(plan, number, sample_interval=interval)
     world = run.dropped(plan, number)[0].world
     samples = result.tally.samples
-    assert samples is not None
     rows = samples.rows[: samples.cursor[0]]
     states = np.ascontiguousarray(rows[:, 1:])
     walker = world.walker

@@ -1,9 +1,10 @@
 """Record of a run: sums and counts always (constant memory), samples and events when asked for.
 
-The integrators' kernels fill its arrays in place. `samples` or `events` that are None leave nothing
-in the compiled code.
+The integrators' kernels fill its arrays in place. Samples or events that are not wanted have no
+room: the same compiled kernels then pass them over.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +37,11 @@ class Samples(NamedTuple):
     interval: float
     """Time between samples, s."""
 
+    @property
+    def kept(self) -> bool:
+        """True for samples that are wanted."""
+        return len(self.rows) > 0
+
 
 class Events(NamedTuple):
     """Impacts: rows of t (s), foot (0 back, 1 front), F_x, F_y (g mm/s), v_x, v_y before, kind."""
@@ -54,37 +60,26 @@ class Tally(NamedTuple):
     """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
     of the plate, losses (positive) to impacts, friction in lasting contact, damping and drag;
     normal impulses (g mm/s) that the feet took in landings of each of KINDS."""
-    samples: Samples | None
-    events: Events | None
+    samples: Samples
+    events: Events
 
 
 def new(
-    sample_size: int,
+    sample_size: int = 0,
     duration: float = 0.0,
     sample_interval: float | None = None,
-    event_room: int | None = None,
+    event_room: int = 0,
 ) -> Tally:
-    """Empty record; `duration` (s) sizes the samples, `event_room` the events; None: not kept.
+    """Empty record; `duration` (s) sizes the samples, which are kept if they have an interval (s).
 
-    Samples hold the leading `sample_size` entries of a state.
+    Samples hold the leading `sample_size` entries of a state. Events are kept as far as their room.
     """
-    samples = events = None
+    room, interval = 0, math.inf
     if sample_interval is not None:
-        room = int(duration / sample_interval + 1e-9) + 2
-        samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), sample_interval)
-    if event_room is not None:
-        events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
+        room, interval = int(duration / sample_interval + 1e-9) + 2, sample_interval
+    samples = Samples(np.zeros((room, 1 + sample_size)), np.zeros(1, np.int64), interval)
+    events = Events(np.zeros((event_room, 7)), np.zeros(1, np.int64))
     return Tally(np.zeros(9, np.int64), np.zeros(14), samples, events)
-
-
-def without_room(tally: Tally) -> Tally:
-    """Empty record with no room for samples and events, which the same compiled kernels fill."""
-    samples, events = tally.samples, tally.events
-    if samples is not None:
-        samples = samples._replace(rows=samples.rows[:0].copy(), cursor=np.zeros(1, np.int64))
-    if events is not None:
-        events = events._replace(rows=events.rows[:0].copy(), cursor=np.zeros(1, np.int64))
-    return Tally(np.zeros_like(tally.counts), np.zeros_like(tally.sums), samples, events)
 
 
 def energy_error(sums: Array, gained: float, before: float) -> float:
@@ -121,25 +116,22 @@ def add_impulse(sums, kind, F_y):
 
 @kernel
 def note_event(events, t, foot, F_x, F_y, v_x, v_y, kind):
-    """Append one impact to the events, if they are kept and have room."""
-    if events is not None:
-        row = events.cursor[0]
-        if row < events.rows.shape[0]:
-            events.rows[row, 0] = t
-            events.rows[row, 1] = foot
-            events.rows[row, 2] = F_x
-            events.rows[row, 3] = F_y
-            events.rows[row, 4] = v_x
-            events.rows[row, 5] = v_y
-            events.rows[row, 6] = kind
-            events.cursor[0] = row + 1
+    """Append one impact to the events, if they have room."""
+    row = events.cursor[0]
+    if row < events.rows.shape[0]:
+        events.rows[row, 0] = t
+        events.rows[row, 1] = foot
+        events.rows[row, 2] = F_x
+        events.rows[row, 3] = F_y
+        events.rows[row, 4] = v_x
+        events.rows[row, 5] = v_y
+        events.rows[row, 6] = kind
+        events.cursor[0] = row + 1
 
 
 @kernel
 def next_sample(samples):
     """Time (s, since the record began) of the next sample; infinity when none is wanted."""
-    if samples is None:
-        return np.inf
     if samples.cursor[0] >= samples.rows.shape[0]:
         return np.inf
     return samples.cursor[0] * samples.interval
@@ -147,10 +139,9 @@ def next_sample(samples):
 
 @kernel
 def take_sample(samples, t, state):
-    """Append the leading entries of a state at time t (s) to the samples, if they are kept."""
-    if samples is not None:
-        row = samples.cursor[0]
-        samples.rows[row, 0] = t
-        for i in range(1, samples.rows.shape[1]):  # a slice would need memory, which space has not
-            samples.rows[row, i] = state[i - 1]
-        samples.cursor[0] = row + 1
+    """Append the leading entries of a state at time t (s), the next of the samples."""
+    row = samples.cursor[0]
+    samples.rows[row, 0] = t
+    for i in range(1, samples.rows.shape[1]):  # a slice would need memory, which space has not
+        samples.rows[row, i] = state[i - 1]
+    samples.cursor[0] = row + 1

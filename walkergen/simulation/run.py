@@ -79,15 +79,11 @@ class RunResult(NamedTuple):
     the blocks, shape (blocks + 1, 3)."""
 
 
-def compile_kernels(plan: Plan, sampled: bool = False, impacts: bool = False) -> float:
-    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took.
-
-    Kernels that keep samples, or every impact, are others than those that keep neither.
-    """
+def compile_kernels(plan: Plan) -> float:
+    """Compile (or load from the disk cache) what the plan needs; returns the seconds it took."""
     started = time.perf_counter()
     plan, state = dropped(plan, 0)  # the noise and bumps that a run draws are types of its kernels
-    tally = record.new(0, 0.0, 1.0 if sampled else None, 0 if impacts else None)
-    plan.advance(state, 1e-9, record.without_room(tally))
+    plan.advance(state, 1e-9, record.new())
     plan.energy(state)
     return time.perf_counter() - started
 
@@ -111,7 +107,7 @@ def simulate(
     stopped: Callable[[], bool] = lambda: False,
     sample_interval: float | None = None,
     sample_size: int | None = None,
-    event_room: int | None = None,
+    event_room: int = 0,
 ) -> RunResult:
     """Simulate one run: a drop, the discarded start, then the measured time in blocks.
 
@@ -124,7 +120,7 @@ def simulate(
     tally = record.new(size, run.seconds, sample_interval, event_room)
     outcome = Outcome.OK
     if run.discard_seconds > 0:
-        outcome = _advancer(plan, state, record.without_room(tally))(run.discard_seconds)
+        outcome = _advancer(plan, state, record.new())(run.discard_seconds)
 
     advance = _advancer(plan, state, tally)
     blocks = round(run.seconds / (PERIODS_PER_BLOCK * plan.world.drive.period))
@@ -187,7 +183,6 @@ def with_impacts(
 def impacts_of(result: RunResult) -> Array:
     """Impacts of a run that kept them: rows as in `record.Events`."""
     events = result.tally.events
-    assert events is not None
     return np.asarray(events.rows[: events.cursor[0]])
 
 

@@ -61,7 +61,6 @@ def tracks(columns: Sequence[str], results: Sequence[RunResult]) -> Trajectory:
 def sampled(result: RunResult) -> Array:
     """Rows (t in s, then the state's columns) of the samples that a run kept."""
     samples = result.tally.samples
-    assert samples is not None
     return np.asarray(samples.rows[: samples.cursor[0]])
 
 

@@ -87,7 +87,6 @@ def rebound(plan: Plan, let: Let) -> Rebound:
     tally = record.new(HEIGHT + 1, seconds, seconds / SAMPLES)
     fell = plan.advance(state, seconds, tally) != OK
     samples = tally.samples
-    assert samples is not None
     heights = samples.rows[: samples.cursor[0], 1 + HEIGHT] - standing
     rising = np.flatnonzero(np.diff(heights) > 0.0)
     if not len(rising):

@@ -201,7 +201,6 @@ def ring(plan: Plan, about: float) -> Ringing:
     seconds = RING_PERIODS / about
     tally = record.new(LEGS + 1, seconds, 1.0 / (about * PER_PERIOD))
     plan.advance(state, seconds, tally)
-    assert tally.samples is not None
     rows = tally.samples.rows[: tally.samples.cursor[0]]
     times, angles = rows[:, 0], rows[:, 1 + LEGS]
     frequency = _crossings(times, angles)

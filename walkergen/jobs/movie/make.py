@@ -259,7 +259,6 @@ def title(design: Design) -> str:
 def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
     """What a recorded run shows, in the terms of the picture."""
     samples = result.tally.samples
-    assert samples is not None
     rows = samples.rows[: samples.cursor[0]]
     column = dict(zip(plan.model.columns, rows[:, 1:].T, strict=False))
     none = np.zeros(len(rows))

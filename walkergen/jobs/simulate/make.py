@@ -101,7 +101,7 @@ def _landings(result: RunResult, feet: int) -> Landings:
 def tracks_of(one: Asked, point: Point, progress: Progress) -> Trajectory:
     """Tracks of all runs, again simulated where `point` kept no samples. Raises InputError."""
     assert one.sample_interval is not None
-    kept = all(result.tally.samples is not None for result in point.results)
+    kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
         point = points.measure(one, progress)

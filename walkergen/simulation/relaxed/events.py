@@ -162,20 +162,19 @@ def _break_away(world, state):
 @kernel
 def _sample(world, state, t, dt, samples, stages):
     """Take the samples wanted between t and t + dt, without any effect on the run."""
-    if samples is not None:
-        wanted = next_sample(samples)
-        if wanted <= t + dt:
-            feet, out = _closed_feet(state), np.zeros(TRIAL_SIZE)
-            while wanted <= t + dt:
-                since = max(wanted - t, 0.0)
-                if feet == 0:
-                    drift(world, state, since, out)
-                elif feet == 2:
-                    stand(world, state, since, out)
-                else:
-                    rock(world, state, since, out, stages)
-                take_sample(samples, wanted, out[:RIGID_SIZE])
-                wanted = next_sample(samples)
+    wanted = next_sample(samples)
+    if wanted <= t + dt:
+        feet, out = _closed_feet(state), np.zeros(TRIAL_SIZE)
+        while wanted <= t + dt:
+            since = max(wanted - t, 0.0)
+            if feet == 0:
+                drift(world, state, since, out)
+            elif feet == 2:
+                stand(world, state, since, out)
+            else:
+                rock(world, state, since, out, stages)
+            take_sample(samples, wanted, out[:RIGID_SIZE])
+            wanted = next_sample(samples)
 
 
 @kernel
