@@ -28,7 +28,7 @@ AIR = 1.2e-6
 """Density of air, g/mm^3."""
 
 LARGEST_BEND = 0.2
-"""Depth over length up to which `sunk` holds within 0.1 %."""
+"""Depth over length up to which `sunk` holds within 0.2 %."""
 
 BEND_STIFFENS = 4.0 / 35.0
 """Second order of the elastica under a weight that stays vertical: depth over length is

@@ -67,7 +67,9 @@ class Reading(NamedTuple):
 
     value: float
     error: float
-    """Standard error of the mean."""
+    """Standard error of the mean: the larger of the two below."""
+    stated: float
+    """That by the stated errors of the tries."""
     tries: int
     scatter: float | None
     """Standard deviation of the tries; None of one."""
@@ -213,4 +215,4 @@ def _mean(pairs: Sequence[tuple[float, float]], weight: float, at: float) -> Rea
     stated = float((errors**-2).sum() ** -0.5)
     scatter = float(values.std(ddof=1)) if count > 1 else None
     error = stated if scatter is None else max(stated, scatter / math.sqrt(count))
-    return Reading(mean, error, count, scatter, weight, at)
+    return Reading(mean, error, stated, count, scatter, weight, at)
