@@ -45,6 +45,15 @@ def plate(
             help="A plate to measure material and contact with, its sheet and form, instead.",
         ),
     ] = False,
+    serial: Annotated[
+        int | None,
+        typer.Option(
+            "--serial",
+            metavar="FIRST",
+            min=1,
+            help="Engrave a number into each copy, counted over all from FIRST.",
+        ),
+    ] = None,
     printers: Annotated[
         str, typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files.")
     ] = opt.PRINTER,
@@ -78,7 +87,8 @@ def plate(
 
     asked = loading.asked(keys, "design printer")
     if calibration:
-        beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None}
+        beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None,
+                  "--serial": serial}  # fmt: skip
         _refuse("--calibration makes a plate of its own", beside)
         walker = asked.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
         machines = asked.printers(printers)
@@ -109,7 +119,7 @@ def plate(
         return
     folder = out or Path("out") / name
     order = batch.Order(
-        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
+        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, serial, strict
     )
     with show.progress(name, wanted=not quiet) as progress:
         tell = partial(show.warnings, quiet=quiet)
@@ -118,6 +128,8 @@ def plate(
         show.rows_as_json(rows, files=files)
     elif not quiet:
         _show_placements(rows, files, members)
+        if serial is not None:
+            print(f"copies bear numbers {serial} to {serial + sum(counts) - 1}, last in each mark")
 
 
 def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
@@ -170,16 +182,17 @@ def _show_placements(
     rows: "Sequence[Place]", paths: Sequence[Path], members: "Sequence[Design]"
 ) -> None:
     """Print the number of copies of each part on each plate, the files, and how to read marks."""
-    from collections import Counter
-
     from walkergen.walker import names
 
-    counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
+    counts: dict[tuple[str, int, str], list[str]] = {}
+    for row in rows:
+        counts.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
     for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
         print(f"{printer}, plate {number}")
-        for (machine, plate, name, mark), count in counts.items():
+        for (machine, plate, name), marks in counts.items():
             if (machine, plate) == (printer, number):
-                print(f"  {count:4d} x {name}" + (f"  {mark}" if mark else ""))
+                mark = names.span(marks)
+                print(f"  {len(marks):4d} x {name}" + (f"  {mark}" if mark else ""))
     print("\n".join(str(path) for path in paths))
     for printer in dict.fromkeys(row.printer for row in rows):
         own = [row.plate for row in rows if row.printer == printer]

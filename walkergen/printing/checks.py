@@ -226,8 +226,9 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
-    if marks.kind != "none" and marks.line_mm < width - NOISE_MM:
-        yield new("advice", f"the {marks.kind} may close up: their strokes against a line",
+    what = "serial number" if marks.kind == "none" else marks.kind
+    if marks != marks.bare and marks.line_mm < width - NOISE_MM:
+        yield new("advice", f"the {what} may close up: their strokes against a line",
                    marks.line_mm, width, "mm", "raise marks.line_mm")  # fmt: skip
 
 

@@ -150,9 +150,9 @@ def _settings(batch: Batch) -> str:
 def _contents(batch: Batch) -> str:
     rows = []
     for number, one in enumerate(batch.plates, start=1):
-        counts = Counter(placement.part for placement in one.placements)
-        for part, copies in sorted(counts.items()):
-            name = batch.parts[part].name
+        # Copies with serial numbers are parts of their own, under one name
+        counts = Counter(batch.parts[placement.part].name for placement in one.placements)
+        for name, copies in counts.items():
             rows.append((f"`{batch.stem}_{number}.3mf`", name, str(copies)))
     told = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
     return "## What is on which plate\n\n" + told + table(("file", "part", "copies"), rows)
@@ -187,7 +187,7 @@ def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
         (one.name, f"{one.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
          f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
          "")
-        for one in weights
+        for one in {one.name: one for one in weights}.values()
         for leg, name in one.legs
     ]  # fmt: skip
     paired = all(len(design.limbs) == 2 for design in batch.members)

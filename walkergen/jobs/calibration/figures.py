@@ -26,8 +26,8 @@ def of_strips(bent: Bent, title: str) -> Figure:
     fit = bent.fit
     axes.axhspan(fit.modulus - fit.sd, fit.modulus + fit.sd, color="0.85", linewidth=0)
     quality = "" if fit.probability is None else f", chi² {fit.chi2:.1f} for {fit.dof}"
-    axes.axhline(fit.modulus, color="0.35", linewidth=0.9,
-                 label=f"{NAMES[bent.by]}: {fit.modulus:.2f} ± {fit.sd:.2f} GPa{quality}")  # fmt: skip
+    told = f"{NAMES[bent.by]}: {fit.modulus:.2f} ± {fit.sd:.2f} GPa{quality}"
+    axes.axhline(fit.modulus, color="0.35", linewidth=0.9, label=told)
     step = APART * max(one.thickness for one in bent.points)
     for method, (colour, marker, filled, side, words) in LOOKS.items():
         own = [one for one in bent.points if one.method == method]

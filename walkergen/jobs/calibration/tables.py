@@ -30,8 +30,8 @@ def rows(found: Calibrated) -> Iterator[Row]:
     """Rows of all numbers that were measured."""
     if found.bent is not None:
         fit, points = found.bent.fit, found.bent.points
-        yield Row("Young's modulus", fit.modulus, fit.sd, "GPa",
-                  sum(one.readings for one in points), fit.chi2, fit.dof,
+        counted = sum(one.readings for one in points if found.bent.by in (one.method, "both"))
+        yield Row("Young's modulus", fit.modulus, fit.sd, "GPa", counted, fit.chi2, fit.dof,
                   "material.youngs_modulus_gpa")  # fmt: skip
         ring, off = found.bent.ring_over_bend, found.bent.offset
         if ring is not None:
@@ -58,9 +58,10 @@ def rows(found: Calibrated) -> Iterator[Row]:
 def to_table(found: Calibrated, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
     """Table of what was measured, with errors and the keys that are set."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("measured", "value ± error", "readings", "sets"):
-        right = "right" if heading == "readings" else "left"
-        table.add_column(heading, justify=right, no_wrap=heading.startswith("value"))
+    table.add_column("measured")
+    table.add_column("value ± error", no_wrap=True)
+    table.add_column("readings", justify="right")
+    table.add_column("sets")
     for one in rows(found):
         told = f"{with_error(Estimate(one.value, one.se))} {one.unit}".strip()
         table.add_row(one.quantity, told, str(one.readings or ""), one.key)
