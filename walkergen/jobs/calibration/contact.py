@@ -17,6 +17,9 @@ from walkergen.scene import GRAVITY
 CARRIERS = ("block", "walker")
 """Parts that slide."""
 
+LIGHTEST, HEAVIEST = 0.05, 25.0
+"""Densities (g/cm^3) between foam and gold."""
+
 
 class Value(NamedTuple):
     """Number with its standard error, and what it is the mean of."""
@@ -52,10 +55,12 @@ def density(readings: Readings) -> Value | None:
         return None
     mass, *sizes = (own[name][0] for name in needed)
     volume = parts.block_volume(*(one.value for one in sizes))
-    if volume <= 0.0:
-        raise InputError("block: length_mm, width_mm, height_mm: too small for a block: are these "
-                         "millimetres?")  # fmt: skip
-    found = 1e3 * mass.value / volume
+    found = 1e3 * mass.value / volume if volume > 0.0 else math.inf
+    if not LIGHTEST <= found <= HEAVIEST:
+        raise InputError(
+            f"block: mass and sizes tell a density of {found:.3g} g/cm3: must lie in "
+            f"{LIGHTEST:g}..{HEAVIEST:g}: are these grams and millimetres?"
+        )
     sd = found * math.hypot(*(one.error / one.value for one in (mass, *sizes)))
     return Value(found, sd, sum(one.tries for one in (mass, *sizes)), ("block",), 0.0)
 

@@ -35,6 +35,8 @@ class Quantity(NamedTuple):
     """Columns that it needs beside its reading."""
     may: tuple[str, ...] = ()
     """Columns that it may have."""
+    least: float = 0.0
+    """Value that it must exceed."""
 
 
 STRIP = {
@@ -44,7 +46,7 @@ STRIP = {
     "deflection_mm": Quantity(0.5, 1000.0, ("unloaded_mm", "weight_g", "at_mm")),
     "swings_20_s": Quantity(0.01, 1000.0, (), ("weight_g",)),
     "ring_hz": Quantity(0.2, 1e5, (), ("weight_g",)),
-    "swings_to_half": Quantity(1.0, 1e4),
+    "swings_to_half": Quantity(1.0, 1e4, least=0.5),
 }
 BLOCK = {
     "mass_g": Quantity(0.01, 1e4),
@@ -186,8 +188,10 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
     if "unloaded_mm" in quantity.beside:
         value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
     told = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
-    if not 0.0 < value <= quantity.most:
-        raise InputError(f"{name}: {told} = {value:g}: must be > 0 and <= {quantity.most:g}")
+    if not quantity.least < value <= quantity.most:
+        raise InputError(
+            f"{name}: {told} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
+        )
     for column in quantity.beside:
         if column != "unloaded_mm" and beside[column] <= 0.0:
             raise InputError(f"{column} = {beside[column]:g}: must be > 0")

@@ -40,6 +40,12 @@ DENSITY_SD, WALLS_SD = 0.03, 0.02
 """Relative errors of the density of a strip: where none was measured; and beside a block's, since
 the walls of a strip hold more air, or less, than a filled block."""
 
+WORST, SHORTEST = 0.25, 10.0
+"""Largest relative error of a size; least length of a strip over its thickness, for a beam."""
+
+SOFTEST, STIFFEST = 1e-4, 1e3
+"""Moduli (GPa) between gels and diamond: what is told beyond was written in other units."""
+
 DISAGREES = 0.05
 """Probability of so large a chi2 below which strips disagree."""
 
@@ -124,6 +130,7 @@ def specimens(readings: Readings) -> tuple[list[Specimen], list[str]]:
             notes.append(f"{part}: no {' and no '.join(missing)}: its modulus is not estimated")
             continue
         sizes = {name: own[name][0] for name in SIZES}
+        _check_sizes(part, sizes)
         for one in bends:
             _check(part, one, sizes["free_length_mm"].value)
         found.append(Specimen(part, sizes, bends, rings))
@@ -135,6 +142,22 @@ def _as_frequency(one: Reading) -> Reading:
     hertz = 20.0 / one.value
     scale = hertz / one.value
     return one._replace(value=hertz, error=one.error * scale, stated=one.stated * scale)
+
+
+def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
+    """Raise InputError for sizes that are hardly known, or no beam's."""
+    for name, one in sizes.items():
+        if one.error > WORST * one.value:
+            raise InputError(
+                f"{part}: {name} = {one.value:.3g} ± {one.error:.2g}: its error must be at most "
+                f"{WORST:.0%} of it: measure better or leave the strip out"
+            )
+    thick, long = sizes["thickness_mm"].value, sizes["free_length_mm"].value
+    if long < SHORTEST * thick:
+        raise InputError(
+            f"{part}: free_length_mm = {long:g}: must be at least {SHORTEST:g} times the "
+            f"thickness, {thick:.3g} mm, to bend as a beam"
+        )
 
 
 def _check(part: str, one: Reading, length: float) -> None:
@@ -253,10 +276,16 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
         found = least_squares(misses, at_last, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
         first = found.x
         spread = _errors(strips, _model(strips, density, first, extras)[0])
-    covariance = np.linalg.inv(found.jac.T @ found.jac)
+    across = np.linalg.pinv(found.jac)  # its product is the covariance
+    if not SOFTEST <= math.exp(first[0]) <= STIFFEST:
+        raise InputError(
+            f"{', '.join(one.name for one in strips)}: the readings tell a modulus of "
+            f"{math.exp(first[0]):.3g} GPa: must lie in {SOFTEST:g}..{STIFFEST:g}: are these mm, "
+            "g, s and Hz?"
+        )
     return _Solved(
         float(math.exp(first[0])), [float(one) for one in first[1:own]],
-        np.sqrt(np.diag(covariance)[:own]), float(2.0 * found.cost), len(found.fun), len(first),
+        np.sqrt((across**2).sum(axis=1)[:own]), float(2.0 * found.cost), len(found.fun), len(first),
     )  # fmt: skip
 
 
