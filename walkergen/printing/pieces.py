@@ -95,8 +95,11 @@ def _map(laid: Laid, plate: Plate, title: str) -> "Figure":
 
     wide, deep = laid.printer.bed_width_mm, laid.printer.bed_depth_mm
     scale = 10.0 / max(wide, deep)
-    figure = Figure(figsize=(scale * wide + 0.8, scale * deep + 0.9), layout="constrained")
-    axes = figure.add_subplot()
+    width, height = scale * wide + 0.8, scale * deep + 0.9
+    figure = Figure(figsize=(width, height))
+    axes = figure.add_axes(
+        (0.65 / width, 0.5 / height, scale * wide / width, scale * deep / height)
+    )
     _draw(axes, laid, plate)
     axes.set_xlabel("x (mm), front")
     axes.set_ylabel("y (mm)")

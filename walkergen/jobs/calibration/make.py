@@ -107,7 +107,10 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
         found = _with_settings(
             found._replace(bounced=_bounced(seen, found, job, progress)), job, path
         )
-    found = found._replace(notes=[*_notes(found), *_missing(found, readings)])
+    missing = _missing(found, readings)
+    if not found.settings and found.bounced is None:
+        raise InputError(f"{path}: tells nothing: {'; '.join([*found.notes, *missing])}")
+    found = found._replace(notes=[*_notes(found), *missing])
     _write(found, job, path)
     return found
 

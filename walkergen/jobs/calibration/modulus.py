@@ -49,7 +49,7 @@ SOFTEST, STIFFEST = 1e-4, 1e3
 DISAGREES = 0.05
 """Probability of so large a chi2 below which strips disagree."""
 
-ROUNDS = 3
+ROUNDS = 2
 """Fits, of which each takes the errors that grow with a deflection from the one before."""
 
 
