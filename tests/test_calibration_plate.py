@@ -4,15 +4,17 @@ import csv
 import json
 import math
 
+import maker
 import numpy as np
 import pytest
 import threemf
+from slicing import print_of, program
 from typer.testing import CliRunner
 
 from walkergen.analysis import beams
 from walkergen.cli import app
 from walkergen.files import templates
-from walkergen.jobs.calibration import form, parts, sheet
+from walkergen.jobs.calibration import form, parts, plate, sheet
 from walkergen.printing import walls
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, solids
@@ -96,6 +98,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
     parts_of = [item.part_number.rpartition("-")[0] for item in found.items]
     assert parts_of == ["strip_1", "strip_2", "strip_3", "strip_4", "block", "walker"]
     assert form.filled(folder / form.FILE) is False
+    assert "strip_2,air_percent,5.0,2.0" in (folder / form.FILE).read_text()
     assert run(*words, "--out", "b").exit_code == 0
     for path in folder.rglob("*"):
         if path.is_file():
@@ -151,3 +154,35 @@ def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, words, 
     assert result.exit_code != 0
     assert told in str(result.exception)
     assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.slow
+@pytest.mark.programs
+@pytest.mark.parametrize("name", ["prusa-mk3s", "ender3"])
+def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name):
+    program("prusa-slicer")
+    printer = PRINTERS[name]
+    order = plate.Order(PAPER, [printer], pictures=False)
+    rows, _ = plate.make(order, tmp_path, lambda *_: None, lambda _: None)
+    model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
+    (model.parent / "yours.ini").write_text(maker.ini(printer))
+    lines = print_of(model, model.with_name(f"calibration_{name}.ini")).lines
+    start, end = lines.start - printer.bed_corner, lines.end - printer.bed_corner
+    middle = 0.5 * (start + end)
+    for row, one in zip(rows[:4], parts.strips(PAPER, printer), strict=True):
+        at = row.x_mm + parts.CLAMP_MM[0] + 0.5 * one.strip.length
+        across = (start[:, 0] - at) * (end[:, 0] - at) < 0.0
+        across &= (middle[:, 1] > row.y_mm) & (middle[:, 1] < row.y_mm + row.depth_mm)
+        layers = len(set(lines.z[across]))
+        assert layers == round(one.strip.width / printer.layer_height_mm)
+        assert across.sum() == layers * int(one.name[-1])  # lines in every layer
+        along = np.abs(end - start)[across, 0]
+        plastic = (lines.volume[across] / along).sum() / one.strip.width
+        air = 0.01 * parts.air_percent(one, printer)
+        assert plastic == pytest.approx((1.0 - air) * one.strip.thickness, rel=2e-3)
+    row = rows[4]
+    corner = np.array([row.x_mm, row.y_mm])
+    size = np.array([row.width_mm, row.depth_mm])
+    inside = ((middle > corner - 0.5) & (middle < corner + size + 0.5)).all(axis=1)
+    drawn = parts.block_volume(*parts.block_size(printer))
+    assert lines.volume[inside].sum() == pytest.approx(drawn, rel=0.01)

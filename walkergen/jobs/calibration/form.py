@@ -39,6 +39,10 @@ class Quantity(NamedTuple):
     """Value that it must exceed."""
 
 
+AIR = "air_percent"
+"""Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
+with what the printer's lines leave; it counts in the mass that rings."""
+
 STRIP = {
     "thickness_mm": Quantity(0.02, 20.0),
     "width_mm": Quantity(0.05, 100.0),
@@ -47,6 +51,7 @@ STRIP = {
     "swings_20_s": Quantity(0.01, 1000.0, (), ("weight_g",)),
     "ring_hz": Quantity(0.2, 1e5, (), ("weight_g",)),
     "swings_to_half": Quantity(1.0, 1e4, least=0.5),
+    AIR: Quantity(2.0, 60.0, least=-1.0),
 }
 BLOCK = {
     "mass_g": Quantity(0.01, 1e4),
@@ -59,7 +64,7 @@ WALKER = {"slides_deg": Quantity(1.0, 80.0), "flight_s": Quantity(0.002, 2.0, ("
 TRIES = {
     "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
     "ring_hz": 1, "swings_to_half": 2, "mass_g": 2, "length_mm": 2, "height_mm": 2,
-    "slides_deg": 6, "flight_s": 6,
+    "slides_deg": 6, "flight_s": 6, AIR: 1,
 }  # fmt: skip
 """Rows of the empty form for each quantity."""
 
@@ -91,31 +96,36 @@ def quantities(part: str) -> Mapping[str, Quantity] | None:
     return {"block": BLOCK, "walker": WALKER}.get(part)
 
 
-def template(strips: Sequence[str]) -> str:
-    """Text of an empty form for strips, block and walker, with proposed errors."""
+def template(air: Mapping[str, float]) -> str:
+    """Text of an empty form for strips, block and walker, with proposed errors.
+
+    `air` has the strips by name, with the share of air in percent, which stands there already.
+    """
     lines: list[tuple[object, ...]] = []
-    for part in (*strips, "block", "walker"):
+    for part in (*air, "block", "walker"):
         own = quantities(part) or {}
         for name, quantity in own.items():
-            lines += [(part, name, "", quantity.error, "", "", "")] * TRIES[name]
+            reading = f"{air[part]:.1f}" if name == AIR else ""
+            lines += [(part, name, reading, quantity.error, "", "", "")] * TRIES[name]
     return csv_text(HEADER, lines)
 
 
 def filled(path: Path) -> bool:
-    """True when a file exists that holds any reading: work to keep. Raises InputError."""
+    """True when a file exists that holds any reading of a person: work to keep."""
     if not path.is_file():
         return False
     try:
-        return any(row.get("reading", "").strip() for _, row in _rows(path))
+        return any(row["reading"].strip() and row["measured"].strip() != AIR
+                   for _, row in _rows(path))  # fmt: skip
     except InputError:
         return True  # whatever it is, somebody wrote it
 
 
-def write_template(path: Path, strips: Sequence[str]) -> bool:
+def write_template(path: Path, air: Mapping[str, float]) -> bool:
     """Write the empty form unless somebody filled it in; returns whether. Raises OutputError."""
     if filled(path):
         return False
-    output.write(path, template(strips).encode())
+    output.write(path, template(air).encode())
     return True
 
 
@@ -142,7 +152,7 @@ def read(path: Path) -> Readings:
         more = len(problems) - NAMED
         told = [f"{path}: and {more} more mistakes"] if more > 0 else []
         raise InputError("\n".join(problems[:NAMED] + told))
-    if not tries:
+    if not any(name != AIR for _, name, _, _ in tries):
         raise InputError(f"{path}: no readings; fill in the column reading of some row")
     found: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
     for (part, name, weight, at), pairs in tries.items():

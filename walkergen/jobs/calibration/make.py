@@ -21,6 +21,9 @@ from walkergen.walker.design import Design
 STEEPEST_DEG, MOST_DROPS = 20.0, 1000
 """Largest deviation of a drop's first turn, and number of simulated drops from the hand."""
 
+LIKE = 0.3
+"""Relative difference of thickness up to which a strip stands for a leg."""
+
 DIGITS = 6
 """Significant digits of a value in a file: what lies beyond is rounding."""
 
@@ -129,8 +132,7 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
     if measured is None:
         density = Density(material.density_g_cm3, modulus.DENSITY_SD * material.density_g_cm3)
     else:
-        walls = modulus.WALLS_SD * measured.value
-        density = Density(measured.value, (measured.sd**2 + walls**2) ** 0.5)
+        density = Density(measured.value, measured.sd)
     given = strips, density
     chosen = strips if job.by == "both" else modulus.only(strips, job.by)
     if not chosen:
@@ -193,6 +195,7 @@ def _notes(found: Calibrated) -> list[str]:
     notes = list(found.notes)
     if found.bent is not None:
         notes += _on_strips(found.bent)
+        notes += _on_leg(found.bent, found.design)
     for what, value in (("friction", found.friction), ("damping", found.damping)):
         if value is not None and not value.agrees:
             notes.append(f"{what}: {', '.join(value.parts)} disagree: the error is larger by that")
@@ -227,6 +230,23 @@ def _on_strips(bent: Bent) -> list[str]:
             "best: a caliper on ridges of layers (-), or closed on nothing not at 0"
         )
     return notes
+
+
+def _on_leg(bent: Bent, design: Design) -> list[str]:
+    """Note on a leg that prints thicker or thinner than drawn, by the strip that is most like it.
+
+    It is not set: the key is also what is printed.
+    """
+    drawn = design.limbs[0].thickness
+    near = min(bent.points, key=lambda one: abs(one.thickness - drawn))
+    off = near.thickness - drawn
+    if abs(off) > LIKE * drawn or abs(off) <= 2.0 * near.thickness_sd:
+        return []
+    return [
+        f"{near.strip} is {near.thickness:.3f} ± {near.thickness_sd:.3f} mm thick; a leg drawn "
+        f"{drawn:g} mm that prints so bends {(near.thickness / drawn) ** 3:.2f} times as stiffly: "
+        "give its printed thickness to simulate it"
+    ]
 
 
 def _missing(found: Calibrated, readings: Readings) -> list[str]:

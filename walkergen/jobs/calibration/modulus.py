@@ -15,7 +15,7 @@ import numpy.typing as npt
 from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
 from walkergen.errors import InputError
-from walkergen.jobs.calibration.form import Reading, Readings
+from walkergen.jobs.calibration.form import AIR, Reading, Readings
 from walkergen.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
@@ -36,9 +36,14 @@ OFFSET = "offset"
 WEIGHT_SD, AT_SD_MM = 0.01, 0.5
 """Errors assumed of weights, relative, and of the places where they hang."""
 
-DENSITY_SD, WALLS_SD = 0.03, 0.02
-"""Relative errors of the density of a strip: where none was measured; and beside a block's, since
-the walls of a strip hold more air, or less, than a filled block."""
+DENSITY_SD = 0.03
+"""Relative error of a density that was not measured."""
+
+SOLID = (0.0, 0.05)
+"""Share of air, and its error, in a strip of which nothing is said."""
+
+OTHERS = 4
+"""Numbers that all strips share beside the modulus: density, root, clamp, air."""
 
 WORST, SHORTEST = 0.25, 10.0
 """Largest relative error of a size; least length of a strip over its thickness, for a beam."""
@@ -61,6 +66,8 @@ class Specimen(NamedTuple):
     bends: Sequence[Reading]
     rings: Sequence[Reading]
     """Frequencies, Hz; weight_g is what sits on the tip."""
+    air: tuple[float, float]
+    """Share of its outline that is air, and the error of that."""
 
 
 class Density(NamedTuple):
@@ -95,6 +102,7 @@ class Point(NamedTuple):
     method: str
     thickness: float
     """mm."""
+    thickness_sd: float
     modulus: float
     """GPa."""
     sd: float
@@ -133,7 +141,9 @@ def specimens(readings: Readings) -> tuple[list[Specimen], list[str]]:
         _check_sizes(part, sizes)
         for one in bends:
             _check(part, one, sizes["free_length_mm"].value)
-        found.append(Specimen(part, sizes, bends, rings))
+        (air,) = own.get(AIR, [None])
+        open_ = SOLID if air is None else (0.01 * air.value, 0.01 * air.error)
+        found.append(Specimen(part, sizes, bends, rings, open_))
     return found, notes
 
 
@@ -203,8 +213,18 @@ def points(strips: Sequence[Specimen], density: Density) -> list[Point]:
             for own in only([one], method):
                 alone = fit([own], density)
                 count = sum(reading.tries for reading in (*own.bends, *own.rings))
-                thickness = own.sizes["thickness_mm"].value
-                found.append(Point(one.name, method, thickness, alone.modulus, alone.sd, count))
+                thickness = own.sizes["thickness_mm"]
+                found.append(
+                    Point(
+                        one.name,
+                        method,
+                        thickness.value,
+                        thickness.error,
+                        alone.modulus,
+                        alone.sd,
+                        count,
+                    )
+                )
     return found
 
 
@@ -250,12 +270,12 @@ class _Solved(NamedTuple):
 def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) -> _Solved:
     """Fit the modulus, and `extras` of RINGS (excess of its logarithm there) and OFFSET (mm).
 
-    Beside these every size, the density, root and clamp are free, in units of their errors.
+    Beside these every size, the density, root, clamp and air are free, in units of their errors.
     """
     from scipy.optimize import least_squares
 
     own = 1 + len(extras)
-    first = np.zeros(own + 3 + 3 * len(strips))
+    first = np.zeros(own + OTHERS + 3 * len(strips))
     first[0] = math.log(_guess(strips, density))
     spread: Array | None = None
     for _ in range(ROUNDS):
@@ -291,7 +311,7 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
 
 def _guess(strips: Sequence[Specimen], density: Density) -> float:
     """Modulus (GPa) by a typical reading alone: forms grow as it, or as its root."""
-    at = np.zeros(4 + 3 * len(strips))
+    at = np.zeros(1 + OTHERS + 3 * len(strips))
     found = []
     for one in strips:
         for bend in one.bends:
@@ -324,9 +344,11 @@ def _model(
     heavy = GRAM * (density.value + density.sd * at[own])
     root = beams.ROOT + beams.ROOT_SD * at[own + 1]
     clamp = beams.CLAMP + beams.CLAMP_SD * at[own + 2]
+    filled = [1.0 - one.air[0] - one.air[1] * at[own + 3] for one in strips]
     bends, rings = [], []
     for number, one in enumerate(strips):
-        moved = at[own + 3 + 3 * number : own + 6 + 3 * number]
+        first = own + OTHERS + 3 * number
+        moved = at[first : first + 3]
         sizes = [one.sizes[name].value + one.sizes[name].error * by
                  for name, by in zip(SIZES, moved, strict=True)]  # fmt: skip
         strip = Strip(max(sizes[0] + added, 1e-6), max(sizes[1], 1e-6), sizes[2])
@@ -335,7 +357,9 @@ def _model(
             beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff)
             for bend in one.bends
         ]
-        rings += [_rings(ring, strip, heavy, fast, root, clamp) for ring in one.rings]
+        rings += [
+            _rings(ring, strip, heavy * filled[number], fast, root, clamp) for ring in one.rings
+        ]
     return np.array(bends), rings
 
 

@@ -117,6 +117,11 @@ def strip_mesh(one: Drawn) -> Mesh:
     return extruded([block, bar], one.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
 
 
+def air_percent(one: Drawn, printer: Printer) -> float:
+    """Share of a strip's outline, percent, that the printer's lines leave open."""
+    return max(-100.0 * walls.deviation(one.strip.thickness, printer), 0.0)
+
+
 def block_size(printer: Printer) -> tuple[float, float, float]:
     """Length, width and height of the block, mm, its height in whole layers."""
     long, wide, high = BLOCK_MM

@@ -76,7 +76,9 @@ def make(
         progress(printer.name, number, len(laid))
         paths += _write(order, drawn, each, folder / STEM)
     path = folder / STEM / form.FILE
-    if form.write_template(path, [one.name for one in made[0][0]]):
+    first, machine = made[0]
+    air = {one.name: parts.air_percent(one, machine) for one in first}
+    if form.write_template(path, air):
         paths.append(path)
     return [row for each in laid for row in _places(each)], paths
 

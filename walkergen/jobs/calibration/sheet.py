@@ -109,7 +109,9 @@ def _ring(drawn: Sequence[Drawn]) -> str:
         "4. `ring_hz` instead, if a microphone's spectrum shows it: below 100 Hz most phones are "
         "deaf. A strip clamped so that half of it is free rings at four times the frequency: write "
         "that as a strip of its own, strip_11, with its sizes and that free length.\n"
-        "5. `swings_to_half`: the number of swings until half the way is left: the legs' "
+        "5. `air_percent` stands there: what the printer's lines leave open of the outline that a "
+        "caliper sees. It counts in the mass that swings.\n"
+        "6. `swings_to_half`: the number of swings until half the way is left: the legs' "
         "damping.\n\n"
         + table(("strip", "rings at about, Hz", "20 swings, s", "half as long, Hz"), rows)
     )
