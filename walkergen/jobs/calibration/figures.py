@@ -16,6 +16,9 @@ LOOKS = {
 NAMES = {"both": "all", BENDS: "all weights", RINGS: "all rings"}
 """Words for what the line is fitted to."""
 
+HEADROOM = 0.3
+"""Height that is left to the words above the points, over theirs."""
+
 APART = 0.008
 """Distance of the two methods from their strip's thickness, over the largest, so that bars show."""
 
@@ -45,7 +48,9 @@ def of_strips(bent: Bent, title: str) -> Figure:
         )  # fmt: skip
     axes.set_xlim(left=0.0)
     axes.margins(y=0.15)
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + HEADROOM * (high - low))
     axes.set_xlabel("measured thickness of the strip (mm)")
     axes.set_ylabel("Young's modulus (GPa)")
-    axes.legend(fontsize=8, framealpha=0.9, edgecolor="none")
+    axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
     return figure

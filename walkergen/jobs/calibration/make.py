@@ -270,6 +270,11 @@ def _missing(found: Calibrated, readings: Readings) -> list[str]:
             notes.append(f"no {needs}: no {what}")
     if "flight_s" not in readings.get("walker", {}):
         notes.append("no flight_s of the walker: no restitution")
+    elif found.bounced is None:
+        notes.append(
+            "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or "
+            "flatter (--roll-deg)"
+        )
     return notes
 
 

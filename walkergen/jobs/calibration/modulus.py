@@ -179,7 +179,7 @@ def _check(part: str, one: Reading, length: float) -> None:
     if one.value > beams.LARGEST_BEND * one.at_mm:
         raise InputError(
             f"{part}: deflection_mm of {one.value:.3g} under {one.weight_g:g} g at {one.at_mm:g} "
-            f"mm: is {one.value / one.at_mm:.0%} of the length, at most {beams.LARGEST_BEND:.0%} "
+            f"mm: is {one.value / one.at_mm:.1%} of the length, at most {beams.LARGEST_BEND:.0%} "
             "counts as a bend: hang less, or nearer to the block"
         )
 

@@ -90,7 +90,7 @@ def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Pi
         mesh, strip = parts.strip_mesh(one), one.strip
         wall = Wall("strip", strip.thickness, 1.0, strip.width)
         seen = checks.of_piece(one.name, [wall], mesh, printer)
-        label = f"{one.name}: {strip.thickness:g} mm, {strip.length:g} free"
+        label = f"{one.name}: {strip.thickness:g} mm"
         found.append(Piece(one.name, mesh, label, seen))
     mesh = parts.block_mesh(printer)
     found.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
