@@ -19,8 +19,9 @@ from walkergen.errors import InputError
 from walkergen.exploring import drops
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.calibration import contact, form, make, modulus, parts
-from walkergen.jobs.calibration.modulus import BENDS, RINGS, Density
+from walkergen.jobs.calibration import contact, form, make, modulus, parts, specimens
+from walkergen.jobs.calibration.modulus import Density
+from walkergen.jobs.calibration.specimens import BENDS, RINGS
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -103,7 +104,7 @@ def crowd(tmp_path_factory):
 
 
 def fitted(readings):
-    strips, notes = modulus.specimens(readings)
+    strips, notes = specimens.read(readings)
     assert notes == []
     density = contact.density(readings)
     return modulus.fit(strips, Density(density.value, density.sd))
@@ -133,7 +134,7 @@ def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
     assert np.mean([one.sd / one.modulus for one in fits]) < 0.05  # it tells 5 %
     assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
     assert sum(one.agrees for one in fits) >= 13
-    by = [modulus.fit(modulus.only(modulus.specimens(crowd[0])[0], method), Density(1.22, 0.02))
+    by = [modulus.fit(specimens.only(specimens.read(crowd[0])[0], method), Density(1.22, 0.02))
           for method in (BENDS, RINGS)]  # fmt: skip
     assert all(abs(1e9 * one.modulus - MODULUS) < 3e9 * one.sd for one in by)
 
@@ -150,8 +151,8 @@ def test_any_plastic_is_found_and_all_scales(crowd, times):
             one._replace(value=one.value / times**0.5, error=one.error / times**0.5)
             for one in own["swings_20_s"]
         ]
-    strips, density = modulus.specimens(readings)[0], Density(1.22, 0.02)
-    first = modulus.fit(modulus.specimens(crowd[0])[0], density)
+    strips, density = specimens.read(readings)[0], Density(1.22, 0.02)
+    first = modulus.fit(specimens.read(crowd[0])[0], density)
     found = modulus.fit(strips, density)
     assert found.modulus == pytest.approx(times * first.modulus, rel=1e-4)
     assert found.sd == pytest.approx(times * first.sd, rel=1e-3)
@@ -175,7 +176,7 @@ def test_creep_and_ridges_are_named(tmp_path):
         readings[name] = form.read(person.writes(tmp_path))
     found = {}
     for name, one in readings.items():
-        given = modulus.specimens(one)[0], Density(1.22, 0.02)
+        given = specimens.read(one)[0], Density(1.22, 0.02)
         found[name] = modulus.ring_over_bend(*given), modulus.offset(*given), modulus.fit(*given)
     ring, _, fit = found["creep"]
     assert ring.seen
@@ -370,3 +371,16 @@ def test_a_bad_option_is_one_line(tmp_path, words, told):
     result = CliRunner().invoke(app, ["calibrate", str(path), "--out", "o", *words])
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)
+
+
+def test_what_the_readings_leave_open_is_not_told(crowd):
+    strips, _ = specimens.read(crowd[0])
+    twins = [strips[0], strips[0]._replace(name="strip_9")]
+    density = Density(1.22, 0.02)
+    assert modulus.offset(specimens.only(twins, RINGS), density) is None  # equal thicknesses
+    assert modulus.offset(strips[:1], density) is None
+    assert modulus.ring_over_bend(specimens.only(strips, BENDS), density) is None
+    alone = modulus.fit(specimens.only(strips[:1], RINGS), density)
+    assert alone.dof == 0
+    assert alone.probability is None
+    assert alone.agrees

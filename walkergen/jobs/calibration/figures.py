@@ -5,7 +5,7 @@ from matplotlib.figure import Figure
 
 from walkergen.files.figures import STYLES, axes_of
 from walkergen.jobs.calibration.make import Bent
-from walkergen.jobs.calibration.modulus import BENDS, RINGS
+from walkergen.jobs.calibration.specimens import BENDS, RINGS
 
 LOOKS = {
     BENDS: (STYLES["flexible"][0], "o", "full", -1.0, "under weights"),

@@ -11,7 +11,7 @@ from walkergen.exploring import drops, still
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.calibration import contact, form, modulus
+from walkergen.jobs.calibration import contact, form, modulus, specimens
 from walkergen.jobs.calibration.contact import Rebound, Value
 from walkergen.jobs.calibration.form import Readings
 from walkergen.jobs.calibration.modulus import Density, Fit, Point, Systematic
@@ -39,7 +39,7 @@ class Job(NamedTuple):
     """Simulated drops from the hand for each restitution."""
     pictures: bool
     by: str = "both"
-    """Method whose modulus counts: one of modulus.METHODS."""
+    """Method whose modulus counts: one of specimens.METHODS."""
 
 
 class Bent(NamedTuple):
@@ -49,7 +49,7 @@ class Bent(NamedTuple):
     points: list[Point]
     density: Density
     by: str
-    """Method that counts, of modulus.METHODS."""
+    """Method that counts, of specimens.METHODS."""
     ring_over_bend: Systematic | None
     offset: Systematic | None
 
@@ -93,8 +93,8 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     manifest.json. A drop test simulates drops of the walker. Raises InputError, before anything is
     written, for readings that are unusable.
     """
-    if job.by not in modulus.METHODS:
-        raise InputError(f"--by {job.by[:30]!r}: must be one of {', '.join(modulus.METHODS)}")
+    if job.by not in specimens.METHODS:
+        raise InputError(f"--by {job.by[:30]!r}: must be one of {', '.join(specimens.METHODS)}")
     _check("--roll-deg", job.turn_deg, 0.0, STEEPEST_DEG)
     _check("--drops", job.drops, 2, MOST_DROPS)
     readings = form.read(path)
@@ -125,7 +125,7 @@ def _check(flag: str, value: float, low: float, high: float) -> None:
 
 def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | None, list[str]]:
     """Modulus of the strips, and notes; a density that was not measured is the design's."""
-    strips, notes = modulus.specimens(readings)
+    strips, notes = specimens.read(readings)
     if not strips:
         return None, notes
     material = job.design.material
@@ -134,7 +134,7 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
     else:
         density = Density(measured.value, measured.sd)
     given = strips, density
-    chosen = strips if job.by == "both" else modulus.only(strips, job.by)
+    chosen = strips if job.by == "both" else specimens.only(strips, job.by)
     if not chosen:
         raise InputError(f"--by {job.by}: no strip has readings of that kind")
     found = Bent(

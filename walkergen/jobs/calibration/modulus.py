@@ -6,7 +6,7 @@ sum of squares at its end, chi2, says whether the strips agree.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -15,20 +15,14 @@ import numpy.typing as npt
 from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
 from walkergen.errors import InputError
-from walkergen.jobs.calibration.form import AIR, Reading, Readings
+from walkergen.jobs.calibration.form import Reading
+from walkergen.jobs.calibration.specimens import BENDS, RINGS, SIZES, Specimen, only
 from walkergen.scene import GRAVITY
 
 Array = npt.NDArray[np.float64]
 
 PA, GRAM = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
-
-SIZES = ("thickness_mm", "width_mm", "free_length_mm")
-BENDS, RINGS = "deflection", "ring"
-"""Methods by which a strip tells its modulus."""
-
-METHODS = (BENDS, RINGS, "both")
-"""Methods that may count."""
 
 OFFSET = "offset"
 """What a fit may free beside: a length on all thicknesses; RINGS: a modulus of the ring's own."""
@@ -39,14 +33,8 @@ WEIGHT_SD, AT_SD_MM = 0.01, 0.5
 DENSITY_SD = 0.03
 """Relative error of a density that was not measured."""
 
-SOLID = (0.0, 0.05)
-"""Share of air, and its error, in a strip of which nothing is said."""
-
 OTHERS = 4
 """Numbers that all strips share beside the modulus: density, root, clamp, air."""
-
-WORST, SHORTEST = 0.25, 10.0
-"""Largest relative error of a size; least length of a strip over its thickness, for a beam."""
 
 SOFTEST, STIFFEST = 1e-4, 1e3
 """Moduli (GPa) between gels and diamond: what is told beyond was written in other units."""
@@ -54,20 +42,11 @@ SOFTEST, STIFFEST = 1e-4, 1e3
 DISAGREES = 0.05
 """Probability of so large a chi2 below which strips disagree."""
 
+LEFT_OPEN = 1e-7
+"""Least singular value of the slopes, over the largest, below which readings leave numbers open."""
+
 ROUNDS = 2
 """Fits, of which each takes the errors that grow with a deflection from the one before."""
-
-
-class Specimen(NamedTuple):
-    """Strip with its readings."""
-
-    name: str
-    sizes: Mapping[str, Reading]
-    bends: Sequence[Reading]
-    rings: Sequence[Reading]
-    """Frequencies, Hz; weight_g is what sits on the tip."""
-    air: tuple[float, float]
-    """Share of its outline that is air, and the error of that."""
 
 
 class Density(NamedTuple):
@@ -121,78 +100,18 @@ class Systematic(NamedTuple):
         return abs(self.value) > 2.0 * self.sd
 
 
-def specimens(readings: Readings) -> tuple[list[Specimen], list[str]]:
-    """Strips that tell a modulus, and notes on those that do not. Raises InputError."""
-    found, notes = [], []
-    for part in sorted(name for name in readings if name.startswith("strip_")):
-        own = readings[part]
-        rings = [
-            *own.get("ring_hz", ()),
-            *(_as_frequency(one) for one in own.get("swings_20_s", ())),
-        ]
-        bends = own.get("deflection_mm", ())
-        if not (rings or bends):
-            continue
-        missing = [name for name in SIZES if name not in own]
-        if missing:
-            notes.append(f"{part}: no {' and no '.join(missing)}: its modulus is not estimated")
-            continue
-        sizes = {name: own[name][0] for name in SIZES}
-        _check_sizes(part, sizes)
-        for one in bends:
-            _check(part, one, sizes["free_length_mm"].value)
-        (air,) = own.get(AIR, [None])
-        open_ = SOLID if air is None else (0.01 * air.value, 0.01 * air.error)
-        found.append(Specimen(part, sizes, bends, rings, open_))
-    return found, notes
-
-
-def _as_frequency(one: Reading) -> Reading:
-    """Frequency, Hz, of a time of 20 swings, s."""
-    hertz = 20.0 / one.value
-    scale = hertz / one.value
-    return one._replace(value=hertz, error=one.error * scale, stated=one.stated * scale)
-
-
-def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
-    """Raise InputError for sizes that are hardly known, or no beam's."""
-    for name, one in sizes.items():
-        if one.error > WORST * one.value:
-            raise InputError(
-                f"{part}: {name} = {one.value:.3g} ± {one.error:.2g}: its error must be at most "
-                f"{WORST:.0%} of it: measure better or leave the strip out"
-            )
-    thick, long = sizes["thickness_mm"].value, sizes["free_length_mm"].value
-    if long < SHORTEST * thick:
-        raise InputError(
-            f"{part}: free_length_mm = {long:g}: must be at least {SHORTEST:g} times the "
-            f"thickness, {thick:.3g} mm, to bend as a beam"
-        )
-
-
-def _check(part: str, one: Reading, length: float) -> None:
-    """Raise InputError for a deflection that is no small bend of its strip."""
-    if one.at_mm > length:
-        raise InputError(
-            f"{part}: at_mm = {one.at_mm:g}: beyond the strip's free_length_mm = {length:g}"
-        )
-    if one.value > beams.LARGEST_BEND * one.at_mm:
-        raise InputError(
-            f"{part}: deflection_mm of {one.value:.3g} under {one.weight_g:g} g at {one.at_mm:g} "
-            f"mm: is {one.value / one.at_mm:.1%} of the length, at most {beams.LARGEST_BEND:.0%} "
-            "counts as a bend: hang less, or nearer to the block"
-        )
-
-
-def only(strips: Sequence[Specimen], method: str) -> list[Specimen]:
-    """Strips with the readings of one method alone; those without any are left out."""
-    kept = [one._replace(rings=()) if method == BENDS else one._replace(bends=()) for one in strips]
-    return [one for one in kept if one.bends or one.rings]
-
-
 def fit(strips: Sequence[Specimen], density: Density) -> Fit:
-    """Modulus of strips, of which at least one has readings."""
+    """Modulus of strips, of which at least one has readings.
+
+    Raises InputError for a modulus that no material has.
+    """
     solved = _solve(strips, density, ())
+    if not SOFTEST <= solved.modulus <= STIFFEST:
+        raise InputError(
+            f"{', '.join(one.name for one in strips)}: the readings tell a modulus of "
+            f"{solved.modulus:.3g} GPa: must lie in {SOFTEST:g}..{STIFFEST:g}: are these mm, g, s "
+            "and Hz?"
+        )
     dof = solved.residuals - solved.parameters
     probability = None
     sd = solved.modulus * solved.errors[0]
@@ -214,17 +133,8 @@ def points(strips: Sequence[Specimen], density: Density) -> list[Point]:
                 alone = fit([own], density)
                 count = sum(reading.tries for reading in (*own.bends, *own.rings))
                 thickness = own.sizes["thickness_mm"]
-                found.append(
-                    Point(
-                        one.name,
-                        method,
-                        thickness.value,
-                        thickness.error,
-                        alone.modulus,
-                        alone.sd,
-                        count,
-                    )
-                )
+                told = thickness.value, thickness.error, alone.modulus, alone.sd, count
+                found.append(Point(one.name, method, *told))
     return found
 
 
@@ -237,20 +147,26 @@ def ring_over_bend(strips: Sequence[Specimen], density: Density) -> Systematic |
         return None
     solved = _solve(strips, density, (RINGS,))
     excess = solved.extras[0]
-    return Systematic(math.expm1(excess), math.exp(excess) * solved.errors[1])
+    return _known(Systematic(math.expm1(excess), math.exp(excess) * solved.errors[1]), 1.0)
+
+
+def _known(one: Systematic, most: float) -> Systematic | None:
+    """Number whose error is at most `most`; None of one that the readings leave open."""
+    return one if one.sd <= most else None
 
 
 def offset(strips: Sequence[Specimen], density: Density) -> Systematic | None:
     """Length (mm) that, added to all thicknesses, makes strips agree best; None of a single one.
 
-    A caliper rides on the ridges of layers, which bend no less: that makes it negative. Ring and
-    weights may tell different moduli.
+    A caliper measures over the ridges of layers, which stiffen little: that makes it negative. Ring
+    and weights may tell different moduli. None too where the strips leave it open.
     """
     if len(strips) < 2:
         return None
     both = bool(only(strips, BENDS)) and bool(only(strips, RINGS))
     solved = _solve(strips, density, (OFFSET, RINGS) if both else (OFFSET,))
-    return Systematic(solved.extras[0], solved.errors[1])
+    thinnest = min(one.sizes["thickness_mm"].value for one in strips)
+    return _known(Systematic(solved.extras[0], solved.errors[1]), thinnest)
 
 
 class _Solved(NamedTuple):
@@ -297,15 +213,12 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
         first = found.x
         spread = _errors(strips, _model(strips, density, first, extras)[0])
     across = np.linalg.pinv(found.jac)  # its product is the covariance
-    if not SOFTEST <= math.exp(first[0]) <= STIFFEST:
-        raise InputError(
-            f"{', '.join(one.name for one in strips)}: the readings tell a modulus of "
-            f"{math.exp(first[0]):.3g} GPa: must lie in {SOFTEST:g}..{STIFFEST:g}: are these mm, "
-            "g, s and Hz?"
-        )
+    errors = np.sqrt((across**2).sum(axis=1)[:own])
+    if np.linalg.matrix_rank(found.jac, rtol=LEFT_OPEN) < len(first):
+        errors[1:] = math.inf
     return _Solved(
         float(math.exp(first[0])), [float(one) for one in first[1:own]],
-        np.sqrt((across**2).sum(axis=1)[:own]), float(2.0 * found.cost), len(found.fun), len(first),
+        errors, float(2.0 * found.cost), len(found.fun), len(first),
     )  # fmt: skip
 
 
