@@ -39,8 +39,16 @@ ROOMS = {
         "exploring/evaluate",
         "exploring/run",
         "exploring/crew",
+        "exploring/drops",
     ],
-    "analysis": ["analysis/tracks", "analysis/motion", "analysis/fits", "analysis/speeds"],
+    "analysis": [
+        "analysis/tracks",
+        "analysis/motion",
+        "analysis/fits",
+        "analysis/speeds",
+        "analysis/beams",
+        "analysis/inverse",
+    ],
     "printing": ["printing/printers", "printing/checks", "printing/layout", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
 }

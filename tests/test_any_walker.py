@@ -6,8 +6,9 @@ import pytest
 from walkergen import uncertain
 from walkergen.analysis import landings
 from walkergen.errors import InputError
+from walkergen.exploring import still
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.jobs.bench import pluck, still
+from walkergen.jobs.bench import pluck
 from walkergen.jobs.movie import shot
 from walkergen.jobs.simulate import tables
 from walkergen.scene import Scene

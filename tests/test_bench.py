@@ -5,10 +5,12 @@ import math
 import numpy as np
 import pytest
 
+from walkergen.analysis import beams, inverse
+from walkergen.analysis.inverse import Curve, Measured
+from walkergen.exploring import drops, still
+from walkergen.exploring.drops import Let
 from walkergen.files import templates
-from walkergen.jobs.bench import drop, inverse, pluck, slide, still
-from walkergen.jobs.bench.drop import Let
-from walkergen.jobs.bench.inverse import Curve, Measured
+from walkergen.jobs.bench import pluck, slide
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance, feet
@@ -34,7 +36,7 @@ def plan_of(tilt=10.0, kind="flexible", damping=None, **contact):
 
 
 def flat(height=10.0, **choices):
-    return drop.rebound(plan_of(**choices), Let(height)).ratio
+    return drops.rebound(plan_of(**choices), Let(height)).ratio
 
 
 @pytest.mark.parametrize(
@@ -64,7 +66,7 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
     walker = plan.world.walker
     alone = 1.0 / float(mobility(walker)[0, 0])
     ratio = feet.damping_ratio(label) * math.sqrt(alone / (0.25 * walker.mass))
-    found = drop.rebound(plan, Let(10.0)).ratio
+    found = drops.rebound(plan, Let(10.0)).ratio
     assert found == pytest.approx(feet.restitution(ratio), abs=STEP_SCATTER)
 
 
@@ -73,7 +75,7 @@ def test_upright_hysteretic_feet_rebound_with_their_label_whatever_they_carry(la
     feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
     scene = still.with_contact(LANE.model_copy(update={"feet": feet_of}), restitution=label)
     plan = still.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
-    assert drop.rebound(plan, Let(10.0)).ratio == pytest.approx(label, abs=STEP_SCATTER)
+    assert drops.rebound(plan, Let(10.0)).ratio == pytest.approx(label, abs=STEP_SCATTER)
 
 
 def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
@@ -85,7 +87,7 @@ def test_nothing_is_gained_by_undamped_feet_on_undamped_legs():
 def test_heights_and_speeds_give_one_rebound():
     plan = plan_of(restitution=0.5)
     state = plan.start(10.0, 0.0, 0.0)
-    seconds = drop.seconds_of(10.0)
+    seconds = drops.seconds_of(10.0)
     tally = record.new(V_X + 2, seconds, 1e-5)
     plan.advance(state, seconds, tally)
     rows = tally.samples.rows[: tally.samples.cursor[0]]
@@ -96,14 +98,14 @@ def test_heights_and_speeds_give_one_rebound():
 
 def test_one_corner_first_halves_the_rebound():
     plan = plan_of(restitution=0.8)
-    level, rolled = (drop.rebound(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
+    level, rolled = (drops.rebound(plan, Let(10.0, roll=roll)).ratio for roll in (0.0, 2e-3))
     assert rolled < 0.5 * level
 
 
 def test_one_foot_first_lowers_the_rebound_and_the_mirror_image_does_the_same():
     pitches = (0.0, 0.02, -0.02)
     one, other = (
-        [drop.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio
+        [drops.rebound(plan_of(side * 10.0, restitution=0.8), Let(10.0, side * pitch)).ratio
          for pitch in pitches] for side in (1.0, -1.0)
     )  # fmt: skip
     assert max(one[1:]) < one[0] - 3 * STEP_SCATTER
@@ -117,7 +119,7 @@ def rocked(walker, label, height, roll, dt=4e-6):
     y = height - min(down * math.cos(roll) - z * math.sin(roll) for z in edges)
     angle, v, spin, top = roll, 0.0, 0.0, 0.0
     first = y + down
-    for _ in range(int(drop.seconds_of(first) / dt)):
+    for _ in range(int(drops.seconds_of(first) / dt)):
         y, v, angle = y + dt * (v - 0.5 * GRAVITY * dt), v - GRAVITY * dt, angle + dt * spin
         for z in edges:
             arm = down * math.sin(angle) + z * math.cos(angle)
@@ -138,7 +140,7 @@ def test_a_rolled_block_rebounds_by_one_impact_after_the_other(label, height, ro
     scene = LANE.model_copy(update={"feet": feet_of})
     scene = still.with_contact(scene, restitution=label, friction=0.0)
     plan = still.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
-    found = drop.rebound(plan, Let(height, roll=roll)).ratio
+    found = drops.rebound(plan, Let(height, roll=roll)).ratio
     # The rival has impacts without duration, and rises by 5e-4 less per step of 4 us
     assert found == pytest.approx(rocked(plan.world.walker, label, height, roll), abs=5e-3)
     assert found < label - 0.03
@@ -149,7 +151,7 @@ def test_what_counts_is_the_time_between_corners():
     plan = plan_of(restitution=0.8)
     for roll in (2e-4, 1e-3):
         low, high = (
-            drop.rebound(plan, Let(height, roll=roll * math.sqrt(height))).ratio
+            drops.rebound(plan, Let(height, roll=roll * math.sqrt(height))).ratio
             for height in (1.0, 10.0)
         )
         assert low == pytest.approx(high, abs=0.06)  # gravity acts on the low drop a little more
@@ -161,7 +163,7 @@ def test_a_drop_is_the_same_from_any_height_when_flat():
 
 
 def test_the_film_shows_the_drop_that_was_asked_for():
-    plan = drop.let_go(plan_of(), Let(3.0, 0.01, 0.02))
+    plan = drops.let_go(plan_of(), Let(3.0, 0.01, 0.02))
     _, state = dropped(plan, 0)
     np.testing.assert_array_equal(state, plan_of().start(3.0, 0.01, 0.0, 0.02))
 
@@ -312,14 +314,14 @@ def test_a_plucked_leg_of_the_model_rings_as_its_hinge_says(spring, ratio):
     free = found.hinges[spring]
     # A body 1e9 times as heavy is held; flights are exact, crossings are read between 64 samples
     assert found.held.frequency == pytest.approx(free * math.sqrt(1 - ratio**2), rel=3e-4)
-    assert found.held.decrement == pytest.approx(pluck.decrement_of(ratio), rel=5e-3, abs=1e-3)
+    assert found.held.decrement == pytest.approx(beams.decrement_of(ratio), rel=5e-3, abs=1e-3)
 
 
 def test_only_the_spring_of_its_frequency_swings_as_the_printed_leg():
     found = pluck.pluck(LANE, PAPER)
     shares = {name: one / found.cantilever for name, one in found.hinges.items()}
     # 3.000 / 3.516 for the static stiffness; the mesh's foot is cut flat, 0.05 % of the inertia
-    assert shares["cantilever"] == pytest.approx(3.0 / pluck.FIRST_MODE, rel=1e-3)
+    assert shares["cantilever"] == pytest.approx(3.0 / beams.FIRST_MODE, rel=1e-3)
     assert shares["frequency"] == pytest.approx(1.0, rel=1e-3)
     assert found.free[0] >= found.hinges["cantilever"]
     assert found.free[-1] > 1.02 * found.hinges["cantilever"]
@@ -337,4 +339,4 @@ def test_a_weighed_leg_takes_the_thickness_out_of_its_mass():
 
 def test_damping_and_decrement_are_inverse():
     for ratio in (0.001, 0.05, 0.5):
-        assert pluck.damping_ratio(pluck.decrement_of(ratio)) == pytest.approx(ratio)
+        assert beams.damping_ratio(beams.decrement_of(ratio)) == pytest.approx(ratio)

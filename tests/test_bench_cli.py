@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
+from walkergen.exploring import drops
 from walkergen.jobs.bench import drop, slide
 
 
@@ -31,7 +32,7 @@ def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):
     assert data["settings"] == {}
     with (tmp_path / "a" / "drop.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert [float(row["restitution"]) for row in rows] == list(drop.LABELS)
+    assert [float(row["restitution"]) for row in rows] == list(drops.LABELS)
     assert np.all(np.diff([float(row["flat"]) for row in rows]) > 0)
     names = {path.name for path in (tmp_path / "a").iterdir()}
     assert {"drop.md", "drop.png", "drop.pdf", "tilts.csv", "manifest.json"} <= names

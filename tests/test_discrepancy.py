@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from walkergen import discrepancy
-from walkergen.jobs.calibrate import make
+from walkergen.jobs.discrepancies import make
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -20,6 +20,7 @@ TAKES = {
     ("bench", "drop"): "design scene",
     ("bench", "pluck"): "design scene",
     ("bench", "slide"): "design scene",
+    ("calibrate", "measurements.csv"): "design scene",
     ("check",): "design printer",
     ("design", "--speed", "40"): "design scene printer",
     ("explain",): "design scene",

@@ -1,7 +1,8 @@
 """Theory's own error: its speeds against those of the model in space, from a stored table.
 
-`make calibrate-models` simulates a thousand walkers (walkergen/jobs/calibrate) and fits the lengths
-of a Gaussian process to their speeds; here it is evaluated, and refused outside their range.
+`make calibrate-models` simulates a thousand walkers (walkergen/jobs/discrepancies) and fits the
+lengths of a Gaussian process to their speeds; here it is evaluated, and refused outside their
+range.
 """
 
 import hashlib

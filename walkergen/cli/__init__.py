@@ -11,6 +11,7 @@ from walkergen.cli import (
     accuracy,
     analyse,
     bench,
+    calibrate,
     check,
     design,
     explain,
@@ -36,7 +37,7 @@ COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
     "Predict": (predict.predict, sweep.sweep),
     "Simulate": (simulate.simulate, movie.movie, explain.explain),
-    "Measure": (analyse.analyse, fit.fit, bench.app, weigh.weigh),
+    "Measure": (analyse.analyse, fit.fit, calibrate.calibrate, bench.app, weigh.weigh),
     "Trust": (accuracy.accuracy, selftest.selftest, validate.validate, reproduce.reproduce),
     "Files": (report.report, templates.app),
 }

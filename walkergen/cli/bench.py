@@ -81,7 +81,8 @@ def drop(
     quiet: opt.Quiet = False,
 ) -> None:
     """Drop a walker on a still plate: from its rebound to the restitution of its feet."""
-    from walkergen.jobs.bench import inverse, make
+    from walkergen.analysis import inverse
+    from walkergen.jobs.bench import make
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
@@ -108,15 +109,17 @@ def drop(
 
 def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     """Film the first of the drops from the hand, from the release to where it rises no more."""
-    from walkergen.jobs.bench import drop, still
+    from walkergen.exploring import drops, still
     from walkergen.jobs.movie import make as movies
 
-    let = drop.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
+    let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
     scene = still.filmed(test.scene)
     job = movies.plan(
-        [test.design], scene, seconds=drop.seconds_of(how.height), fps=FPS, view="perspective"
+        [test.design], scene, seconds=drops.seconds_of(how.height), fps=FPS, view="perspective"
     )
-    return movies.make(job._replace(let_go=lambda plan: drop.let_go(plan, let)), path, progress).gif
+    return movies.make(
+        job._replace(let_go=lambda plan: drops.let_go(plan, let)), path, progress
+    ).gif
 
 
 @app.command(cls=Command, epilog=epilog("bench slide"))
@@ -137,7 +140,8 @@ def slide(
     quiet: opt.Quiet = False,
 ) -> None:
     """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
-    from walkergen.jobs.bench import inverse, make
+    from walkergen.analysis import inverse
+    from walkergen.jobs.bench import make
 
     asked = loading.asked(keys, "design scene")
     chosen = asked.one(design, tilt, legs)
@@ -176,7 +180,8 @@ def pluck(
     quiet: opt.Quiet = False,
 ) -> None:
     """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
-    from walkergen.jobs.bench import inverse, make
+    from walkergen.analysis import inverse
+    from walkergen.jobs.bench import make
 
     asked = loading.asked(keys, "design scene")
     chosen = asked.one(design, tilt, legs)

@@ -4,7 +4,7 @@ EXAMPLES: dict[str, tuple[str, str]] = {
     "family": ("family", "family maker-large --tilt 5:20:5 --copies 4"),
     "export": ("export --tilt 12 --format stl,3mf", "export my.toml --legs flexible,braced"),
     "check": ("check", "check my.toml --tilt 5,10 --printer ender3"),
-    "plate": ("plate --tilt 5,10,15 --copies 8", "plate --orders orders.csv --printer ender3"),
+    "plate": ("plate --tilt 5,10,15 --copies 8", "plate --calibration --printer ender3"),
     "design": ("design --speed 80", "design --fastest --vary legs.length_mm=4:9"),
     "predict": ("predict --tilt 5:30:5", "predict my.toml --tilt 10 --weights weights.csv"),
     "sweep": (
@@ -16,6 +16,10 @@ EXAMPLES: dict[str, tuple[str, str]] = {
     "explain": ("explain --tilt 10", "explain --scene plane-noisy --no-cost"),
     "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
     "fit": ("fit speeds.csv", "fit speeds.csv --model space --predict 8,12"),
+    "calibrate": (
+        "calibrate measurements.csv",
+        "calibrate measurements.csv --design my.toml --scene plane-90hz",
+    ),
     "bench": ("bench drop --measured 0.5", "bench slide --measured 14"),
     "bench drop": ("bench drop", "bench drop --measured 0.5 --tries 10"),
     "bench slide": ("bench slide", "bench slide --measured 14 --measured-sd 1"),

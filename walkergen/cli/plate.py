@@ -12,6 +12,7 @@ from walkergen.cli import options as opt
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
+    from walkergen.jobs.calibration.plate import Order
     from walkergen.jobs.orders.make import Room
     from walkergen.printing.layout import Place
     from walkergen.walker.design import Design
@@ -35,6 +36,22 @@ def plate(
             "--orders",
             metavar="FILE",
             help="Order list (CSV: design, tilt_deg, legs, copies) of several designs.",
+        ),
+    ] = None,
+    calibration: Annotated[
+        bool,
+        typer.Option(
+            "--calibration",
+            help="A plate to measure material and contact with, its sheet and form, instead.",
+        ),
+    ] = False,
+    serial: Annotated[
+        int | None,
+        typer.Option(
+            "--serial",
+            metavar="FIRST",
+            min=1,
+            help="Engrave a number into each copy, counted over all from FIRST.",
         ),
     ] = None,
     printers: Annotated[
@@ -61,13 +78,30 @@ def plate(
     """Arrange copies of walkers on as many print-ready plates (3MF) as they need, with maps.
 
     Their design, tilts and copies are given here, or those of several designs by an order list.
+    With --calibration: strips of four thicknesses, a block and one walker, to be measured with a
+    ruler and a phone for `walkergen calibrate`.
     """
     from walkergen.files import output
+    from walkergen.jobs.calibration import plate as plates
     from walkergen.jobs.orders import make as batch
 
     asked = loading.asked(keys, "design printer")
+    if calibration:
+        beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None,
+                  "--serial": serial}  # fmt: skip
+        _refuse("--calibration makes a plate of its own", beside)
+        walker = asked.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
+        machines = asked.printers(printers)
+        to_measure = plates.Order(walker, machines, max_plates, pictures, prusaslicer, strict)
+        _calibrate(to_measure, out or Path("out") / walker.name, json, quiet)
+        return
     if orders is not None:
-        given = {"DESIGN": design, "--tilt": tilt, "--legs": legs, "--copies": copies}
+        given: dict[str, object] = {
+            "DESIGN": design,
+            "--tilt": tilt,
+            "--legs": legs,
+            "--copies": copies,
+        }
         given |= {f"--set {key}": key for key in asked.of("design")}
         members, counts = _ordered(orders, given)
         name = output.named_after(orders)
@@ -85,7 +119,7 @@ def plate(
         return
     folder = out or Path("out") / name
     order = batch.Order(
-        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, strict
+        members, counts, machines, max_plates, max_parts, pictures, prusaslicer, serial, strict
     )
     with show.progress(name, wanted=not quiet) as progress:
         tell = partial(show.warnings, quiet=quiet)
@@ -94,18 +128,53 @@ def plate(
         show.rows_as_json(rows, files=files)
     elif not quiet:
         _show_placements(rows, files, members)
+        if serial is not None:
+            print(f"copies bear numbers {serial} to {serial + sum(counts) - 1}, last in each mark")
 
 
-def _ordered(path: Path, given: "Mapping[str, str | None]") -> "tuple[list[Design], list[int]]":
+def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
+    """Make a calibration plate, and print what lies on it and where its files are."""
+    from walkergen.jobs.calibration import form
+    from walkergen.jobs.calibration import plate as plates
+
+    with show.progress("calibration", wanted=not quiet) as progress:
+        rows, files = plates.make(order, folder, progress, partial(show.warnings, quiet=quiet))
+    if json:
+        show.rows_as_json(rows, files=files)
+    elif not quiet:
+        for row in rows:
+            print(f"{row.printer}, plate {row.plate}: {row.item}")
+        print("\n".join(str(path) for path in files))
+        kept = folder / plates.STEM / form.FILE
+        if kept not in files:
+            print(f"{kept} is filled in: left as it is")
+        print(f"measure by the sheet (.md), fill in {form.FILE}, then: walkergen calibrate {kept}")
+
+
+def _one_tilt(text: str | None) -> float | None:
+    """Tilt of the one walker of a calibration plate. Raises InputError for several."""
+    from walkergen.cli import variants
+
+    if text is None:
+        return None
+    tilts = variants.parse_tilts(text)
+    if len(tilts) != 1:
+        raise InputError(f"--tilt {text[:60]!r}: --calibration has one walker: give one tilt")
+    return tilts[0]
+
+
+def _refuse(why: str, given: "Mapping[str, object]") -> None:
+    """Raise InputError for the first option that is given."""
+    for option, value in given.items():
+        if value is not None:
+            raise InputError(f"{why}: leave {option} out")
+
+
+def _ordered(path: Path, given: "Mapping[str, object]") -> "tuple[list[Design], list[int]]":
     """Read an order list. Raises InputError for what is `given` beside it on the command line."""
     from walkergen.jobs.orders import order_list
 
-    for option, value in given.items():
-        if value is not None:
-            raise InputError(
-                f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies: "
-                f"leave {option} out"
-            )
+    _refuse(f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies", given)
     return order_list.read(path)
 
 
@@ -113,16 +182,17 @@ def _show_placements(
     rows: "Sequence[Place]", paths: Sequence[Path], members: "Sequence[Design]"
 ) -> None:
     """Print the number of copies of each part on each plate, the files, and how to read marks."""
-    from collections import Counter
-
     from walkergen.walker import names
 
-    counts = Counter((row.printer, row.plate, row.name, row.mark) for row in rows)
+    counts: dict[tuple[str, int, str], list[str]] = {}
+    for row in rows:
+        counts.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
     for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
         print(f"{printer}, plate {number}")
-        for (machine, plate, name, mark), count in counts.items():
+        for (machine, plate, name), marks in counts.items():
             if (machine, plate) == (printer, number):
-                print(f"  {count:4d} x {name}" + (f"  {mark}" if mark else ""))
+                mark = names.span(marks)
+                print(f"  {len(marks):4d} x {name}" + (f"  {mark}" if mark else ""))
     print("\n".join(str(path) for path in paths))
     for printer in dict.fromkeys(row.printer for row in rows):
         own = [row.plate for row in rows if row.printer == printer]

@@ -17,6 +17,7 @@ from walkergen.printing.findings import NOISE_MM, Level, new
 from walkergen.printing.findings import Finding as Finding
 from walkergen.printing.packing import Part, Plate, border, spacing
 from walkergen.printing.printers import Printer
+from walkergen.printing.walls import Wall
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Array, Mesh
@@ -80,6 +81,18 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
     if printer.brim_width_mm == 0.0:
         found += _standing(design, mesh, printer)
     return [finding._replace(where=name) for finding in found]
+
+
+def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
+    """Findings on a part that is no walker, as it lies on the bed: its walls, size and mesh.
+
+    Its masses are not predicted: only walls that fail or print otherwise than drawn count.
+    """
+    found = [_wall(one.name, one.thickness, printer, TOLERATED_DEVIATION) for one in upright]
+    own = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
+    if printer.brim_width_mm == 0.0:
+        own += _upright(upright)
+    return [one._replace(where=name) for one in [*filter(None, found), *own]]
 
 
 def of_printer(printer: Printer) -> list[Finding]:
@@ -213,8 +226,9 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
 
 def _marks(design: Design, printer: Printer) -> Iterator[Finding]:
     marks, width = design.marks, printer.line_width_mm
-    if marks.kind != "none" and marks.line_mm < width - NOISE_MM:
-        yield new("advice", f"the {marks.kind} may close up: their strokes against a line",
+    what = "serial number" if marks.kind == "none" else marks.kind
+    if marks != marks.bare and marks.line_mm < width - NOISE_MM:
+        yield new("advice", f"the {what} may close up: their strokes against a line",
                    marks.line_mm, width, "mm", "raise marks.line_mm")  # fmt: skip
 
 
@@ -276,7 +290,13 @@ def _standing(design: Design, mesh: Mesh, printer: Printer) -> Iterator[Finding]
     if area < SMALLEST_CONTACT_MM2:
         yield new("advice", "little of it holds on to the bed", area, SMALLEST_CONTACT_MM2, "mm2",
                   change)  # fmt: skip
-    for wall in walls.of_design(design):
+    yield from _upright(walls.of_design(design))
+
+
+def _upright(upright: Sequence[Wall]) -> Iterator[Finding]:
+    """Advice on walls that print high and thin."""
+    change = "set brim_width_mm, and cut it off every leg"
+    for wall in upright:
         slenderness = wall.height / wall.thickness
         if slenderness > SLENDEREST_WALL * (1.0 + NOISE_MM):
             what = f"{walls.the(wall.name)} prints high and thin: height over thickness"

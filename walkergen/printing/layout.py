@@ -74,8 +74,10 @@ def unplaced(
     """Parts as they lie on the bed, on no plate yet and not checked."""
     meshes = as_printed(members, built)
     parts = [
-        plate.Part.of(name, mesh, count)
-        for name, mesh, count in zip(names.parts(members), meshes, copies, strict=True)
+        plate.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
+        for design, name, mesh, count in zip(
+            members, names.parts(members), meshes, copies, strict=True
+        )
     ]
     return Layout(printer, members, built, meshes, parts, [], [])
 

@@ -50,7 +50,7 @@ def overhang(design: Design, mesh: Mesh) -> float:
     # A picometre aside, so that faces of exactly that angle are as rounding has them
     steep = down > (math.sin(math.radians(STEEPEST_DEG)) + 1e-9) * areas
     heights = corners[:, :, 2]
-    pocket = design.marks.depth_mm if design.marks.kind == "text" else 0.0
+    pocket = design.marks.depth_mm if design.letters else 0.0
     in_air = heights.max(axis=1) > mesh.vertices[:, 2].min() + pocket + NOISE_MM
     of_body = heights.min(axis=1) < design.size.thickness - NOISE_MM
     return float(areas[steep & in_air & of_body].sum())

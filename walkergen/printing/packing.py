@@ -28,12 +28,19 @@ class Part(NamedTuple):
     height: float
     """Size along z, mm."""
     copies: int
+    serial: int | None = None
+    """Number that its one copy bears; None where copies are alike, and numbered from 1."""
 
     @classmethod
-    def of(cls, name: str, mesh: Mesh, copies: int = 1) -> "Part":
+    def of(cls, name: str, mesh: Mesh, copies: int = 1, serial: int | None = None) -> "Part":
         """Bounding box of a mesh as a part."""
         width, depth, height = (mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).tolist()
-        return cls(name, width, depth, height, copies)
+        return cls(name, width, depth, height, copies, serial)
+
+    @property
+    def solid_name(self) -> str:
+        """Name of its solid in a 3MF file, which of a numbered copy is its own."""
+        return self.name if self.serial is None else f"{self.name}_no{self.serial}"
 
 
 class Placement(NamedTuple):
@@ -42,7 +49,7 @@ class Placement(NamedTuple):
     part: int
     """Index into the parts."""
     copy: int
-    """Number of the copy, from 1."""
+    """Number of the copy: from 1, or its serial number."""
     x: float
     """Distance from the left edge of the bed, mm."""
     y: float
@@ -120,7 +127,7 @@ def plate_3mf(
     """
     used = sorted({placement.part for placement in plate.placements})
     solid_of = {part: number for number, part in enumerate(used)}
-    solids = [export.Solid(parts[part].name, meshes[part]) for part in used]
+    solids = [export.Solid(parts[part].solid_name, meshes[part]) for part in used]
     left, front = printer.bed_corner
     items = [
         export.Item(solid_of[part], item_name(parts[part], copy), left + x, front + y)
@@ -142,7 +149,8 @@ def _packed(parts: Sequence[Part], printer: Printer, max_parts: int) -> list[Pla
     x = y = right = row_depth = 0
     for index, part in enumerate(parts):
         width, depth = _cell(part, printer)
-        for copy in range(1, part.copies + 1):
+        first = part.serial or 1
+        for copy in range(first, first + part.copies):
             if x + width > bed_width:
                 x, y, row_depth = 0, y + row_depth, 0
             if y + depth > bed_depth or len(placed) == max_parts:

@@ -94,6 +94,11 @@ def _draw_parts(
                     facecolors=[tone], edgecolors=[tone], linewidths=0.3, label=label,
                 )  # fmt: skip
                 axes.add_collection(faces)
+    draw_bed(axes, printer)
+
+
+def draw_bed(axes: Axes, printer: Printer) -> None:
+    """Draw the outline of a printer's bed, and show it whole."""
     bed = printer.bed_width_mm, printer.bed_depth_mm
     axes.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
     axes.set_xlim(-0.01 * bed[0], 1.01 * bed[0])
@@ -112,7 +117,7 @@ class _View(NamedTuple):
 def _view(design: Design, mesh: Mesh) -> _View:
     if solids.on_side(design):
         return _View(_underside(mesh), np.empty((0, 3, 2)))
-    whole, legs = (_triangles(section) for section in _silhouettes(design, mesh))
+    whole, legs = (triangles(section) for section in _silhouettes(design, mesh))
     return _View(whole, legs)
 
 
@@ -125,7 +130,7 @@ def _silhouettes(
     return solid.project(), legs.project()
 
 
-def _triangles(section: manifold3d.CrossSection) -> Array:
+def triangles(section: manifold3d.CrossSection) -> Array:
     """Triangles of a flat section, shape (k, 3, 2), mm."""
     polygons = section.to_polygons()
     if not polygons:
@@ -192,7 +197,7 @@ def _on_part(design: Design, mesh: Mesh, letters: int) -> tuple[float, float, fl
         free = shapely.union_all([shapely.Polygon(corners) for corners in _underside(mesh)])
     else:
         whole, legs = (
-            shapely.union_all([shapely.Polygon(corners) for corners in _triangles(section)])
+            shapely.union_all([shapely.Polygon(corners) for corners in triangles(section)])
             for section in _silhouettes(design, mesh)
         )
         free = whole.difference(legs)

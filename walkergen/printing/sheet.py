@@ -73,18 +73,27 @@ def to_markdown(
     batch: Batch, weights: Sequence[Weight], findings: Sequence[Finding], legend: str
 ) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
-    printer = batch.printer
     sections = [
+        *of_print(batch, [one.load for one in weights], findings, legend),
+        _weighing(weights, batch),
+    ]
+    return "\n\n".join(sections) + "\n"
+
+
+def of_print(
+    batch: Batch, loads: Sequence[Load], findings: Sequence[Finding], legend: str
+) -> list[str]:
+    """Sections of a sheet up to the end of the print; `loads` are those of the parts."""
+    printer = batch.printer
+    return [
         f"# Print sheet: {batch.stem}, {printer.description or printer.name}",
         _steps(batch),
         _settings(batch),
         _contents(batch),
-        _plastic(batch, weights),
+        _plastic(batch, loads),
         *([f"## Which part is which\n\n{legend.strip()}"] if legend else []),
         _findings(findings),
-        _weighing(weights, batch),
     ]
-    return "\n\n".join(sections) + "\n"
 
 
 def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
@@ -134,23 +143,23 @@ def _settings(batch: Batch) -> str:
         "## Settings on which the prediction rests\n\n"
         f"Printer profile {printer.name}; exact keys in `{stem}.ini`. What they lay down is "
         "measured in PrusaSlicer 2.5; other slicers are given the same settings, and not measured."
-        "\n\n" + _table(("setting", "value", "because"), rows)
+        "\n\n" + table(("setting", "value", "because"), rows)
     )
 
 
 def _contents(batch: Batch) -> str:
     rows = []
     for number, one in enumerate(batch.plates, start=1):
-        counts = Counter(placement.part for placement in one.placements)
-        for part, copies in sorted(counts.items()):
-            name = batch.parts[part].name
+        # Copies with serial numbers are parts of their own, under one name
+        counts = Counter(batch.parts[placement.part].name for placement in one.placements)
+        for name, copies in counts.items():
             rows.append((f"`{batch.stem}_{number}.3mf`", name, str(copies)))
     told = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
-    return "## What is on which plate\n\n" + told + _table(("file", "part", "copies"), rows)
+    return "## What is on which plate\n\n" + told + table(("file", "part", "copies"), rows)
 
 
-def _plastic(batch: Batch, weights: Sequence[Weight]) -> str:
-    loads, rows = [one.load for one in weights], []
+def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
+    rows = []
     for number, one in enumerate(batch.plates, start=1):
         told = estimate.of_plate(one, batch.parts, loads, batch.printer)
         rows.append((f"`{batch.stem}_{number}.3mf`", f"{told.grams:.2f}", f"{told.metres:.2f}",
@@ -164,7 +173,7 @@ def _plastic(batch: Batch, weights: Sequence[Weight]) -> str:
         "Without skirt, brim and purge. Grams are the legs as sliced and the bodies as drawn, at "
         "the density of the design. The time is an estimate for PrusaSlicer's default speeds, "
         "without heating, from the outlines and lines of the layers; at your speeds the slicer "
-        "knows better.\n\n" + _table(headings, rows)
+        "knows better.\n\n" + table(headings, rows)
     )
 
 
@@ -178,7 +187,7 @@ def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
         (one.name, f"{one.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
          f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
          "")
-        for one in weights
+        for one in {one.name: one for one in weights}.values()
         for leg, name in one.legs
     ]  # fmt: skip
     paired = all(len(design.limbs) == 2 for design in batch.members)
@@ -189,12 +198,13 @@ def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
         "`walkergen predict` takes it by `--weights`. Cut the legs "
         f"off one spare part of each kind, flush with the body, and weigh them together: {share}. "
         "Speeds rest on both masses.\n\n"
-        + _table(
+        + table(
             ("part", "whole by mesh, g", "leg by mesh, g", "leg as sliced, g", "weighed, g"), rows
         )
     )
 
 
-def _table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+def table(headings: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
+    """Markdown table."""
     lines = [headings, ["---"] * len(headings), *rows]
     return "\n".join("| " + " | ".join(cells) + " |" for cells in lines)

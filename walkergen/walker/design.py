@@ -28,7 +28,7 @@ from walkergen.files.config import Name, Section
 from walkergen.walker import buildable
 from walkergen.walker.body import Body, Size, beside
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
-from walkergen.walker.marks import Marks, problems, word
+from walkergen.walker.marks import Marks, lettered, problems, word
 
 MassGram = Annotated[float, Field(gt=0, le=1e12)]
 
@@ -132,16 +132,21 @@ class Design(Section):
             found = buildable.of_list(self.limbs, self.size)
         if not found and self.body.flat:
             found = buildable.off_outline(self.limbs, self.body.shape)
-        lettered = self.marks.kind == "text" and self.body.flat
-        if not (self.body.plain or self.marks.kind == "none" or lettered):
+        in_letters = bool(self.letters) and self.body.flat
+        marks = self.marks
+        if not (self.body.plain or in_letters or marks == marks.bare):
+            number = f"marks.serial = {marks.serial}"
+            key = number if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
             found.append(
-                f"marks.kind = {self.marks.kind!r}: only a rectangular body in side view bears "
-                "marks, and a body in plan view text: leave them out"
+                f"{key}: only a rectangular body in side view bears marks, and a body in plan view "
+                "text: leave them out"
             )
         length, thickness, depth = self.size
-        # Letters on a body in plan view go into its upper side
-        size = (length, depth, thickness) if lettered else self.size
-        found += problems(self.marks, self.family.tilt_deg, self.tilt_deg, size)
+        if in_letters:  # letters on a body in plan view go into its upper side
+            thickness, depth = depth, thickness
+            marks = marks.model_copy(update={"kind": "text"})
+        size = (length, thickness, depth)
+        found += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
         if found:
             raise GeometryError("\n".join(found))
         return self
@@ -315,6 +320,12 @@ class Design(Section):
     def mark(self) -> str:
         """Mark that the part shows: its tilt in digits, its notches drawn with #, or nothing."""
         return word(self.marks, self.family.tilt_deg, self.tilt_deg)
+
+    @property
+    def letters(self) -> str:
+        """Text that is engraved in letters, as numbers on a body in plan view are; "" without."""
+        number = self.marks.kind == "none" and self.body.flat
+        return lettered(self.marks) if number or self.marks.kind == "text" else ""
 
     @property
     def unmarked(self) -> "Design":

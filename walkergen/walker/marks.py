@@ -32,6 +32,10 @@ SHORTEST_DIGIT = 5.0
 """Least height of a digit, in lines: three strokes and two gaps; a lower digit closes up."""
 
 
+MOST_SERIAL = 99_999
+"""Largest serial number."""
+
+
 class Marks(Section):
     """Settings of the marks by which a part shows its tilt."""
 
@@ -42,6 +46,13 @@ class Marks(Section):
     """Height of its capitals. None: half the body's, as seen on the side that bears them."""
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
     depth_mm: Annotated[float, Field(gt=0, le=1e4)] = 0.4
+    serial: Annotated[int, Field(ge=1, le=MOST_SERIAL)] | None = None
+    """Number of one copy, engraved beside its mark. None: copies are not told apart."""
+
+    @property
+    def bare(self) -> "Marks":
+        """The same settings without any mark."""
+        return self.model_copy(update={"kind": "none", "text": None, "serial": None})
 
     @model_validator(mode="after")
     def _lettered(self) -> "Marks":
@@ -62,15 +73,30 @@ class Rectangle(NamedTuple):
 def word(marks: Marks, tilts_deg: Sequence[float], tilt_deg: float) -> str:
     """Mark of the part with this tilt: "", its tilt in digits, its text, or its notches as #.
 
+    A serial number follows it, or stands alone.
+
     A drawing such as "### # ## ##" shows the notches from the start on, one # per unit of width.
     """
-    if marks.kind == "none":
-        return ""
     if marks.kind == "text":
-        return marks.text or ""
-    if marks.kind == "digits":
-        return digits_of(tilt_deg)
-    return " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
+        return lettered(marks)
+    if marks.kind != "notches":
+        return _digits(marks, tilt_deg)
+    drawn = " ".join("#" * width for width in _widths(tilts_deg, tilt_deg))
+    return drawn if marks.serial is None else f"{drawn} {marks.serial}"
+
+
+def lettered(marks: Marks) -> str:
+    """Text of marks in letters, with the serial number if there is one; "" without both."""
+    parts = (marks.text or "", "" if marks.serial is None else str(marks.serial))
+    return " ".join(part for part in parts if part)
+
+
+def _digits(marks: Marks, tilt_deg: float) -> str:
+    """Digits that are engraved: the tilt's, the serial number, or both as in 10-7; "" without."""
+    found = [digits_of(tilt_deg)] if marks.kind == "digits" else []
+    if marks.serial is not None and marks.kind != "text":
+        found.append(str(marks.serial))
+    return "-".join(found)
 
 
 def digits_of(tilt_deg: float) -> str:
@@ -96,14 +122,16 @@ def notches(
 
 
 def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
-    """Strokes of the tilt's digits about the middle of the body, overlapping where they meet.
+    """Strokes of tilt and serial number about the middle of the body, overlapping where they meet.
 
     Strokes are a line wide; digits leave a line free above and below, and are 0.6 as wide as high.
+    Below notches they stand lower by half of those.
     """
-    if marks.kind != "digits":
+    line, text = marks.line_mm, _digits(marks, tilt_deg)
+    if not text:
         return []
-    line, text = marks.line_mm, digits_of(tilt_deg)
-    height = thickness - 2.0 * line
+    room = thickness - _notched(marks)
+    height = room - 2.0 * line
     width = 0.6 * height
     left = -0.5 * _text_length(text, height, line)
     found = []
@@ -111,7 +139,13 @@ def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
         drawn = _segments(left, height, width, line)
         found += [drawn[segment] for segment in SEGMENTS[glyph]]
         left += _advance(glyph, height, line)
-    return found
+    down = 0.5 * _notched(marks)
+    return [one._replace(bottom=one.bottom - down, top=one.top - down) for one in found]
+
+
+def _notched(marks: Marks) -> float:
+    """Depth of the edge that notches take from digits, mm."""
+    return marks.depth_mm if marks.kind == "notches" else 0.0
 
 
 def problems(
@@ -121,11 +155,12 @@ def problems(
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
         return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
+    found = []
     if marks.kind == "notches":
-        return _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
-    if marks.kind == "digits":
-        return _unfit_digits(marks, tilt_deg, length, thickness, depth)
-    return []
+        found += _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
+    if text := _digits(marks, tilt_deg):
+        found += _unfit_digits(marks, text, length, thickness - _notched(marks), depth)
+    return found
 
 
 def _unfit_notches(
@@ -154,24 +189,29 @@ def _unfit_notches(
 
 
 def _unfit_digits(
-    marks: Marks, tilt_deg: float, length: float, thickness: float, depth: float
+    marks: Marks, text: str, length: float, thickness: float, depth: float
 ) -> list[str]:
+    """Reasons why digits do not fit onto a face of length and thickness, mm."""
     found = []
+    serial = marks.serial is not None
+    shallower = "" if marks.kind != "notches" else ", below the notches"
+    instead = "leave out the serial numbers" if serial else "use kind = 'notches'"
     line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
     if height < SHORTEST_DIGIT * line:
         found.append(
             f"marks.line_mm = {line:g}: digits are at least {SHORTEST_DIGIT:g} lines high with "
             f"one free above and below, {(SHORTEST_DIGIT + 2) * line:.2f} mm; the body is "
-            f"{thickness:g} mm thick: make the line at most "
-            f"{thickness / (SHORTEST_DIGIT + 2):.3f} mm or use kind = 'notches'"
+            f"{thickness:g} mm thick{shallower}: make the line at most "
+            f"{thickness / (SHORTEST_DIGIT + 2):.3f} mm or {instead}"
         )
     else:
-        text = digits_of(tilt_deg)
         room = _text_length(text, height, line) + 2.0 * line
         if room > length:
+            key = f"marks.serial = {marks.serial}" if serial else "marks.kind = 'digits'"
+            rest = f"or {instead}" if serial else "or use 'notches'"
             found.append(
-                f"marks.kind = 'digits': {text[:40]!r} needs {room:.2f} mm, the body is "
-                f"{length:g} mm long: round the tilt, lengthen the body, or use 'notches'"
+                f"{key}: {text[:40]!r} needs {room:.2f} mm, the body is "
+                f"{length:g} mm long: round the tilt, lengthen the body, {rest}"
             )
     if marks.depth_mm > depth / 2.0:
         found.append(

@@ -71,26 +71,41 @@ def legend(members: Sequence[Design]) -> str:
 
 def _legend_of_marks(members: Sequence[Design]) -> str:
     """Markdown table of the mark for each tilt of one design; "" without marks."""
-    marks = {design.tilt_deg: design.mark for design in members if design.mark}
+    marks: dict[float, dict[str, list[str]]] = {}
+    for design in members:
+        if design.mark:  # numbers count on from kind to kind
+            kinds = marks.setdefault(design.tilt_deg, {})
+            kinds.setdefault(design.kind, []).append(design.mark)
     if not marks:
         return ""
-    lines = [f"| {tilt:g} | `{mark}` |" for tilt, mark in sorted(marks.items())]
+    lines = []
+    for tilt, kinds in sorted(marks.items()):
+        told = dict.fromkeys(span(own, "`") for own in kinds.values())
+        lines.append(f"| {tilt:g} | {', '.join(told)} |")
     head = "| tilt (deg) | mark |\n|-----------:|:-----|"
     return f"{how_to_read(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
 
 
+def span(marks: Sequence[str], quote: str = "") -> str:
+    """Marks of copies in words: one, or the first to the last of serial numbers."""
+    ends = dict.fromkeys((marks[0], marks[-1]))
+    return " to ".join(f"{quote}{one}{quote}" for one in ends)
+
+
 def how_to_read(marks: Marks) -> str:
     """Instructions for reading the marks of a printed part; "" without marks."""
+    number = "" if marks.serial is None else " The last number is the copy's own."
     if marks.kind == "none":
-        return ""
+        return f"Digits engraved into the body.{number}" if number else ""
     if marks.kind == "digits":
-        return "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+        told = "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+        return told + number
     if marks.kind == "text":
-        return "Letters engraved into the body: they name the design, not the tilt."
+        return f"Letters engraved into the body: they name the design, not the tilt.{number}"
     unit = 2.0 * marks.line_mm
     return (
         f"Notches in the edge opposite the legs: read from the start, ### ({3 * unit:g} mm wide, "
-        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm)."
+        f"at one end of the body); # is narrow ({unit:g} mm), ## wide ({2 * unit:g} mm).{number}"
     )
 
 

@@ -90,7 +90,7 @@ def _cut(whole: CutWalker, design: Design) -> Solids:
 def _on_any_body(design: Design, foot_segments: int) -> Solids:
     """Solids of a walker whose body is no rectangle in side view."""
     ground, limbs, depth = landing.ready(design.body.key), design.limbs, design.size.depth
-    if design.marks.kind == "text":
+    if design.letters:
         ground = joining.ready(_lettered(ground.mesh, design))
     sections = _sections(limbs, foot_segments)
     bars = _bars(limbs, sections, depth)
@@ -120,8 +120,7 @@ def _lettered(ground: Mesh, design: Design) -> Mesh:
     lost = 2.0 * (solid.volume() - cut.volume())
     if lost < drawn.volume() * (1.0 - 1e-6) or len(modeller.bodies(cut)) != 1:
         raise GeometryError(
-            f"marks.text = {marks.text!r}: the letters leave the outline: make text_height_mm "
-            "smaller"
+            f"{_key(design)}: the letters leave the outline: make text_height_mm smaller"
         )
     return modeller.mesh_of(cut)
 
@@ -130,18 +129,23 @@ def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
     """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
     from walkergen.walker.lettering import letters
 
-    marks = design.marks
-    assert marks.text is not None
-    polygons = letters(marks.text, marks.text_height_mm or 0.5 * height, False, "marks.text")
+    marks, source = design.marks, _key(design).partition(" ")[0]
+    polygons = letters(design.letters, marks.text_height_mm or 0.5 * height, False, source)
     low = np.min([polygon.min(axis=0) for polygon in polygons], axis=0)
     high = np.max([polygon.max(axis=0) for polygon in polygons], axis=0)
     wide, tall = high - low
     if wide > length - 2.0 * marks.line_mm or tall > height - 2.0 * marks.line_mm:
         raise GeometryError(
-            f"marks.text = {marks.text!r}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
+            f"{_key(design)}: is {wide:.2f} x {tall:.2f} mm, the face that bears it "
             f"{length:g} x {height:g} mm, of which a line stays free: make text_height_mm smaller"
         )
     return polygons
+
+
+def _key(design: Design) -> str:
+    """Key whose letters are engraved, with all that is."""
+    key = "marks.text" if design.marks.kind == "text" else "marks.serial"
+    return f"{key} = {design.letters!r}"
 
 
 class _Section(NamedTuple):
@@ -329,7 +333,7 @@ def _body_profile(design: Design) -> Polygon:
 
 def _engraved(design: Design) -> list[Polygon]:
     """Pockets in the side of a body, about its middle: its digits or its text."""
-    if design.marks.kind == "text":
+    if design.letters:
         return _lettering(design, design.size.length, design.size.thickness)
     strokes = marks.strokes(design.marks, design.tilt_deg, design.size.thickness)
     return [

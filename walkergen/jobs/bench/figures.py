@@ -7,9 +7,9 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from walkergen.analysis.inverse import Measured
 from walkergen.files.figures import STYLES, axes_of
 from walkergen.jobs.bench.drop import Dropped
-from walkergen.jobs.bench.inverse import Measured
 from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.slide import Incline
 

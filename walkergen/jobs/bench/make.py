@@ -4,12 +4,12 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from walkergen.analysis.inverse import Measured
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.bench import drop, pluck, slide, tables
 from walkergen.jobs.bench import report as reports
-from walkergen.jobs.bench.inverse import Measured
 from walkergen.jobs.bench.report import Report
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

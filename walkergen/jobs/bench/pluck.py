@@ -15,8 +15,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis.beams import FIRST_MODE, decrement_of
 from walkergen.errors import InputError
-from walkergen.jobs.bench import still
+from walkergen.exploring import still
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance
@@ -28,9 +29,6 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
 
 Array = npt.NDArray[np.float64]
-
-FIRST_MODE = 1.875104068711961**2
-"""Square of the first root of cos x cosh x = -1: a cantilever's first mode."""
 
 HELD = 1e9
 """Mass of a body that is held, over its own."""
@@ -145,16 +143,6 @@ def thickness(design: Design, leg_mass: float, frequency: float) -> float:
     power = 2.0 / 3.0 if design.weighed.leg_mass_g is not None else 1.0
     own = design.limbs[plucked_leg(design)].thickness
     return float(own * (frequency / cantilever(design, leg_mass)) ** power)
-
-
-def damping_ratio(decrement: float) -> float:
-    """Damping ratio of swings with a logarithmic decrement."""
-    return decrement / math.hypot(2.0 * math.pi, decrement)
-
-
-def decrement_of(ratio: float) -> float:
-    """Logarithmic decrement of swings with a damping ratio below 1."""
-    return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio * ratio)
 
 
 def by_modulus(design: Design, leg_mass: float) -> list[tuple[float, float]]:

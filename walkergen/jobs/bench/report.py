@@ -6,9 +6,9 @@ from typing import Any, Literal, NamedTuple
 from rich import box
 from rich.table import Table
 
+from walkergen.analysis.inverse import Inverse
 from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
-from walkergen.jobs.bench.inverse import Inverse
 
 Value = float | str | None
 

@@ -3,9 +3,12 @@
 import math
 from collections.abc import Sequence
 
-from walkergen.jobs.bench import inverse, pluck, still
-from walkergen.jobs.bench.drop import Dropped, Rebounds
-from walkergen.jobs.bench.inverse import Branch, Inverse, Measured
+from walkergen.analysis import beams, inverse
+from walkergen.analysis.inverse import Branch, Inverse, Measured
+from walkergen.exploring import drops, still
+from walkergen.exploring.drops import Rebounds
+from walkergen.jobs.bench import pluck
+from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.report import Answer, Report, Rows, Value
 from walkergen.jobs.bench.slide import Incline
@@ -26,7 +29,7 @@ def of_drop(
 ) -> Report:
     """Report of a drop; without a first turn (`turn_deg` 0) only the flat drop counts."""
     hand = f"pitch and roll ± {turn_deg:g} deg"
-    labelled = zip(found.labels, found.by_label, strict=True)
+    labelled = zip(drops.LABELS, found.by_label, strict=True)
     rows = [
         Rows("drop", "rebound by the feet's restitution", ("restitution", *_COLUMNS),
              [(float(label), *_row(one)) for label, one in labelled])
@@ -146,7 +149,7 @@ def of_pluck(
             *notes,
         ]
     if decrement is not None:
-        ratio = pluck.damping_ratio(decrement.value)
+        ratio = beams.damping_ratio(decrement.value)
         sd = ratio * (1.0 - ratio * ratio) * decrement.sd / decrement.value
         answers.append(_with_error("damping ratio of the leg", ratio, sd, ""))
         settings |= {"legs.damping_ratio": ratio, "legs.damping_ratio_sd": sd}

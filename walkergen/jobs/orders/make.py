@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import output
+from walkergen.files.assignments import changed
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.printing import checks, export, orientation, profile, sheet, walls
@@ -38,6 +39,8 @@ class Order(NamedTuple):
     pictures: bool = True
     prusaslicer: bool = False
     """True to declare the 3MF files PrusaSlicer's own."""
+    serial: int | None = None
+    """Number that the first copy bears, from which the others count; None: copies bear none."""
     strict: bool = False
     """True to refuse what prints otherwise than predicted, not only what fails."""
 
@@ -157,11 +160,10 @@ def make_plates(
     PlateError when a part is too large for a printer or more plates are needed than allowed, and
     PrintabilityError when a part would not print (strict: would print otherwise than predicted).
     """
-    built = [solids.build(design) for design in order.members]
+    members, copies = numbered(order)
+    built = [solids.build(design) for design in members]
     layouts = [
-        plates.arrange(
-            order.members, built, order.copies, printer, order.max_plates, order.max_parts
-        )
+        plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts)
         for printer in order.printers
     ]
     findings = [
@@ -190,6 +192,24 @@ def make_plates(
     return rows, [*paths, *_write_forms(order.members, rows, folder)]
 
 
+def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
+    """Members and copies of an order; with serial numbers every copy is a member of its own.
+
+    Numbers count over all members, so that no two copies of an order share one. Raises
+    GeometryError for a copy that has no room for its number, InputError for too large a number.
+    """
+    if order.serial is None:
+        return order.members, order.copies
+    plate.check_number(sum(order.copies))
+    each = [one for one, count in zip(order.members, order.copies, strict=True)
+            for _ in range(count)]  # fmt: skip
+    members = [
+        changed(one, {"marks.serial": number}, one.name)
+        for number, one in enumerate(each, start=order.serial)
+    ]
+    return members, [1] * len(members)
+
+
 def _facts(layout: plates.Layout) -> dict[str, Any]:
     """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
     own = names.by_design(layout.members)
@@ -199,6 +219,7 @@ def _facts(layout: plates.Layout) -> dict[str, Any]:
         "bodies": {name: sheet.body_facts(members[0]) for name, members in own.items()},
         "members": [part.name for part in layout.parts],
         "copies": [part.copies for part in layout.parts],
+        "serial": [part.serial for part in layout.parts if part.serial is not None],
         "printer": layout.printer.model_dump(mode="json"),
         "print": sheet.facts(layout.printer, layout.findings),
         "versions": output.versions(),

@@ -1,7 +1,7 @@
 """Table of speeds of the model in space over the range in which people build walkers.
 
-`python -m walkergen.jobs.calibrate.make` writes walkergen/discrepancy.json anew; the theory's own
-error is interpolated in it (walkergen/discrepancy.py).
+`python -m walkergen.jobs.discrepancies.make` writes walkergen/discrepancy.json anew; the theory's
+own error is interpolated in it (walkergen/discrepancy.py).
 """
 
 import json

@@ -1,0 +1,386 @@
+"""From readings of strips, block and walker to material and contact: recovered within their errors.
+
+The bench that makes the readings solves the elastica and beam elements; what is known of it was
+hidden from the estimates.
+"""
+
+import json
+import math
+
+import calibration_bench as bench
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.analysis import beams
+from walkergen.analysis.beams import Strip
+from walkergen.cli import app
+from walkergen.errors import InputError
+from walkergen.exploring import drops
+from walkergen.files import templates
+from walkergen.files.tables import csv_text
+from walkergen.jobs.calibration import contact, form, make, modulus, parts, specimens
+from walkergen.jobs.calibration.modulus import Density
+from walkergen.jobs.calibration.specimens import BENDS, RINGS
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+PAPER = templates.load("koumakis2016", "walkers", Design)
+LANE = templates.load("lane-90hz", "scenes", Scene)
+PRINTER = templates.load("prusa-mk3s", "printers", Printer)
+STRIPS = parts.strips(PAPER, PRINTER)
+MODULUS, DENSITY = 2.7e9, 1.22e-3
+"""Hidden modulus, Pa, and density, g/mm^3."""
+
+
+AIR = 0.05
+"""Share of the strips that the slicer says is air; a print differs by 2 %, all strips alike."""
+
+
+class Person:
+    """A person with ruler, caliper and phone, whose hand is as sure as the form says."""
+
+    def __init__(self, seed, creep=0.0, ridges=0.0):
+        self.random = np.random.default_rng(seed)
+        self.creep, self.ridges = creep, ridges
+        self.air = 0.02 * self.random.normal()
+        self.rows = []
+
+    def reads(self, part, name, value, *beside, error=None):
+        quantity = form.quantities(part)[name]
+        error = quantity.error if error is None else error
+        seen = value + error * self.random.normal()
+        self.rows.append((part, name, seen, error, *(beside or ("", "", ""))))
+
+    def measures_strips(self):
+        for one in STRIPS:
+            drawn = one.strip
+            strip = Strip(drawn.thickness * (1.0 + 0.04 * self.random.normal()), 5.05, drawn.length)
+            for _ in range(3):
+                self.reads(one.name, "thickness_mm", strip.thickness + self.ridges)
+            self.reads(one.name, "width_mm", strip.width)
+            self.rows.append((one.name, "air_percent", 100.0 * AIR, 2.0, "", "", ""))
+            self.reads(one.name, "free_length_mm", strip.length)
+            for weight in (one.light_g, one.heavy_g):
+                self.bends(one.name, strip, weight)
+            hertz = bench.rings(MODULUS, (1.0 - AIR - self.air) * DENSITY, strip)
+            for _ in range(3):
+                self.reads(one.name, "swings_20_s", 20.0 / hertz)
+
+    def bends(self, name, strip, weight):
+        at = strip.length - 2.0
+        place = at + modulus.AT_SD_MM * self.random.normal()
+        load = weight * (1.0 + modulus.WEIGHT_SD * self.random.normal())
+        sunk = bench.sunk(MODULUS * (1.0 - self.creep), strip, load, place)
+        for _ in range(3):
+            zero = 40.0 + 0.5 * self.random.normal()
+            self.reads(name, "deflection_mm", 40.0 - sunk, zero, weight, at)
+
+    def measures_block(self):
+        size = parts.block_size(PRINTER)
+        self.reads("block", "mass_g", DENSITY * parts.block_volume(*size))
+        for name, value in zip(("length_mm", "width_mm", "height_mm"), size, strict=True):
+            self.reads("block", name, value)
+        for _ in range(6):
+            self.reads("block", "slides_deg", math.degrees(math.atan(0.25)))
+
+    def writes(self, folder):
+        path = folder / "measurements.csv"
+        path.write_text(csv_text(form.HEADER, self.rows))
+        return path
+
+
+@pytest.fixture(scope="module")
+def crowd(tmp_path_factory):
+    """Forms of some people who measured the same plate."""
+    folder, found = tmp_path_factory.mktemp("crowd"), []
+    for seed in range(100, 116):
+        person = Person(seed)
+        person.measures_strips()
+        person.measures_block()
+        found.append(form.read(person.writes(folder)))
+    return found
+
+
+def fitted(readings):
+    strips, notes = specimens.read(readings)
+    assert notes == []
+    density = contact.density(readings)
+    return modulus.fit(strips, Density(density.value, density.sd))
+
+
+@pytest.mark.parametrize("load", [0.05, 0.2])
+@pytest.mark.parametrize("strip", [Strip(0.4, 5.0, 50.0), Strip(1.67, 5.0, 100.0)])
+def test_closed_forms_are_the_elastica_and_the_elements(strip, load):
+    stiff = beams.stiffness(MODULUS, strip)
+    at = strip.length - 2.0
+    long = beams.effective(at, strip)
+    weight = 3.0 * load * stiff / (9806.65 * long**2)
+    sunk = bench.sunk(MODULUS, strip, weight, at)
+    assert beams.sunk(weight, long, stiff) == pytest.approx(sunk, rel=2e-3)
+    whole = strip._replace(length=beams.effective(strip.length, strip))
+    mass = beams.moving_mass(DENSITY, whole)
+    for tip in (0.0, 0.3, 3.0):
+        heard = bench.rings(MODULUS, DENSITY, strip, tip)
+        assert beams.rings(stiff, mass, whole.length, tip) == pytest.approx(heard, rel=5e-4)
+
+
+def test_a_modulus_is_recovered_within_its_error_and_the_error_is_honest(crowd):
+    fits = [fitted(one) for one in crowd]
+    pulls = np.array([(1e9 * one.modulus - MODULUS) / (1e9 * one.sd) for one in fits])
+    assert abs(pulls.mean()) < 3.0 / math.sqrt(len(pulls))
+    assert 0.6 < pulls.std() < 1.4
+    assert np.mean([one.sd / one.modulus for one in fits]) < 0.05  # it tells 5 %
+    assert np.mean([one.chi2 / one.dof for one in fits]) == pytest.approx(1.0, abs=0.35)
+    assert sum(one.agrees for one in fits) >= 13
+    by = [modulus.fit(specimens.only(specimens.read(crowd[0])[0], method), Density(1.22, 0.02))
+          for method in (BENDS, RINGS)]  # fmt: skip
+    assert all(abs(1e9 * one.modulus - MODULUS) < 3e9 * one.sd for one in by)
+
+
+@pytest.mark.parametrize("times", [1e-3, 1e2])
+def test_any_plastic_is_found_and_all_scales(crowd, times):
+    # Weights times k: a modulus times k; swings as fast as its root
+    readings = {part: dict(own) for part, own in crowd[0].items() if part.startswith("strip")}
+    for own in readings.values():
+        own["deflection_mm"] = [
+            one._replace(weight_g=times * one.weight_g) for one in own["deflection_mm"]
+        ]
+        own["swings_20_s"] = [
+            one._replace(value=one.value / times**0.5, error=one.error / times**0.5)
+            for one in own["swings_20_s"]
+        ]
+    strips, density = specimens.read(readings)[0], Density(1.22, 0.02)
+    first = modulus.fit(specimens.read(crowd[0])[0], density)
+    found = modulus.fit(strips, density)
+    assert found.modulus == pytest.approx(times * first.modulus, rel=1e-4)
+    assert found.sd == pytest.approx(times * first.sd, rel=1e-3)
+
+
+def test_density_and_friction_are_recovered_and_averaged(crowd):
+    for what, hidden in ((contact.density, 1e3 * DENSITY), (contact.friction, 0.25)):
+        found = [what(one) for one in crowd]
+        pulls = np.array([(one.value - hidden) / one.sd for one in found])
+        assert abs(pulls.mean()) < 3.0 / math.sqrt(len(pulls))
+        assert 0.6 < pulls.std() < 1.4
+    angle = math.radians(1.0) * (1.0 + 0.25**2) / math.sqrt(6.0)
+    assert np.median([contact.friction(one).sd for one in crowd]) == pytest.approx(angle, rel=0.2)
+
+
+def test_creep_and_ridges_are_named(tmp_path):
+    readings = {}
+    for name, choices in (("creep", {"creep": 0.3}), ("ridges", {"ridges": 0.08})):
+        person = Person(3, **choices)
+        person.measures_strips()
+        readings[name] = form.read(person.writes(tmp_path))
+    found = {}
+    for name, one in readings.items():
+        given = specimens.read(one)[0], Density(1.22, 0.02)
+        found[name] = modulus.ring_over_bend(*given), modulus.offset(*given), modulus.fit(*given)
+    ring, _, fit = found["creep"]
+    assert ring.seen
+    assert ring.value == pytest.approx(1.0 / 0.7 - 1.0, abs=3.0 * ring.sd)
+    assert not fit.agrees
+    _, offset, _ = found["ridges"]
+    assert offset.seen
+    assert offset.value == pytest.approx(-0.08, abs=3.0 * offset.sd)
+
+
+def test_scatter_beyond_the_stated_error_counts(tmp_path):
+    path = tmp_path / "m.csv"
+    angles = (10.0, 18.0, 12.0, 16.0)
+    path.write_text(csv_text(form.HEADER, [("block", "slides_deg", a, 0.5, "", "", "")
+                                           for a in angles]))  # fmt: skip
+    found = contact.friction(form.read(path))
+    assert found.value == pytest.approx(math.tan(math.radians(14.0)))
+    expected = np.radians(np.std(angles, ddof=1) / 2.0) * (1.0 + found.value**2)
+    assert found.sd == pytest.approx(expected)
+
+
+def test_a_rebound_is_that_of_a_ball_in_free_flight(tmp_path):
+    # h = 10 mm, e = 0.5: the flight between landings lasts 2 e sqrt(2 h / g)
+    flight = 2.0 * 0.5 * math.sqrt(2.0 * 10.0 / 9806.65)
+    path = tmp_path / "m.csv"
+    path.write_text(
+        csv_text(form.HEADER, [("walker", "flight_s", flight, 0.001, "", "", 10.0)] * 4)
+    )
+    seen = contact.rebound(form.read(path))
+    assert seen.measured.value == pytest.approx(0.5)
+    assert seen.measured.tries == 4
+    assert seen.measured.sd == pytest.approx(
+        0.5 * math.hypot(0.0005 / flight, 0.5 * modulus.AT_SD_MM / 10.0)
+    )
+    path.write_text(csv_text(form.HEADER, [("walker", "flight_s", 0.2, 0.001, "", "", 10.0)]))
+    with pytest.raises(InputError, match="seconds, and millimetres"):
+        contact.rebound(form.read(path))
+
+
+class Elastic:
+    """Drops of a walker that comes up as its feet say, times a half, from the hand."""
+
+    def __init__(self, monkeypatch):
+        self.scenes, self.heights = [], []
+        monkeypatch.setattr(make.drops, "by_label", self.by_label)
+
+    def by_label(self, scene, design, hand, progress):
+        self.scenes.append((scene, design))
+        self.heights.append(hand[0].height)
+        return [drops.Rebounds(label, 0.5 * label, 0.05, len(hand), 0) for label in drops.LABELS]
+
+
+def calibrated(path, out, *words):
+    command = ["calibrate", str(path), "--out", str(out), *words]
+    return CliRunner().invoke(app, command, catch_exceptions=False)
+
+
+def whole(folder):
+    person = Person(11)
+    person.measures_strips()
+    person.measures_block()
+    for part in ("strip_1", "strip_2"):
+        person.reads(part, "swings_to_half", 3.0, error=0.1)
+    flight = 2.0 * 0.4 * math.sqrt(2.0 * 10.0 / 9806.65)
+    for _ in range(6):
+        person.reads("walker", "flight_s", flight, "", "", 10.0, error=1e-4)
+    return person.writes(folder)
+
+
+def test_files_go_on_to_family_and_simulate(tmp_path, monkeypatch):
+    elastic = Elastic(monkeypatch)
+    path = whole(tmp_path)
+    result = calibrated(path, tmp_path / "a", "--tilt", "10")
+    assert result.exit_code == 0, result.output
+    folder = tmp_path / "a" / "calibrate"
+    design = templates.load(folder / "design.toml", "walkers", Design)
+    scene = templates.load(folder / "scene.toml", "scenes", Scene)
+    material = design.material
+    pull = (material.youngs_modulus_gpa - 2.7) / material.youngs_modulus_sd_gpa
+    assert abs(pull) < 3.0
+    assert material.density_g_cm3 == pytest.approx(1.22, abs=0.03)
+    assert scene.contact.friction == pytest.approx(0.25, abs=4.0 * scene.contact.friction_sd)
+    decrement = math.log(2.0) / 3.0
+    assert scene.legs.damping_ratio == pytest.approx(
+        beams.damping_ratio(decrement), abs=4.0 * scene.legs.damping_ratio_sd
+    )
+    # Half of the label comes up: 0.4 is the label 0.8, within height and scatter
+    assert scene.contact.restitution == pytest.approx(0.8, abs=0.02)
+    sd = 2.0 * math.hypot(0.4 * 0.5 * modulus.AT_SD_MM / 10.0, 0.05 * math.sqrt(1 / 6 + 1 / 24))
+    assert scene.contact.restitution_sd == pytest.approx(sd, rel=0.1)
+    ((surroundings, walker),) = elastic.scenes  # drops know what else was measured
+    assert surroundings.contact.friction == scene.contact.friction
+    assert walker.material == material
+    assert elastic.heights == [10.0]
+    assert design.name == "koumakis2016-measurements"
+    names = {one.name for one in folder.iterdir()}
+    assert names == {"calibration.csv", "calibration.md", "strips.csv", "strips.png", "strips.pdf",
+                     "design.toml", "scene.toml", "manifest.json"}  # fmt: skip
+    again = calibrated(path, tmp_path / "b", "--tilt", "10", "--quiet", "--no-pictures")
+    assert again.exit_code == 0
+    for name in names - {"strips.png", "strips.pdf", "manifest.json"}:
+        one, other = (tmp_path / each / "calibrate" / name for each in "ab")
+        assert one.read_bytes() == other.read_bytes()
+
+
+def test_what_is_missing_stays_and_is_said(tmp_path):
+    path = tmp_path / "m.csv"
+    rows = [("block", "slides_deg", 14.0, 1.0, "", "", "")] * 3
+    rows += [("strip_2", "thickness_mm", 0.8, 0.02, "", "", ""),
+             ("strip_2", "ring_hz", 40.0, 1.0, "", "", "")]  # fmt: skip
+    path.write_text(csv_text(form.HEADER, rows))
+    result = calibrated(path, tmp_path / "o", "--json", "--no-pictures")
+    found = json.loads(result.stdout)
+    assert found["settings"].keys() == {"scene.contact.friction", "scene.contact.friction_sd"}
+    told = " / ".join(found["notes"])
+    for what in ("strip_2: no width_mm and no free_length_mm", "no Young's modulus", "no density",
+                 "no damping", "no restitution"):  # fmt: skip
+        assert what in told
+    design = templates.load(tmp_path / "o" / "calibrate" / "design.toml", "walkers", Design)
+    assert design.material == PAPER.material
+    scene = templates.load(tmp_path / "o" / "calibrate" / "scene.toml", "scenes", Scene)
+    assert scene.contact.restitution == LANE.contact.restitution
+    assert scene.contact.friction == pytest.approx(math.tan(math.radians(14.0)), rel=1e-5)
+
+
+def test_one_method_may_count_alone(tmp_path):
+    person = Person(3, creep=0.3)
+    person.measures_strips()
+    path = person.writes(tmp_path)
+    moduli = {}
+    for method in ("ring", "deflection", "both"):
+        result = calibrated(path, tmp_path / method, "--by", method, "--json", "--no-pictures")
+        found = json.loads(result.stdout)
+        moduli[method] = found["settings"]["material.youngs_modulus_gpa"]
+    assert any("--by ring" in note for note in found["notes"])
+    assert moduli["deflection"] < moduli["both"] < moduli["ring"]
+    assert moduli["ring"] == pytest.approx(2.7, abs=0.25)
+    assert moduli["deflection"] == pytest.approx(0.7 * 2.7, abs=0.25)
+
+
+SIZES = "strip_1,thickness_mm,0.4,0.02,,,\nstrip_1,width_mm,5,0.05,,,\n"
+LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
+
+
+@pytest.mark.parametrize(
+    ("rows", "told"),
+    [
+        ("strip_1,thickness_mm,nan,0.02,,,", "reading = 'nan'"),
+        ("strip_1,thickness_mm,-0.4,0.02,,,", "reading = '-0.4'"),
+        ("strip_1,thickness_mm,1e9,0.02,,,", "reading = '1e9'"),
+        ("../strip_1,thickness_mm,0.4,0.02,,,", "part '../strip_1'"),
+        ("strip_1,colour,1,1,,,", "must be one of thickness_mm"),
+        ("block,slides_deg,14,,,,", "no error"),
+        ("block,slides_deg,14,0,,,", "error = '0'"),
+        ("block,slides_deg,89,1,,,", "must be > 0 and <= 80"),
+        ("block,slides_deg,14,1,,5,", "leave it blank"),
+        ("walker,flight_s,0.04,0.002,,,", "needs at_mm"),
+        ("strip_1,deflection_mm,5,0.5,5,1,48", "reading less unloaded_mm = 0"),
+        (LONG + "strip_1,deflection_mm,30,0.5,0,1,48", "hang less"),
+        (LONG + "strip_1,deflection_mm,3,0.5,0,1,58", "beyond the strip"),
+        (SIZES + "strip_1,free_length_mm,3,0.1,,,\nstrip_1,ring_hz,40,1,,,", "as a beam"),
+        (SIZES + "strip_1,free_length_mm,9,9,,,\nstrip_1,ring_hz,40,1,,,", "must be at most 25%"),
+        (LONG + "strip_1,ring_hz,90000,1,,,", "are these mm, g, s and Hz?"),
+        ("strip_1,swings_to_half,0.1,1,,,", "must be > 0.5"),
+        ("strip_1,ring_hz,40,1,,,", "tells nothing"),
+        ("", "no readings"),
+    ],
+)
+def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
+    path = tmp_path / "m.csv"
+    path.write_text(f"{','.join(form.HEADER)}\n{rows}\n")
+    result = CliRunner().invoke(app, ["calibrate", str(path), "--out", str(tmp_path / "o")])
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+    assert len(str(result.exception).splitlines()) == 1
+    assert not (tmp_path / "o").exists()
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (("--by", "ear"), "--by 'ear'"),
+        (("--roll-deg", "nan"), "--roll-deg nan"),
+        (("--drops", "1"), "--drops 1"),
+        (("--design", "../x.toml"), "no such file"),
+        (("--set", "printer.gap_mm=1"), "takes no printer"),
+    ],
+)
+def test_a_bad_option_is_one_line(tmp_path, words, told):
+    path = tmp_path / "m.csv"
+    path.write_text(form.template({"strip_1": 0.0}))
+    result = CliRunner().invoke(app, ["calibrate", str(path), "--out", "o", *words])
+    assert isinstance(result.exception, InputError)
+    assert told in str(result.exception)
+
+
+def test_what_the_readings_leave_open_is_not_told(crowd):
+    strips, _ = specimens.read(crowd[0])
+    twins = [strips[0], strips[0]._replace(name="strip_9")]
+    density = Density(1.22, 0.02)
+    assert modulus.offset(specimens.only(twins, RINGS), density) is None  # equal thicknesses
+    assert modulus.offset(strips[:1], density) is None
+    assert modulus.ring_over_bend(specimens.only(strips, BENDS), density) is None
+    alone = modulus.fit(specimens.only(strips[:1], RINGS), density)
+    assert alone.dof == 0
+    assert alone.probability is None
+    assert alone.agrees

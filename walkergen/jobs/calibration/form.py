@@ -1,0 +1,232 @@
+"""Form of measurements: measurements.csv, a row a reading, empty when made and read when filled.
+
+Columns: part; measured, the quantity with its unit; reading; error, the standard deviation of that
+reading, in its unit; unloaded_mm, weight_g and at_mm, which some quantities need beside. Rows of
+one part and quantity are tries, and may be as many as one likes.
+"""
+
+import math
+from collections import defaultdict
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.files import columns, output, reading
+from walkergen.files.tables import csv_text
+
+FILE = "measurements.csv"
+HEADER = ("part", "measured", "reading", "error", "unloaded_mm", "weight_g", "at_mm")
+MOST_BYTES, MOST_ROWS = 1_000_000, 2000
+NAMED = 20
+"""Most mistakes that are told; the others are counted."""
+
+
+class Quantity(NamedTuple):
+    """Quantity of the form: what may stand in its row."""
+
+    error: float
+    """Error of a reading with ordinary means, which the empty form proposes."""
+    most: float
+    """Largest value, which tells a wrong unit."""
+    beside: tuple[str, ...] = ()
+    """Columns that it needs beside its reading."""
+    may: tuple[str, ...] = ()
+    """Columns that it may have."""
+    least: float = 0.0
+    """Value that it must exceed."""
+
+
+AIR = "air_percent"
+"""Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
+with what the printer's lines leave; it counts in the mass that rings."""
+
+STRIP = {
+    "thickness_mm": Quantity(0.02, 20.0),
+    "width_mm": Quantity(0.05, 100.0),
+    "free_length_mm": Quantity(0.5, 1000.0),
+    "deflection_mm": Quantity(0.5, 1000.0, ("unloaded_mm", "weight_g", "at_mm")),
+    "swings_20_s": Quantity(0.01, 1000.0, (), ("weight_g",)),
+    "ring_hz": Quantity(0.2, 1e5, (), ("weight_g",)),
+    "swings_to_half": Quantity(1.0, 1e4, least=0.5),
+    AIR: Quantity(2.0, 60.0, least=-1.0),
+}
+BLOCK = {
+    "mass_g": Quantity(0.01, 1e4),
+    "length_mm": Quantity(0.05, 1000.0),
+    "width_mm": Quantity(0.05, 1000.0),
+    "height_mm": Quantity(0.05, 1000.0),
+    "slides_deg": Quantity(1.0, 80.0),
+}
+WALKER = {"slides_deg": Quantity(1.0, 80.0), "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
+TRIES = {
+    "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
+    "ring_hz": 1, "swings_to_half": 2, "mass_g": 2, "length_mm": 2, "height_mm": 2,
+    "slides_deg": 6, "flight_s": 6, AIR: 1,
+}  # fmt: skip
+"""Rows of the empty form for each quantity."""
+
+
+class Reading(NamedTuple):
+    """Mean of readings of one quantity under one condition."""
+
+    value: float
+    error: float
+    """Standard error of the mean: the larger of the two below."""
+    stated: float
+    """That by the stated errors of the tries."""
+    tries: int
+    scatter: float | None
+    """Standard deviation of the tries; None of one."""
+    weight_g: float = 0.0
+    at_mm: float = 0.0
+
+
+Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
+"""Readings by part and quantity: one, or one for each condition."""
+
+
+def quantities(part: str) -> Mapping[str, Quantity] | None:
+    """Quantities of a part by its name: strip_1, block, walker; None of other names."""
+    stem, _, number = part.partition("_")
+    if stem == "strip" and columns.whole(number, 99) is not None:
+        return STRIP
+    return {"block": BLOCK, "walker": WALKER}.get(part)
+
+
+def template(air: Mapping[str, float]) -> str:
+    """Text of an empty form for strips, block and walker, with proposed errors.
+
+    `air` has the strips by name, with the share of air in percent, which stands there already.
+    """
+    lines: list[tuple[object, ...]] = []
+    for part in (*air, "block", "walker"):
+        own = quantities(part) or {}
+        for name, quantity in own.items():
+            reading = f"{air[part]:.1f}" if name == AIR else ""
+            lines += [(part, name, reading, quantity.error, "", "", "")] * TRIES[name]
+    return csv_text(HEADER, lines)
+
+
+def filled(path: Path) -> bool:
+    """True when a file exists that holds any reading of a person: work to keep."""
+    if not path.is_file():
+        return False
+    try:
+        return any(row["reading"].strip() and row["measured"].strip() != AIR
+                   for _, row in _rows(path))  # fmt: skip
+    except InputError:
+        return True  # whatever it is, somebody wrote it
+
+
+def write_template(path: Path, air: Mapping[str, float]) -> bool:
+    """Write the empty form unless somebody filled it in; returns whether. Raises OutputError."""
+    if filled(path):
+        return False
+    output.write(path, template(air).encode())
+    return True
+
+
+def read(path: Path) -> Readings:
+    """Read a filled form; rows without a reading are left out.
+
+    Tries under one condition are averaged: the error of their mean is the larger of the stated
+    error and their scatter, over the root of their number. Raises InputError, a line for every
+    mistake.
+    """
+    rows = _rows(path)
+    if len(rows) > MOST_ROWS:
+        raise InputError(f"{path}: {len(rows)} rows; at most {MOST_ROWS}")
+    tries: dict[tuple[str, str, float, float], list[tuple[float, float]]] = defaultdict(list)
+    problems = []
+    for line, row in rows:
+        try:
+            if one := _row(row):
+                key, value, error = one
+                tries[key].append((value, error))
+        except InputError as problem:
+            problems.append(f"{path}:{line}: {problem}")
+    if problems:
+        more = len(problems) - NAMED
+        told = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join(problems[:NAMED] + told))
+    if not any(name != AIR for _, name, _, _ in tries):
+        raise InputError(f"{path}: no readings; fill in the column reading of some row")
+    found: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
+    for (part, name, weight, at), pairs in tries.items():
+        found[part][name].append(_mean(pairs, weight, at))
+    return {part: dict(own) for part, own in found.items()}
+
+
+def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
+    """Rows by their lines, cells by column. Raises InputError for other columns."""
+    found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    missing = [name for name in HEADER if name not in found.names]
+    unknown = [name for name in found.names if name not in HEADER]
+    if missing or unknown:
+        what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
+        raise InputError(
+            f"{path}:1: {what}; columns are {', '.join(HEADER)}: start from the form that "
+            "walkergen plate --calibration writes"
+        )
+    return found.rows
+
+
+def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, float] | None:
+    """Condition, value and error of a row; None without a reading. Raises InputError."""
+    part, name = row["part"].strip(), row["measured"].strip()
+    known = quantities(part)
+    if known is None:
+        raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
+    if name not in known:
+        raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(known)}")
+    if not row["reading"].strip():
+        return None
+    quantity = known[name]
+    beside = {}
+    for column in ("unloaded_mm", "weight_g", "at_mm"):
+        cell = row[column].strip()
+        allowed = column in quantity.beside + quantity.may
+        if cell and not allowed:
+            raise InputError(f"{column} = {cell[:30]!r}: {name} has none: leave it blank")
+        if not cell and column in quantity.beside:
+            raise InputError(f"{name} needs {column} as well")
+        beside[column] = _number(column, cell, 1e5, zero=True) if cell else 0.0
+    value = _number("reading", row["reading"], 1e5, zero=True)
+    if "unloaded_mm" in quantity.beside:
+        value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
+    told = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
+    if not quantity.least < value <= quantity.most:
+        raise InputError(
+            f"{name}: {told} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
+        )
+    for column in quantity.beside:
+        if column != "unloaded_mm" and beside[column] <= 0.0:
+            raise InputError(f"{column} = {beside[column]:g}: must be > 0")
+    if not row["error"].strip():
+        raise InputError(f"{name}: no error; write how well you read it, as {quantity.error:g}")
+    error = _number("error", row["error"], 1e5)
+    # A deflection is the difference of two readings
+    error *= math.sqrt(2.0) if "unloaded_mm" in quantity.beside else 1.0
+    return (part, name, beside["weight_g"], beside["at_mm"]), value, error
+
+
+def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
+    value = columns.number(cell)
+    if value is None or not (0.0 <= value <= most if zero else 0.0 < value <= most):
+        low = ">= 0" if zero else "> 0"
+        raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number {low} and <= {most:g}")
+    return value
+
+
+def _mean(pairs: Sequence[tuple[float, float]], weight: float, at: float) -> Reading:
+    """Mean of tries (value, error), weighted by their stated errors where these differ."""
+    values, errors = np.array(pairs).T
+    weights = errors**-2 / (errors**-2).sum()
+    mean, count = float(weights @ values), len(values)
+    stated = float((errors**-2).sum() ** -0.5)
+    scatter = float(values.std(ddof=1)) if count > 1 else None
+    error = stated if scatter is None else max(stated, scatter / math.sqrt(count))
+    return Reading(mean, error, stated, count, scatter, weight, at)

@@ -1,0 +1,143 @@
+"""Calibration plate: strips, block and walker arranged for a printer, with sheet and form."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.files import output
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.files.tables import csv_text
+from walkergen.jobs.calibration import form, parts
+from walkergen.jobs.calibration import sheet as measuring
+from walkergen.jobs.calibration.parts import Drawn
+from walkergen.printing import checks, packing, pieces, sheet
+from walkergen.printing.checks import Finding
+from walkergen.printing.pieces import Laid, Piece
+from walkergen.printing.printers import Printer
+from walkergen.printing.walls import Wall
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+STEM = "calibration"
+
+
+class Order(NamedTuple):
+    """Choice of a calibration plate."""
+
+    design: Design
+    """Walker of the drop test, whose material and leg the strips are made for."""
+    printers: Sequence[Printer]
+    max_plates: int | None = None
+    pictures: bool = True
+    prusaslicer: bool = False
+    strict: bool = False
+
+
+class Place(NamedTuple):
+    """Position of a part; the field names are the columns of a map."""
+
+    printer: str
+    plate: int
+    """Number of the plate, from 1."""
+    item: str
+    """Name of the copy, as in the 3MF file."""
+    x_mm: float
+    """Left side of the bounding box, from the left edge of the bed, mm."""
+    y_mm: float
+    """Front side of the bounding box, from the front edge of the bed, mm."""
+    width_mm: float
+    depth_mm: float
+
+
+def make(
+    order: Order, folder: Path, progress: Progress, tell: Callable[[Sequence[Finding]], None]
+) -> tuple[list[Place], list[Path]]:
+    """Write a calibration plate for every printer below folder/calibration, and the empty form.
+
+    For each printer 3MF, STL, map, settings, and a sheet on printing and measuring. A filled form
+    stays. `tell` is called with the checks' findings. Raises, before anything is written,
+    PlateError for parts that do not fit and PrintabilityError for those that would not print.
+    """
+    made = [(parts.strips(order.design, printer), printer) for printer in order.printers]
+    laid = [
+        pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates)
+        for drawn, printer in made
+    ]
+    findings = [
+        one._replace(where=f"{each.printer.name}: {one.where}") if len(laid) > 1 else one
+        for each in laid
+        for one in each.findings
+    ]
+    tell(findings)
+    checks.refuse(findings, order.strict)
+    paths: list[Path] = []
+    for number, ((drawn, printer), each) in enumerate(zip(made, laid, strict=True)):
+        progress(printer.name, number, len(laid))
+        paths += _write(order, drawn, each, folder / STEM)
+    path = folder / STEM / form.FILE
+    first, machine = made[0]
+    air = {one.name: parts.air_percent(one, machine) for one in first}
+    if form.write_template(path, air):
+        paths.append(path)
+    return [row for each in laid for row in _places(each)], paths
+
+
+def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
+    """Strips, block and walker as they lie on the bed, checked each."""
+    found = []
+    for one in drawn:
+        mesh, strip = parts.strip_mesh(one), one.strip
+        wall = Wall("strip", strip.thickness, 1.0, strip.width)
+        seen = checks.of_piece(one.name, [wall], mesh, printer)
+        label = f"{one.name}: {strip.thickness:g} mm"
+        found.append(Piece(one.name, mesh, label, seen))
+    mesh = parts.block_mesh(printer)
+    found.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
+    mesh = solids.as_printed(design, solids.build(design).walker)
+    seen = checks.of_part("walker", design, mesh, printer)
+    return [*found, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
+
+
+def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
+    """Write the files of one printer; returns their paths."""
+    start = f"{STEM}_{laid.printer.name}"
+    target = Folder(folder, f"{start}.json")
+    rows = csv_text(Place._fields, _places(laid))
+    for name, data in (
+        (f"{start}.csv", rows.encode()),
+        (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
+        *pieces.files(laid, STEM, order.pictures, order.prusaslicer),
+    ):
+        target.write(name, data)
+    target.finish(_facts(order, drawn, laid))
+    return [folder / name for name in (*target.hashes, target.manifest)]
+
+
+def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str:
+    batch = sheet.Batch(stem, laid.printer, [design], laid.plates, laid.parts, form.FILE)
+    loads = pieces.loads(laid, design.material.density_g_cm3)
+    printing = sheet.of_print(batch, loads, laid.findings, "")
+    return "\n\n".join([*printing, measuring.to_markdown(drawn, design, laid.printer)])
+
+
+def _places(laid: Laid) -> list[Place]:
+    return [
+        Place(laid.printer.name, number, packing.item_name(laid.parts[one.part], one.copy),
+              *(round(length, 6) for length in
+                (one.x, one.y, laid.parts[one.part].width, laid.parts[one.part].depth)))
+        for number, plate in enumerate(laid.plates, start=1)
+        for one in plate.placements
+    ]  # fmt: skip
+
+
+def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
+    """Facts for the manifest: inputs resolved, what is drawn, findings, versions."""
+    return {
+        "design": order.design.model_dump(mode="json"),
+        "bodies": {order.design.name: sheet.body_facts(order.design)},
+        "printer": laid.printer.model_dump(mode="json"),
+        "strips": {one.name: one.strip._asdict() for one in drawn},
+        "print": sheet.facts(laid.printer, laid.findings),
+        "versions": output.versions(),
+    }
