@@ -7,18 +7,15 @@ from walkergen.analysis.motion import Motion
 from walkergen.errors import InputError, WalkergenError
 from walkergen.exploring.runs import tracks_of
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.simulate import make, tables
+from walkergen.jobs.simulate import make, tables, trajectories
 from walkergen.notebook.loading import Ground, Walker, one_of, scene_of
 from walkergen.notebook.predicting import SCENE
 from walkergen.notebook.speed import Speed, speed_of
 from walkergen.notebook.table import Result, Table
 from walkergen.scene import Scene
-from walkergen.simulation import trajectory as trajectories
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
@@ -27,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RATE_HZ = 1000.0
-"""Samples per second of trajectories and tracks, as on the command line."""
+"""Samples per second of trajectories, as on the command line."""
 
 
 class Simulation(Result):
@@ -93,23 +90,17 @@ class Simulation(Result):
         for warning in self.found.warnings:
             yield "warning", warning
 
-    def trajectory(self, rate_hz: float = RATE_HZ) -> Table:
-        """States of the first run, `rate_hz` a second: t_s, x_mm and the model's others.
+    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
 
-        The run is simulated again. Raises InputError for more samples than can be kept.
-        """
-        plan = prepare(self.scene, self.design, self._asked.mass)
-        return _as_table(trajectories.sample(plan, _interval(rate_hz)), "trajectory of run 0")
-
-    def tracks(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
-        """States of all runs, `rate_hz` a second, with the number of the run as `particle`.
-
-        What `analyse` takes. The runs are simulated again. Raises InputError for more samples than
-        can be kept.
+        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
+        theta (rad) from above, then t_s and the model's own. The runs are simulated again. Raises
+        InputError for more samples than can be kept.
         """
         one = self._asked._replace(sample_interval=_interval(rate_hz))
-        found = make.tracks_of(one, self.found.point, progress or silent)
-        return _as_table(found, f"tracks of {self.summary.runs} runs")
+        found = trajectories.of(one, self.found.point, progress or silent)
+        title = f"trajectories of {self.summary.runs} runs"
+        return Table(dict(zip(found.columns, found.rows.T, strict=True)), title)
 
     def plot(self) -> "Figure":
         """Draw the runs: way against time in a lane, on a plane as seen from above.
@@ -150,10 +141,6 @@ def _interval(rate_hz: float) -> float:
     if not 1e-3 <= rate_hz <= 1e7:
         raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
     return 1.0 / rate_hz
-
-
-def _as_table(found: Trajectory, title: str) -> Table:
-    return Table(dict(zip(found.columns, found.rows.T, strict=True)), title)
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
