@@ -1,14 +1,19 @@
 """Films: grey frames of a file, one by one, by the ffmpeg that the extra `film` installs.
 
-A film of varying frame rate, as phones and GIFs have it, comes at its mean rate: frames are
-repeated or left out, so that times are right within a frame.
+ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words. A film of
+varying frame rate, as phones make them, comes at one rate: frames are repeated or left out, so that
+times are right within a frame.
 """
 
 import importlib.util
+import re
+import subprocess
+import tempfile
 from collections.abc import Iterator
-from contextlib import closing
+from contextlib import contextmanager
+from fractions import Fraction
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import IO, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -27,8 +32,8 @@ MOST_PIXELS = 36_000_000
 
 MOST_FRAMES = 1_000_000
 
-LOCAL = ["-protocol_whitelist", "file"]
-"""Words for ffmpeg: whatever a file says, nothing is fetched from elsewhere."""
+MOST_LETTERS = 4096
+"""Longest line between frames."""
 
 
 class Film(NamedTuple):
@@ -56,55 +61,83 @@ def require() -> None:
 def about(path: Path) -> Film:
     """What a film says of itself. Raises InputError for a file that is no film, or too large."""
     reading.check(path, "a film")
-    with closing(_read(path)) as stream:
-        found = _next(stream, path, 0)
-    width, height = found["size"]
-    if not 0 < width * height <= MOST_PIXELS:
+    with _playing(path) as (pipe, messages):
+        found = {word[:1]: word[1:] for word in pipe.readline(MOST_LETTERS).split()[1:]}
+        if b"W" not in found:
+            raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
+        width, height = int(found[b"W"]), int(found[b"H"])
+        rate = found[b"F"].decode().split(":")
+        fps = float(Fraction(int(rate[0]), int(rate[1]))) if int(rate[1]) else 0.0
+        seconds = _duration(messages)
+    if width * height > MOST_PIXELS:
         raise InputError(
             f"{path}: {width} x {height} pixels a frame: at most {MOST_PIXELS / 1e6:g} million; "
             "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
         )
-    fps = float(found.get("fps") or 0.0)
-    seconds = float(found.get("duration") or 0.0)
     return Film(path, width, height, fps or None, min(round(seconds * fps), MOST_FRAMES))
 
 
 def frames(film: Film, first: int, last: int | None) -> Iterator[tuple[int, Grey]]:
     """Frames of numbers first..last - 1, counted from 0, or up to the end, with their numbers.
 
-    Raises InputError where the film breaks off within a frame, or has too many.
+    Raises InputError where a frame is incomplete, or where there are too many.
     """
-    with closing(_read(film.path, film.fps)) as stream:
-        _next(stream, film.path, 0)
+    size = film.width * film.height
+    with _playing(film.path) as (pipe, messages):
+        pipe.readline(MOST_LETTERS)
         number = 0
-        while last is None or number < last:
-            data = _next(stream, film.path, number)
-            if data is None:
-                return
+        while (last is None or number < last) and pipe.readline(MOST_LETTERS):
+            data = pipe.read(size)
+            if len(data) < size:
+                why = _reason(messages)
+                raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
             if number >= MOST_FRAMES:
                 raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
             if number >= first:
-                grey = np.frombuffer(data, np.uint8).reshape(film.height, film.width)
-                yield number, grey
+                yield number, np.frombuffer(data, np.uint8).reshape(film.height, film.width)
             number += 1
 
 
-def _read(path: Path, fps: float | None = None) -> Any:
-    """Stream of what the film says of itself, then of its frames' bytes, `fps` a second."""
+@contextmanager
+def _playing(path: Path) -> Iterator[tuple[IO[bytes], IO[bytes]]]:
+    """Ffmpeg at work on a film: where its frames come from, and its messages; ended at the end."""
     import imageio_ffmpeg
 
-    # The whole path: a name that begins with a dash, or with "http:", is a file's all the same.
-    return imageio_ffmpeg.read_frames(
-        str(path.resolve()), pix_fmt="gray", bits_per_pixel=8, input_params=LOCAL,
-        output_params=["-r", f"{fps:.6g}"] if fps else [],
-    )  # fmt: skip
+    words = [
+        imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-nostats", "-nostdin",
+        # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a
+        # file's: one that begins with a dash, or with "http:".
+        "-protocol_whitelist", "file", "-i", str(path.resolve()),
+        "-map", "0:v:0", "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-strict", "-1", "-",
+    ]  # fmt: skip
+    with (
+        tempfile.TemporaryFile() as messages,
+        subprocess.Popen(
+            words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages
+        ) as process,
+    ):
+        assert process.stdout is not None
+        try:
+            yield process.stdout, messages
+        finally:
+            process.kill()
 
 
-def _next(stream: Any, path: Path, number: int) -> Any:
-    """Next of a stream; None at its end. Raises InputError in one line for ffmpeg's many."""
-    try:
-        return next(stream, None)
-    except (OSError, RuntimeError, ValueError, IndexError) as error:
-        told = [line.strip() for line in str(error).splitlines() if line.strip()]
-        where = f"breaks off at frame {number}" if number else "cannot be read as a film"
-        raise InputError(f"{path}: {where}: {told[-1][:120] if told else 'no reason'}") from None
+def _told(messages: IO[bytes]) -> list[str]:
+    """Lines that ffmpeg has written so far."""
+    messages.seek(0)
+    return [line.strip() for line in messages.read().decode(errors="replace").splitlines()]
+
+
+def _reason(messages: IO[bytes]) -> str:
+    """Last of ffmpeg's lines."""
+    return next((line[:120] for line in reversed(_told(messages)) if line), "no reason is given")
+
+
+def _duration(messages: IO[bytes]) -> float:
+    """Duration by the film's own account, s; 0 where it says nothing."""
+    found = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_told(messages)))
+    if found is None:
+        return 0.0
+    hours, minutes, seconds = map(float, found.groups())
+    return 3600.0 * hours + 60.0 * minutes + seconds

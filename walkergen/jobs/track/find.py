@@ -51,21 +51,31 @@ def find(frame: Grey, look: Look, marked: bool) -> list[Blob]:
     found = []
     for box, piece in pieces(field > look.threshold, 0.5 * look.width):
         whole = _filled(piece, look.width)
-        left, top = box[1].start - 1, box[0].start - 1
+        left, top = box[1].start - 1, box[0].start - 1  # a piece is padded, within the frame
+        inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
         labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
         for number in range(1, count + 1):
             own = labels == number
-            blob = _blob(own, left, top)
+            blob = _blob(_covered(own, inside), left, top)
             if marked:
-                inside = np.pad(field[box], 1, mode="edge")
                 blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
             found.append(blob)
     return found
 
 
+def _covered(own: Mask, field: Array) -> Array:
+    """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
+    near = ndimage.binary_dilation(own, EIGHT)
+    deep = ndimage.binary_erosion(own, EIGHT, iterations=2)
+    level = np.median(field[deep if deep.any() else own])  # light may differ from place to place
+    found = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
+    found[deep] = 1.0
+    return found
+
+
 def _filled(piece: Mask, width: float) -> Mask:
     """Piece without its small holes."""
-    holes, count = ndimage.label(~piece)  # a piece is padded: its outside is the first of them
+    holes, count = ndimage.label(~piece)  # its outside is the first of them
     if count < 2:
         return piece
     areas = np.bincount(holes.ravel())
@@ -82,19 +92,30 @@ def _opened(piece: Mask, radius: float) -> Mask:
     return np.asarray(ndimage.distance_transform_edt(~core) <= radius)
 
 
-def _blob(own: Mask, left: int, top: int) -> Blob:
-    """Centre, axis and extents of a set of pixels."""
-    rows, cols = np.nonzero(own)
-    x, y = cols - cols.mean(), rows.mean() - rows  # y upward
-    axis = 0.5 * math.atan2(2.0 * (x @ y), x @ x - y @ y)
+def _blob(covered: Array, left: int, top: int) -> Blob:
+    """Centre, axis and extents of pixels that are covered by these shares."""
+    rows, cols = np.nonzero(covered)
+    weight = covered[rows, cols].astype(float)
+    area = float(weight.sum())
+    middle_x, middle_y = float(weight @ cols) / area, float(weight @ rows) / area
+    x, y = cols - middle_x, middle_y - rows  # y upward
+    xx, xy, yy = ((weight * one) @ other for one, other in ((x, x), (x, y), (y, y)))
+    axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
-    along, across = np.ptp(c * x + s * y), np.ptp(c * y - s * x)
-    # Extents of centres of pixels; at a slant a pixel reaches farther.
-    reach = abs(c) + abs(s)
-    return Blob(
-        left + float(cols.mean()), top + float(rows.mean()), float(len(x)), axis,
-        float(along) + reach, float(across) + reach, math.nan,
-    )  # fmt: skip
+    along, across = c * x + s * y, c * y - s * x
+    length, width = (
+        _extent(weight, other, 0.06 * float(np.ptp(other))) for other in (across, along)
+    )
+    return Blob(left + middle_x, top + middle_y, area, axis, length, width, math.nan)
+
+
+def _extent(weight: Array, off: Array, half: float) -> float:
+    """Extent of pixels along a line, from those that lie off it by up to about `half`, pixels.
+
+    The band ends softly, over a pixel, so that its width is the same wherever the line runs.
+    """
+    half = max(half, 0.5)
+    return float(weight @ (half + 0.5 - np.abs(off)).clip(0.0, 1.0)) / (2.0 * half)
 
 
 def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Look) -> float:

@@ -23,8 +23,8 @@ FITTED = 40_000
 ROUNDS, BEYOND = 6, 3.0
 """Rounds of the fit, after each of which pixels so many deviations away are left out."""
 
-NOISY, FAINTEST = 5.0, 16.0
-"""Smallest contrast of a walker: so many deviations of the noise, and steps of brightness."""
+NOISY, FAINTEST, STRONGEST = 5.0, 16.0, 100.0
+"""Smallest contrast of a walker: so many deviations of the noise, but within these steps of 255."""
 
 THINNEST = 3.0
 """Smallest width of a walker, pixels."""
@@ -69,7 +69,7 @@ def learn(
     Raises InputError when nothing stands out, with what was seen.
     """
     ground, noise = _ground(np.median(np.stack(samples), axis=0))
-    least = threshold if threshold is not None else max(NOISY * noise, FAINTEST)
+    least = threshold if threshold is not None else min(max(NOISY * noise, FAINTEST), STRONGEST)
     sides = (True, False) if dark is None else (dark,)
     half, side = max((_thickest(samples, ground, one, least), one) for one in sides)
     if 2.0 * half < (THINNEST if width is None else min(width, THINNEST)):

@@ -35,6 +35,9 @@ SAMPLES = 8
 SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
 
+EDGES = 2.5
+"""Pixels by which both ends of a walker together may be off: blur, a dark rim, its shadow."""
+
 LARGEST = 1e9
 
 
@@ -218,11 +221,11 @@ def _still(found: Sequence[Sequence[Blob]]) -> int:
 
 
 def _scale(options: Options, linked: Linked) -> tuple[float, float]:
-    """Millimetres per pixel, and the share by which it may be off: an edge by half a pixel."""
+    """Millimetres per pixel, and the share by which it may be off, by blurred edges."""
     if options.mm_per_px is not None:
         return options.mm_per_px, 0.0
     assert options.length_mm is not None
-    return options.length_mm / linked.length, 0.5 / linked.length
+    return options.length_mm / linked.length, EDGES / linked.length
 
 
 def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:

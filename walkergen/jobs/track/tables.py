@@ -11,6 +11,9 @@ from rich.table import Table
 from walkergen.files import words
 from walkergen.jobs.track.make import Tracked
 
+READ = 0.95
+"""Share of the frames that a film announces below which it was not read to its end."""
+
 LOST = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
 
@@ -56,6 +59,9 @@ def warnings(made: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
     linked, count = made.linked, made.looked
     told = []
+    end, announced = made.options.frames[0] + made.looked, made.film.expected
+    if made.options.frames[1] is None and end < READ * announced:
+        told.append(f"the film breaks off: {end} of {announced} frames could be read")
     if linked.empty:
         told.append(f"nothing was found in {linked.empty} of {count} frames")
     if linked.merged:
