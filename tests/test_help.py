@@ -88,7 +88,13 @@ def test_commands_stand_under_their_headings(monkeypatch):
     headings = re.findall(r"^(\w+):$", text, re.MULTILINE)
     assert headings == ["Options", *COMMANDS]
     below = text.partition("Measure:")[2].partition("Trust:")[0]
-    assert re.findall(r"^  (\w+)", below, re.MULTILINE) == ["analyse", "fit", "weigh", "bench"]
+    assert re.findall(r"^  (\w+)", below, re.MULTILINE) == [
+        "track",
+        "analyse",
+        "fit",
+        "weigh",
+        "bench",
+    ]
     assert "..." not in text.partition("Make:")[2]  # whole sentences
 
 

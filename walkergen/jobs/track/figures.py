@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
 from walkergen.jobs.track.film import Grey
+from walkergen.jobs.track.heading import LONG, Array
 from walkergen.jobs.track.make import Tracked, Walker
 
 WIDE, TALLEST = 8.0, 9.0
@@ -40,7 +41,8 @@ def check_figure(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) 
     axes.set_ylabel("y (pixels)")
     first = made.options.frames[0]
     axes.set_title(
-        f"{made.film.path.name}, frame {first}: walkers as first (solid) and last seen (dashed)",
+        f"{made.film.path.name}, frame {first}: walkers there (solid), first seen later (dotted), "
+        "last seen (dashed)",
         fontsize=10,
     )
     _when(lower, made, shown)
@@ -60,23 +62,32 @@ def _draw(
         path_effects=HALO,
     )  # fmt: skip
     first = one.seen.frames[0] == made.options.frames[0]
+    round_one = np.median(blobs[:, 4] / blobs[:, 5]) < LONG
     for at, style in ((0, "-" if first else ":"), (-1, "--")):
-        axis, length, width = blobs[at, 3:6]
-        c, s = np.cos(axis), np.sin(axis)
-        u, v = 0.5 * length * np.array([c, -s]), 0.5 * width * np.array([s, c])
-        box = np.add([u + v, u - v, -u - v, v - u, u + v], (x[at], y[at]))
-        axes.plot(*box.T, style, color=colour, lw=1.3, path_effects=HALO)
-        theta = one.headed.theta[at]
+        rim = np.add(_rim(blobs[at], bool(round_one)), (x[at], y[at]))
+        axes.plot(*rim.T, style, color=colour, lw=1.3, path_effects=HALO)
+        theta, length = one.headed.theta[at], blobs[at, 4]
         if not np.isnan(theta):
-            ahead = 0.75 * length * np.array([np.cos(theta), -np.sin(theta)])
+            ahead = length * np.array([np.cos(theta), -np.sin(theta)])
+            tip, tail = ((x[at], y[at]) + share * ahead for share in (0.85, 0.5))
             axes.annotate(
-                "", (x[at] + ahead[0], y[at] + ahead[1]), (x[at], y[at]),
-                arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2},
-            )  # fmt: skip
+                "", tip, tail, arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2}
+            )
     axes.text(
         x[0], y[0], str(number), color="black", fontsize=9, weight="bold", ha="center", va="center",
         path_effects=HALO,
     )  # fmt: skip
+
+
+def _rim(blob: Array, round_one: bool) -> Array:
+    """Rim of a walker around its centre, a box or an ellipse, shape (n, 2), pixels, y downward."""
+    axis, length, width = blob[3:6]
+    turn = np.linspace(0.0, 2.0 * np.pi, 60)
+    unit = np.array([(1, 1), (1, -1), (-1, -1), (-1, 1), (1, 1)])
+    if round_one:
+        unit = np.column_stack([np.cos(turn), np.sin(turn)])
+    c, s = np.cos(axis), np.sin(axis)
+    return np.asarray((0.5 * unit * (length, width)) @ np.array([[c, -s], [s, c]]))
 
 
 def _when(axes: Axes, made: Tracked, shown: int) -> None:
