@@ -221,7 +221,10 @@ def test_a_simulation_says_how_far_it_is_and_refuses_bad_numbers():
     assert seen[-1] == ("runs", 1, 1)
     assert np.isnan(one.speed.se)
     assert str(one.speed).endswith("mm/s, standard error unknown")
-    for bad, told in (({"runs": 0}, "run.runs = 0: must be"), ({"model": "x"}, "legs.model = 'x'")):
+    for bad, told in (
+        ({"runs": 0}, "run.runs = 0: must be"), ({"model": "x"}, "legs.model = 'x'"),
+        ({"error": "5%"}, r"seconds=0\.2: error='5%' chooses it; leave one of them out"),
+    ):  # fmt: skip
         with pytest.raises(InputError, match=told):
             wg.simulate(PAPER, LANE, **{**SHORT, **bad})
 

@@ -76,8 +76,8 @@ def track(
         show.table(tables.to_table(made))
         for note in tables.notes(made):
             show.text(note)
-        print(f"{folder / 'tracks.csv'}")
-        print(f"{folder / 'check.png'}: look at it before you believe the numbers")
+        print(f"{folder / make.TRACKS}")
+        print(f"{folder / make.PICTURE}: look at it before you believe the numbers")
 
 
 def _frames(text: str) -> tuple[int, int | None]:

@@ -29,6 +29,9 @@ COLUMNS = (
 )  # fmt: skip
 """Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own."""
 
+TRACKS, PICTURE = "tracks.csv", "check.png"
+"""Files of tracks, and to check them by."""
+
 SAMPLES = 8
 """Number of frames, from the first on, that tell the look of a film."""
 
@@ -37,6 +40,9 @@ SIDES: tuple[str, ...] = ("dark", "light")
 
 EDGES = 2.5
 """Pixels by which both ends of a walker together may be off: blur, a dark rim, its shadow."""
+
+STILL = 0.02
+"""Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
 LARGEST = 1e9
 
@@ -83,7 +89,7 @@ class Tracked(NamedTuple):
     looked: int
     """Frames looked at."""
     still: int
-    """Frames in which nothing has moved by anything since the one before."""
+    """Frames in which nothing has moved since the one before."""
     fps: float
     mm_per_px: float
     scale_error: float
@@ -216,8 +222,15 @@ def _found(
 
 
 def _still(found: Sequence[Sequence[Blob]]) -> int:
-    """Number of frames that repeat the one before: a camera's noise moves something always."""
-    return sum(bool(now) and list(now) == list(before) for before, now in pairwise(found))
+    """Number of frames in which something is seen and nothing moves."""
+
+    def still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
+        if not now or len(now) != len(before):
+            return False
+        moved = zip(now, before, strict=True)
+        return all(math.hypot(one.x - two.x, one.y - two.y) < STILL for one, two in moved)
+
+    return sum(still(before, now) for before, now in pairwise(found))
 
 
 def _scale(options: Options, linked: Linked) -> tuple[float, float]:
@@ -235,7 +248,7 @@ def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: floa
     return scale * np.column_stack([x, y])
 
 
-def _rows(made: Tracked) -> list[tuple[Any, ...]]:
+def rows(made: Tracked) -> list[tuple[Any, ...]]:
     """Rows of tracks.csv, frame by frame."""
     rows = []
     for number, walker in enumerate(made.walkers):
@@ -254,6 +267,6 @@ def _write(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) -> Non
     from walkergen.jobs.track.figures import check_figure
 
     target = Folder(made.folder)
-    target.write("tracks.csv", csv_text(COLUMNS, _rows(made)).encode())
-    target.write("check.png", figures.png(check_figure(made, picture, part)))
+    target.write(TRACKS, csv_text(COLUMNS, rows(made)).encode())
+    target.write(PICTURE, figures.png(check_figure(made, picture, part)))
     target.finish(tables.facts(made))

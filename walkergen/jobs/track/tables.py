@@ -81,8 +81,8 @@ def warnings(made: Tracked) -> list[str]:
         told.append(f"no heading of walker {', '.join(unknown[:10])}: see the table")
     if made.still:
         told.append(
-            f"{made.still} of {count} frames repeat the one before: if the film holds its last "
-            "picture, leave it out with --frames"
+            f"nothing moves in {made.still} of {count} frames: if the film holds its last picture, "
+            "leave it out with --frames"
         )
     return told
 
@@ -95,7 +95,7 @@ def facts(made: Tracked) -> dict[str, Any]:
         "film": made.film.path.name, **made.options._asdict(),
         "fps": made.fps, "mm_per_px": made.mm_per_px, "mm_per_px_error": made.scale_error,
         "frames_looked_at": made.looked, "frames_without_walkers": linked.empty,
-        "frames_with_touching_walkers": linked.merged, "frames_repeated": made.still,
+        "frames_with_touching_walkers": linked.merged, "frames_without_motion": made.still,
         "short_tracks": linked.short,
         "walkers_are": "dark" if look.dark else "light", "threshold": look.threshold,
         "width_px": look.width, "length_px": linked.length, "area_px": linked.area,
