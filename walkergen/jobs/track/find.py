@@ -97,9 +97,10 @@ def _blob(covered: Array, left: int, top: int) -> Blob:
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
-    middle_x, middle_y = float(weight @ cols) / area, float(weight @ rows) / area
+    middle_x, middle_y = (float((weight * one).sum()) / area for one in (cols, rows))
     x, y = cols - middle_x, middle_y - rows  # y upward
-    xx, xy, yy = ((weight * one) @ other for one, other in ((x, x), (x, y), (y, y)))
+    # No dot product: threads that share one cost more than it, and sum in another order.
+    xx, xy, yy = (float((weight * one * two).sum()) for one, two in ((x, x), (x, y), (y, y)))
     axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
     along, across = c * x + s * y, c * y - s * x
@@ -115,7 +116,7 @@ def _extent(weight: Array, off: Array, half: float) -> float:
     The band ends softly, over a pixel, so that its width is the same wherever the line runs.
     """
     half = max(half, 0.5)
-    return float(weight @ (half + 0.5 - np.abs(off)).clip(0.0, 1.0)) / (2.0 * half)
+    return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
 
 
 def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Look) -> float:
