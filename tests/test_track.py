@@ -95,6 +95,9 @@ def test_what_is_thin_is_no_walker_and_does_not_pull():
     with_lines[20:22, 10:200] = 30  # a wall
     with_lines[10:120, 10:12] = 30
     with_lines[65:67, 15:105] = 30  # a trail that ends in the walker
+    with_lines[130:141, 30:230:20] = with_lines[130:141, 40:230:20] = 30  # letters
+    for left in range(30, 220, 20):
+        with_lines[[130, 140], left : left + 10] = 30
     (one,) = find.find(with_lines, seen, marked=False)
     assert (one.x, one.y) == pytest.approx((plain[0].x, plain[0].y), abs=0.25)
     assert one.axis == pytest.approx(plain[0].axis, abs=0.01)

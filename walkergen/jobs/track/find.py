@@ -13,8 +13,14 @@ from scipy import ndimage
 from walkergen.jobs.track.film import Grey
 from walkergen.jobs.track.look import EIGHT, Array, Look, Mask, pieces
 
-RUBBED = 0.2
+RUBBED = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
+
+THICK = 0.38
+"""Least distance from the edge to the middle of a walker, over the width: letters have less."""
+
+DIAGONAL = 1.415
+"""Largest true distance over a chessboard's."""
 
 HOLE = 0.8
 """Largest hole that is filled, a mark as bright as the ground, over the square of the width."""
@@ -51,11 +57,15 @@ def find(frame: Grey, look: Look, marked: bool) -> list[Blob]:
     found = []
     for box, piece in pieces(field > look.threshold, 0.5 * look.width):
         whole = _filled(piece, look.width)
+        if DIAGONAL * ndimage.distance_transform_cdt(whole).max() < THICK * look.width:
+            continue  # a letter, or a line around the plate: a true distance takes long to find
         left, top = box[1].start - 1, box[0].start - 1  # a piece is padded, within the frame
         inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
         labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
         for number in range(1, count + 1):
             own = labels == number
+            if ndimage.distance_transform_edt(own).max() < THICK * look.width:
+                continue
             blob = _blob(_covered(own, inside), left, top)
             if marked:
                 blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
@@ -105,7 +115,7 @@ def _blob(covered: Array, left: int, top: int) -> Blob:
     c, s = math.cos(axis), math.sin(axis)
     along, across = c * x + s * y, c * y - s * x
     length, width = (
-        _extent(weight, other, 0.06 * float(np.ptp(other))) for other in (across, along)
+        _extent(weight, other, 0.15 * float(np.ptp(other))) for other in (across, along)
     )
     return Blob(left + middle_x, top + middle_y, area, axis, length, width, math.nan)
 
