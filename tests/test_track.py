@@ -280,19 +280,25 @@ def test_touching_lost_and_held_walkers_are_warned_of(tmp_path):
     assert 15 <= made.still <= 20
 
 
-@pytest.mark.usefixtures("undrawn")
-def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
-    """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""
+def movies_film(path, seconds):
+    """Film of a walker from above, as `movie` draws it; its shot, and its mm per pixel."""
     paper = templates.load("koumakis2016", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
-    job = movie.plan([paper], scene, seconds=0.8, fps=25)
+    job = movie.plan([paper], scene, seconds=seconds, fps=25)
     shot = movie.shoot(job, paper, movie.TRAIL)
     draw = above.draw_above([shot], movie.TRAIL, job.slow, "settings", 1.0 / 90.0, None)
     grey = [np.asarray(Image.fromarray(draw(n)).convert("L")) for n in range(job.frames)]
     high, wide = (16 * (side // 16) for side in grey[0].shape)
-    write_film(tmp_path / "film.mp4", [one[-high:, :wide] for one in grey])
-    left, right, _, _ = above._window(shot, None)
-    scale = (right - left) / (above.WIDTH - 2 * above.MARGIN)
+    write_film(path, [one[-high:, :wide] for one in grey])
+    left, right, low, top = above._window(shot, None)
+    across = (right - left) / (above.WIDTH - 2 * above.MARGIN)
+    return shot, max(across, (top - low) / above.TALLEST)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
+    """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""
+    shot, scale = movies_film(tmp_path / "film.mp4", 0.8)
     wish = Options(mm_per_px=scale)
     made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
     by_length = make._scale(Options(length_mm=28.0), made.linked)
@@ -313,6 +319,16 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     steps = [found.estimates["parallel_mean"] for found in (filmed, run)]
     assert steps[0].value == pytest.approx(steps[1].value, rel=0.01)
     assert steps[0].value / 0.04 == pytest.approx(shot.distance / 0.8, rel=0.05)
+
+
+@pytest.mark.nightly
+def test_a_long_film_of_a_small_walker_has_the_simulations_speed(tmp_path):
+    shot, scale = movies_film(tmp_path / "film.mp4", 12.0)  # 14 pixels wide
+    make.track(tmp_path / "film.mp4", Options(mm_per_px=scale), tmp_path / "out", silent)
+    found = motion.analyse(tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units()))
+    speed = found.estimates["speed"]
+    assert speed.value == pytest.approx(shot.distance / 12.0, abs=speed.se)
+    assert speed.se < 0.02 * speed.value
 
 
 @pytest.mark.parametrize(
