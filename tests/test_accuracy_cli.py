@@ -2,10 +2,12 @@
 
 import csv
 import json
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
 
+import walkergen as wg
 from walkergen.cli import app
 from walkergen.jobs.accuracy import make as accuracy
 
@@ -62,6 +64,11 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
     told = run("simulate", *words, "--error", "20%").stdout
     assert "on record" in told
     assert "within the" in told
+    same = wg.simulate("koumakis2016", Path("short.toml"), tilt=10, error="20%")
+    assert same.met.on_record
+    assert same.speed.value == json.loads(result.stdout)["speed_mm_s"]
+    assert same.met.error == met["error"]
+    assert "within the" in repr(same)
 
 
 @pytest.mark.slow

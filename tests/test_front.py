@@ -185,7 +185,7 @@ def test_a_prediction_refuses_what_the_command_would(words, told):
 
 
 def test_a_simulation_is_the_commands(run, runs):
-    files = ("--trajectory", "run.csv", "--tracks", "all.csv", "--rate", "50")
+    files = ("--trajectory", "all.csv", "--rate", "50")
     told = json.loads(
         run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, *files, "--json")
     )
@@ -195,10 +195,10 @@ def test_a_simulation_is_the_commands(run, runs):
         *(plain[name] for name in ("speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
                                    "speed_high_95_mm_s"))
     )  # fmt: skip
-    for found, file in ((runs.trajectory(50), "run.csv"), (runs.tracks(50), "all.csv")):
-        rows = np.loadtxt(file, delimiter=",", skiprows=1)
-        assert list(found.columns) == Path(file).read_text().splitlines()[0].split(",")
-        np.testing.assert_array_equal(np.column_stack([*found.columns.values()]), rows)
+    found, (first, *_) = runs.trajectory(50), Path("all.csv").read_text().splitlines()
+    assert list(found.columns) == first.split(",")
+    rows = np.loadtxt("all.csv", delimiter=",", skiprows=1)
+    np.testing.assert_array_equal(np.column_stack([*found.columns.values()]), rows)
     frame = runs.to_dataframe()
     assert frame["speed_mm_s"].tolist() == [runs.speed.value]
     assert frame["outcomes.ok"].tolist() == [4]
@@ -221,7 +221,10 @@ def test_a_simulation_says_how_far_it_is_and_refuses_bad_numbers():
     assert seen[-1] == ("runs", 1, 1)
     assert np.isnan(one.speed.se)
     assert str(one.speed).endswith("mm/s, standard error unknown")
-    for bad, told in (({"runs": 0}, "run.runs = 0: must be"), ({"model": "x"}, "legs.model = 'x'")):
+    for bad, told in (
+        ({"runs": 0}, "run.runs = 0: must be"), ({"model": "x"}, "legs.model = 'x'"),
+        ({"error": "5%"}, r"seconds=0\.2: error='5%' chooses it; leave one of them out"),
+    ):  # fmt: skip
         with pytest.raises(InputError, match=told):
             wg.simulate(PAPER, LANE, **{**SHORT, **bad})
 

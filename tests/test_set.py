@@ -338,9 +338,7 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
     assert "-0.0" not in table
 
 
-@pytest.mark.parametrize(
-    "words", [("--tracks", "t.csv"), ("--trajectory", "t.csv"), ("--error", "5%"), ("--uncertain",)]
-)
+@pytest.mark.parametrize("words", [("--trajectory", "t.csv"), ("--error", "5%"), ("--uncertain",)])
 def test_options_of_one_walker_are_refused_for_several(run, words):
     told = refused(run, "simulate", "--tilt", "5,10,15", *words)
     assert told.startswith(words[0])

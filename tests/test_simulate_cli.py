@@ -98,10 +98,11 @@ def test_trajectory_as_csv_and_npz(run, tmp_path):
     run(*words, "--trajectory", "a.csv", "--rate", "2000")
     with (tmp_path / "a.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
-    assert list(rows[0])[:4] == ["t_s", "x_mm", "y_mm", "pitch_rad"]
+    film = ["frame", "particle", "x", "y", "theta"]
+    assert list(rows[0])[:9] == [*film, "t_s", "x_mm", "y_mm", "pitch_rad"]
     assert len(rows) == pytest.approx(201, abs=1)
     assert float(rows[1]["t_s"]) == pytest.approx(5e-4)
-    run(*words, "--trajectory", "a.npz", "--format", "npz", "--rate", "2000")
+    run(*words, "--trajectory", "a.npz", "--rate", "2000")
     with np.load(tmp_path / "a.npz") as data:
         np.testing.assert_array_equal(data["x_mm"], [float(row["x_mm"]) for row in rows])
 
@@ -148,7 +149,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
         (("--law", "newton"), "legs.model 'compliant' for this law"),
         (("--model", "space", "--law", "stronge"), "contact.law = 'stronge'"),
         (("--restitution", "0"), "takes 0.02..1"),
-        (("--legs", "braced,flexible", "--tracks", "t.csv"), "means one walker"),
+        (("--legs", "braced,flexible", "--trajectory", "t.csv"), "means one walker"),
         (("--legs", "braced,flexible", "--model", "compliant"), "braced legs are rigid"),
         (("--seconds", "-1"), "run.seconds = -1"),
         (("--seconds", "nan"), "run.seconds = nan"),
@@ -158,7 +159,7 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
         (("--frequency", "1e300"), "drive.frequency_hz = 1e+300"),
         (("--step", "1e9"), "run.step_us"),
         (("--tilt", "80"), "tilt up to"),
-        (("--format", "xls"), "csv, npz"),
+        (("--trajectory", "t.xls"), "must end in one of .csv, .npz, .xyz"),
         (("--seconds", "1e6", "--rate", "1e6", "--trajectory", "t.csv", "--runs", "1"), "at most"),
         (("--trajectory", "file/x.csv", "--seconds", "0.01", "--runs", "1"), "cannot be written"),
     ],

@@ -10,7 +10,7 @@ from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.simulate import make
+from walkergen.jobs.simulate import make, trajectories
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record, trajectory
 from walkergen.simulation.plan import prepare
@@ -18,7 +18,7 @@ from walkergen.simulation.run import impacts_of, simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
-HEADER = "t_s,particle,x_mm,y_mm,theta_rad,height_mm,pitch_rad,roll_rad\n"
+HEADER = "frame,particle,x,y,theta,t_s,x_mm,y_mm,theta_rad,height_mm,pitch_rad,roll_rad\n"
 PLANE = ("--scene", "plane-90hz", "--tilt", "10")
 
 
@@ -46,7 +46,7 @@ def read(tmp_path, text, units=Units()):  # noqa: B008
 
 
 TURNING = HEADER + "".join(
-    f"{0.01 * n:g},{who},{n},{who + 2 * n},{6.2 + 0.1 * n},8.9,0.01,0.02\n"
+    f"{n},{who},,,,{0.01 * n:g},{n},{who + 2 * n},{6.2 + 0.1 * n},8.9,0.01,0.02\n"
     for who in (0, 3)
     for n in range(3)
 )
@@ -76,7 +76,7 @@ def test_a_planes_file_needs_y_and_is_not_turned_over(tmp_path):
 
 
 def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_path):
-    words = ("simulate", *PLANE, "--seconds", "100", "--rate", "5e4", "--tracks", "t.csv")
+    words = ("simulate", *PLANE, "--seconds", "100", "--rate", "5e4", "--trajectory", "t.csv")
     with pytest.raises(InputError, match=r"tracks of 16 runs of 8e\+07 samples; at most 20000000"):
         run(*words, "--runs", "16")
     assert list(tmp_path.iterdir()) == []
@@ -84,9 +84,9 @@ def test_too_many_samples_of_all_runs_are_refused_before_any_is_taken(run, tmp_p
 
 def test_a_lanes_tracks_have_a_particle_and_are_read_as_a_lanes(run, tmp_path):
     words = ("--model", "relaxed", "--seconds", "0.2", "--runs", "3")
-    run("simulate", *words, "--tracks", "t.csv")
+    run("simulate", *words, "--trajectory", "t.csv")
     first = (tmp_path / "t.csv").read_text(encoding="utf-8").splitlines()[0]
-    assert first.startswith("t_s,particle,x_mm,y_mm,pitch_rad")
+    assert first.startswith("frame,particle,x,y,theta,t_s,x_mm,y_mm,pitch_rad")
     found = tracks.read(tmp_path / "t.csv", Units())
     assert found.lane
     assert [(t.particle, len(t.position)) for t in found.tracks] == [(n, 201) for n in range(3)]
@@ -106,7 +106,8 @@ def test_tracks_are_the_same_bytes_on_any_number_of_threads():
     written = []
     for threads in (1, 3):
         results = ensemble.run(plan, silent, threads, one.impacts, one.sample_interval)
-        written.append(trajectory.to_csv(trajectory.tracks(plan.model.columns, results)))
+        found = trajectory.tracks(plan.model.columns, results)
+        written.append(trajectory.to_csv(trajectories.with_film(found, one.sample_interval)))
     assert written[0] == written[1]
     assert written[0].startswith(HEADER.encode())
     assert written[0].count(b"\n") == 1 + 3 * 151
@@ -141,7 +142,7 @@ def test_landings_kept_are_those_counted():
 
 @pytest.mark.slow
 def test_analyse_finds_in_the_tracks_what_simulate_says(run):
-    words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate", "500", "--tracks", "t.csv")
+    words = (*PLANE, "--seconds", "2", "--runs", "10", "--rate", "500", "--trajectory", "t.csv")
     told = json.loads(run("simulate", *words, "--json"))
     found = json.loads(run("analyse", "t.csv", "--json", "--no-pictures"))
     assert (told["model"], told["feet"], told["friction"]) == ("space", "viscous", 0.25)
@@ -183,15 +184,3 @@ def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reaso
         assert words in text, words
     short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2").split())
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short
-
-
-@pytest.mark.slow
-def test_one_space_trajectory_reads_like_tracks(run, tmp_path):
-    words = (*PLANE, "--seconds", "0.5", "--runs", "1", "--rate", "200")
-    run("simulate", *words, "--trajectory", "one.csv")
-    lines = (tmp_path / "one.csv").read_text(encoding="utf-8").splitlines()
-    assert lines[0] == HEADER.strip().replace("particle,", "")
-    run("simulate", *words, "--tracks", "all.csv")
-    one, every = (tracks.read(tmp_path / name, Units()) for name in ("one.csv", "all.csv"))
-    np.testing.assert_array_equal(one.tracks[0].position, every.tracks[0].position)
-    np.testing.assert_array_equal(one.tracks[0].heading, every.tracks[0].heading)

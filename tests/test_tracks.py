@@ -144,3 +144,50 @@ def test_what_is_no_file_is_refused(tmp_path):
     (tmp_path / "binary.csv").write_bytes(b"\xff\xfe\x00frame")
     with pytest.raises(InputError, match="not a CSV file"):
         tracks.read(tmp_path / "binary.csv", FILM)
+
+
+POGO = "time,x,y,theta,particle\n"
+
+
+def test_pogotracks_file_has_its_own_units(tmp_path):
+    # Rows of its results/tracking.csv: s, cm, degrees; then a frame that it skipped.
+    text = POGO + (
+        "0.0,76.87377589939182,70.8736212761571,60.96184860035945,0\n"
+        "0.04452359750667854,76.87377589939182,70.8736212761571,61.18282319543838,0\n"
+        "0.08904719501335707,,,,\n"
+        "0.13357079252003562,77.07890939078445,71.13003814039789,59.32456958652914,0\n"
+    )
+    found = read(tmp_path, text, Units())
+    (one,) = found.tracks
+    assert found.interval == pytest.approx(1 / 22.46)  # its default frame rate
+    assert found.told == "1 bad row left out: line 4: x is '', not a number"
+    np.testing.assert_allclose(one.position[0], [768.7377589939182, 708.736212761571])
+    np.testing.assert_allclose(np.degrees(one.heading[[0, 3]]), [60.96184860, 59.32456959])
+    assert np.isnan(one.position[2]).all()
+
+
+def test_pogotracks_file_as_a_lane_turned_over_and_with_ids(tmp_path):
+    text = POGO + "0,1,2,30,0\n0.1,2,4,30,0\n"
+    (down,) = read(tmp_path, text, Units(y_down=True)).tracks
+    np.testing.assert_allclose(down.position, [[10, -20], [20, -40]])
+    np.testing.assert_allclose(np.degrees(down.heading), -30)
+    lane = read(tmp_path, text, Units(lane=True))
+    assert lane.lane
+    assert lane.tracks[0].heading is None
+    numbered = "time,x,y,id\n0,1,2,5\n0,1,3,7\n0.1,2,4,5\n"
+    assert [one.particle for one in read(tmp_path, numbered, Units()).tracks] == [5, 7]
+    with pytest.raises(InputError, match=r"--fps 100: .* has its own time and x; leave it out"):
+        read(tmp_path, text)
+    with pytest.raises(InputError, match="link the positions first"):
+        read(tmp_path, "time,x,y\n0,1,2\n0,1,3\n0.1,2,4\n", Units())
+
+
+def test_a_place_without_a_heading_counts(tmp_path):
+    text = "t_s,x_mm,y_mm,theta_rad\n0,0,0,0.1\n0.1,1,0,\n0.2,2,0,0.2\n"
+    found = read(tmp_path, text, Units())
+    assert found.bad_rows == 0
+    np.testing.assert_allclose(found.tracks[0].heading, [0.1, np.nan, 0.2])
+    assert (
+        read(tmp_path, "t_s,x_mm,y_mm,theta_rad\n0,0,0,\n1,1,1,\n", Units()).tracks[0].heading
+        is None
+    )

@@ -19,6 +19,7 @@ _HOMES = {
     "simulate": "notebook.simulating",
     "sweep": "notebook.sweeping",
     "templates": "notebook.loading",
+    "track": "notebook.tracking",
 }
 """Modules of the names that are offered here; __init__.pyi has their types."""
 

@@ -5,6 +5,7 @@ from walkergen.notebook.making import export, family
 from walkergen.notebook.predicting import predict
 from walkergen.notebook.simulating import simulate
 from walkergen.notebook.sweeping import sweep
+from walkergen.notebook.tracking import track
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -25,4 +26,5 @@ __all__ = [
     "simulate",
     "sweep",
     "templates",
+    "track",
 ]

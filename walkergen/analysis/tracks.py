@@ -1,9 +1,12 @@
-"""Tracks of walkers from CSV files: trackpy's columns, or the trajectories that walkergen writes.
+"""Tracks of walkers from CSV files: trackpy's, Pogotrack's, or those that walkergen writes.
 
 trackpy: frame, particle, x, y in pixels, optionally theta (rad) or theta_deg, the heading counted
 from x toward y of the file's own axes. walkergen: t_s, x_mm; with theta_rad, the heading from x
 toward y_mm, it is of a walker in space, seen from above; without it y_mm is vertical: a lane's.
-Both may have `particle` and `plate_speed_mm_s`, the plate's peak speed while the particle ran.
+Pogotrack (https://github.com/keivan-amini/pogotrack, docstring of `VideoProcessor` and function
+`convert_datas`): time (s), x, y (cm), theta (degrees, from x toward y), particle, which may also be
+called id; rows of frames that it skipped are blank. All may have `particle` and
+`plate_speed_mm_s`, the plate's peak speed while the particle ran.
 """
 
 import math
@@ -55,6 +58,31 @@ class Tracks(NamedTuple):
         return bool(self.tracks[0].position.shape[1] == 1)
 
 
+class Timed(NamedTuple):
+    """Format of files that have their own times and lengths."""
+
+    time: str
+    """Column of the times, s."""
+    axes: tuple[str, str]
+    """Columns of the places."""
+    heading: str
+    particle: tuple[str, ...]
+    """Names that the column of the particles may have."""
+    length: float
+    """Unit of the places, mm."""
+    angle: float
+    """Unit of the headings, rad."""
+
+    @property
+    def told(self) -> str:
+        """What the file has of its own, in words."""
+        return f"{self.time} and {self.axes[0]}"
+
+
+OURS = Timed("t_s", ("x_mm", "y_mm"), "theta_rad", ("particle",), 1.0, 1.0)
+POGOTRACK = Timed("time", ("x", "y"), "theta", ("particle", "id"), 10.0, math.radians(1.0))
+
+
 class Units(NamedTuple):
     """Units and axes of a file, as the command line gives them."""
 
@@ -91,37 +119,52 @@ def read(path: Path, units: Units) -> Tracks:
         return _trajectory(path, names, units)
     if "frame" in names and "x" in names:
         return _film(path, names, units)
+    if "time" in names and "x" in names:
+        return _timed(path, names, units, POGOTRACK, not units.lane)
     seen = ", ".join(name for name in names if name)[:200]
     raise InputError(
-        f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm); "
-        f"columns seen: {seen}"
+        f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
+        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {seen}"
     )
 
 
 def _trajectory(path: Path, names: list[str], units: Units) -> Tracks:
     """Read simulated trajectories: on the plate with a heading, else with y_mm as the height."""
-    for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
-        if given is not None:
-            raise InputError(f"{flag} {given:g}: {path} has its own t_s and x_mm; leave it out")
-    headed = "theta_rad" in names
+    headed = OURS.heading in names
     if units.y_down:
         y = "has y to the left of x" if headed else "is a lane's, without y across it"
         raise InputError(f"--y-down: {path} {y}; leave it out")
-    on_plane = ("y_mm", "theta_rad") if headed and not units.lane else ()
-    table = columns.read(path, ("t_s", "x_mm", *on_plane), ("particle", "plate_speed_mm_s"))
-    times, particle = table.values["t_s"], _particles(table)
-    interval = _interval(path, times, particle)
+    return _timed(path, names, units, OURS, headed and not units.lane)
+
+
+def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bool) -> Tracks:
+    """Read tracks that have their own times and lengths, on a plane or along a lane."""
+    for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
+        if given is not None:
+            raise InputError(f"{flag} {given:g}: {path} has its own {form.told}; leave it out")
+    axes = form.axes if on_plane else form.axes[:1]
+    headed = on_plane and form.heading in names
+    particle = next((name for name in form.particle if name in names), "particle")
+    optional = (particle, "plate_speed_mm_s", *([form.heading] if headed else []))
+    table = columns.read(path, (form.time, *axes), optional)
+    if particle in table.values:
+        table.values["particle"] = table.values[particle]
+    times = table.values[form.time]
+    interval = _interval(path, times, _particles(table))
     ticks = (times - times.min()) / interval
     steps = np.rint(ticks)
     off = np.abs(ticks - steps) > REGULAR
     if off.any():
         raise InputError(
-            f"{path}: t_s on line {table.lines[off][0]} lies off the regular times of the other "
-            f"rows, {interval:g} s apart; sample at a fixed rate"
+            f"{path}: {form.time} on line {table.lines[off][0]} lies off the regular times of the "
+            f"other rows, {interval:g} s apart; sample at a fixed rate"
         )
-    axes = ("x_mm", "y_mm") if on_plane else ("x_mm",)
-    position = np.stack([table.values[name] for name in axes], axis=1)
-    return _assemble(path, table, steps, position, table.values.get("theta_rad"), interval)
+    flip = np.array([1.0, -1.0 if units.y_down else 1.0])[: len(axes)]
+    position = form.length * flip * np.stack([table.values[name] for name in axes], axis=1)
+    heading = form.angle * flip[-1] * table.values[form.heading] if headed else None
+    if heading is not None and np.isnan(heading).all():
+        heading = None
+    return _assemble(path, table, steps, position, heading, interval)
 
 
 def _interval(path: Path, times: Array, particle: Array) -> float:
@@ -132,7 +175,7 @@ def _interval(path: Path, times: Array, particle: Array) -> float:
     steps = steps[steps > 0]
     if not len(steps):
         raise InputError(f"{path}: no particle has two different times; nothing moves")
-    low = float(np.median(steps))
+    low = float(np.quantile(steps, 0.5, method="lower"))  # a step, not the mean of two
     close = steps[np.abs(steps - low) < REGULAR * low]
     # Written times are rounded: the mean over all close steps is the best estimate.
     return float(close.mean())

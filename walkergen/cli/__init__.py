@@ -27,6 +27,7 @@ from walkergen.cli import (
     simulate,
     sweep,
     templates,
+    track,
     validate,
     weigh,
 )
@@ -37,7 +38,7 @@ COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
     "Predict": (predict.predict, sweep.sweep),
     "Simulate": (simulate.simulate, movie.movie, explain.explain),
-    "Measure": (analyse.analyse, fit.fit, calibrate.calibrate, bench.app, weigh.weigh),
+    "Measure": (track.track, analyse.analyse, fit.fit, calibrate.calibrate, bench.app, weigh.weigh),
     "Trust": (accuracy.accuracy, selftest.selftest, validate.validate, reproduce.reproduce),
     "Files": (report.report, templates.app),
 }

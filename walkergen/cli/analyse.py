@@ -40,8 +40,9 @@ def analyse(
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
     A film is a CSV file with trackpy's columns frame, particle, x, y and, if known, the heading
-    theta (rad) or theta_deg, counted from x toward y. A simulation is a file that simulate
-    --tracks or --trajectory wrote. Tracks at several plate speeds need a column plate_speed_mm_s.
+    theta (rad) or theta_deg, counted from x toward y; or Pogotrack's, which has its own units. A
+    simulation is a file that simulate --trajectory wrote. Tracks at several plate speeds need a
+    column plate_speed_mm_s.
     """
     from walkergen.analysis.tracks import Units
     from walkergen.files import output

@@ -14,6 +14,10 @@ EXAMPLES: dict[str, tuple[str, str]] = {
     "simulate": ("simulate --tilt 10", "simulate --tilt 10 --error 5%"),
     "movie": ("movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
     "explain": ("explain --tilt 10", "explain --scene plane-noisy --no-cost"),
+    "track": (
+        "track film.mp4 --mm-per-px 0.1",
+        "track film.mp4 --length 28 --heading mark --fps 240",
+    ),
     "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
     "fit": ("fit speeds.csv", "fit speeds.csv --model space --predict 8,12"),
     "calibrate": (

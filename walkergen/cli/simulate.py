@@ -47,18 +47,15 @@ def simulate(
     keys: opt.Values = None,
     trajectory: Annotated[
         Path | None,
-        typer.Option("--trajectory", metavar="FILE", help="File for the first run's trajectory."),
+        typer.Option(
+            "--trajectory",
+            metavar="FILE",
+            help="File for the tracks of all runs: .csv, .npz, or .xyz for OVITO.",
+        ),
     ] = None,
-    tracks: Annotated[
-        Path | None,
-        typer.Option("--tracks", metavar="FILE", help="CSV file for the tracks of all runs."),
-    ] = None,
-    form: Annotated[
-        str, typer.Option("--format", metavar="FORMAT", help="Trajectory's format: csv or npz.")
-    ] = "csv",
     rate: Annotated[
         float,
-        typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of both."),
+        typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of it."),
     ] = 1000.0,
     error: Annotated[
         str | None,
@@ -82,15 +79,12 @@ def simulate(
 
     Several tilts, or both kinds of legs, make a table.
     """
-    from walkergen.jobs.simulate import make
+    from walkergen.jobs.simulate import make, trajectories
     from walkergen.simulation import points
-    from walkergen.simulation import trajectory as trajectories
-    from walkergen.simulation.plan import prepare
     from walkergen.walker import solids
 
-    if form not in trajectories.FORMATS:
-        known = ", ".join(trajectories.FORMATS)
-        raise InputError(f"--format {form[:30]!r}: must be one of {known}")
+    if trajectory is not None:
+        trajectories.check(trajectory)
     asked = loading.asked(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
@@ -98,7 +92,7 @@ def simulate(
     )  # fmt: skip
     if uncertain:
         why = "not with --uncertain; leave one of them out"
-        _refuse(why, error=error, trajectory=trajectory, tracks=tracks)
+        _refuse(why, error=error, trajectory=trajectory)
         asked.refuse((loading.FLAGS["runs"],), why)
     elif out is not None:
         raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
@@ -110,17 +104,15 @@ def simulate(
     members = asked.members(asked.design(design), tilt, legs, whole=False)
     if len(members) > 1:
         why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs"
-        _refuse(why, trajectory=trajectory, tracks=tracks, error=error, uncertain=uncertain or None)
+        _refuse(why, trajectory=trajectory, error=error, uncertain=uncertain or None)
         _simulate_several(resolved_scene, members, json, quiet)
         return
     (chosen,) = members
     if uncertain:
         prints.simulate(resolved_scene, chosen, draws, out, json, quiet)
         return
-    if trajectory is not None:
-        trajectories.check(resolved_scene, 1.0 / rate)
     mass = solids.mass_of(chosen)
-    met, interval = None, None if tracks is None else 1.0 / rate
+    met, interval = None, None if trajectory is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
         if error is None:
             one = make.asked(resolved_scene, chosen, mass, interval)
@@ -133,12 +125,8 @@ def simulate(
             )
             one = make.asked(met.scene, chosen, mass, interval)
         runs_asked = resolved_scene.run.runs
-        if tracks is not None:
-            make.write_tracks(tracks, one, found.point, progress)
         if trajectory is not None:
-            progress("trajectory", runs_asked, runs_asked)
-            plan = prepare(resolved_scene, chosen, mass)
-            trajectories.write(plan, trajectory, form, 1.0 / rate)
+            trajectories.write(trajectory, one, found.point, progress)
     if found.point.summary.runs < runs_asked:
         print(f"interrupted after {found.point.summary.runs} of {runs_asked} runs", file=sys.stderr)
     for warning in found.warnings:
@@ -147,9 +135,8 @@ def simulate(
         show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
         _show_summary(found, resolved_scene, chosen, met)
-        for path in (tracks, trajectory):
-            if path is not None:
-                print(path)
+        if trajectory is not None:
+            print(trajectory)
 
 
 def _met(

@@ -19,6 +19,13 @@ def content(path: Path, most_bytes: int | None = None) -> bytes:
         return path.read_bytes()
 
 
+def check(path: Path, format: str) -> None:
+    """Raise InputError unless a file can be read and is not empty; for formats that others read."""
+    with _explained(path, format), path.open("rb") as stream:
+        if not stream.read(1):
+            raise InputError(f"{path}: is empty; give {format}")
+
+
 def lines(path: Path, format: str, most_bytes: int | None = None) -> Iterator[str]:
     r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
 

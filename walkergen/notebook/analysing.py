@@ -98,8 +98,8 @@ def analyse(
 ) -> Analysis:  # fmt: skip
     """Measure speed, persistence and spread from tracks, filmed or simulated.
 
-    `tracks` is the path of a CSV file, a frame of pandas, a table as `simulate(...).tracks()` gives
-    it, or columns by name: trackpy's (frame, particle, x, y, theta), with `fps` (frames per second)
+    `tracks` is the path of a CSV file, a frame of pandas, a table of `simulate(...).trajectory()`,
+    or columns by name: trackpy's (frame, particle, x, y, theta), with `fps` (frames per second)
     and `mm_per_px`, or walkergen's. With a `folder`, tables and pictures (unless these are False)
     are written there. Raises InputError.
     """

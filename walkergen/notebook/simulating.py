@@ -5,20 +5,21 @@ from typing import TYPE_CHECKING, Any
 
 from walkergen.analysis.motion import Motion
 from walkergen.errors import InputError, WalkergenError
+from walkergen.exploring import wanted
 from walkergen.exploring.runs import tracks_of
+from walkergen.files import words
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.simulate import make, tables
+from walkergen.jobs.accuracy import choose
+from walkergen.jobs.accuracy.choose import Met
+from walkergen.jobs.simulate import make, tables, trajectories
 from walkergen.notebook.loading import Ground, Walker, one_of, scene_of
 from walkergen.notebook.predicting import SCENE
 from walkergen.notebook.speed import Speed, speed_of
 from walkergen.notebook.table import Result, Table
 from walkergen.scene import Scene
-from walkergen.simulation import trajectory as trajectories
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
@@ -27,14 +28,16 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 RATE_HZ = 1000.0
-"""Samples per second of trajectories and tracks, as on the command line."""
+"""Samples per second of trajectories, as on the command line."""
 
 
 class Simulation(Result):
     """Runs of one walker in a scene, and what they say of its speed and motion."""
 
-    def __init__(self, asked: Asked, found: make.Simulated) -> None:
+    def __init__(self, asked: Asked, found: make.Simulated, met: Met | None = None) -> None:
         self._asked = asked
+        self.met = met
+        """What `error` chose, and the error obtained; None where no error was asked for."""
         self.found = found
         """Everything that was measured, as the command `simulate` prints it."""
 
@@ -87,29 +90,29 @@ class Simulation(Result):
         yield "model", tables.model_in_words(self.found, self.scene)
         yield "mean speed", str(self.speed)
         yield from tables.motion_rows(self.found)
+        if self.met is not None:
+            choice = self.met.choice
+            yield "chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"
+            verdict = "within" if self.met.error <= self.met.allowed else "NOT within"
+            got, limit = (words.number(x, 2) for x in (self.met.error, self.met.allowed))
+            yield "error, 95 %", f"{got} mm/s, {verdict} the {limit} asked"
         yield "runs", f"{one.runs} of {self.scene.run.runs}, {one.simulated_s:.1f} s in all"
         yield from tables.statistic_rows(self.found)
         yield "outcomes", ", ".join(f"{count} x {name}" for name, count in one.outcomes.items())
         for warning in self.found.warnings:
             yield "warning", warning
 
-    def trajectory(self, rate_hz: float = RATE_HZ) -> Table:
-        """States of the first run, `rate_hz` a second: t_s, x_mm and the model's others.
+    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
 
-        The run is simulated again. Raises InputError for more samples than can be kept.
-        """
-        plan = prepare(self.scene, self.design, self._asked.mass)
-        return _as_table(trajectories.sample(plan, _interval(rate_hz)), "trajectory of run 0")
-
-    def tracks(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
-        """States of all runs, `rate_hz` a second, with the number of the run as `particle`.
-
-        What `analyse` takes. The runs are simulated again. Raises InputError for more samples than
-        can be kept.
+        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
+        theta (rad) from above, then t_s and the model's own. The runs are simulated again. Raises
+        InputError for more samples than can be kept.
         """
         one = self._asked._replace(sample_interval=_interval(rate_hz))
-        found = make.tracks_of(one, self.found.point, progress or silent)
-        return _as_table(found, f"tracks of {self.summary.runs} runs")
+        found = trajectories.of(one, self.found.point, progress or silent)
+        title = f"trajectories of {self.summary.runs} runs"
+        return Table(dict(zip(found.columns, found.rows.T, strict=True)), title)
 
     def plot(self) -> "Figure":
         """Draw the runs: way against time in a lane, on a plane as seen from above.
@@ -131,18 +134,32 @@ class Simulation(Result):
 def simulate(
     design: Walker, scene: Ground = SCENE, *, tilt: float | None = None, legs: Kind | None = None,
     seconds: float | None = None, runs: int | None = None, model: str | None = None,
-    seed: int | None = None, progress: Progress | None = None,
+    seed: int | None = None, error: str | None = None, progress: Progress | None = None,
 ) -> Simulation:  # fmt: skip
     """Bounce a walker on the plate and measure its speed; in space also how it turns.
 
     Measured `seconds` of each of `runs` runs, `model` and `seed` are by default the scene's, tilt
-    (deg) and legs the design's. The first call of a model compiles it. Raises InputError.
+    (deg) and legs the design's. The first call of a model compiles it.
+
+    With an `error` of the mean speed, "5%" or "3mm/s" with 95 % confidence, the cheapest setting
+    that meets it is found and simulated instead; seconds, runs and model are then left out, and
+    `.met` of the result says what was chosen. Raises InputError.
     """
+    chosen = {"seconds": seconds, "runs": runs, "model": model}
+    for name, value in chosen.items():
+        if error is not None and value is not None:
+            raise InputError(f"{name}={value!r}: error={error!r} chooses it; leave one of them out")
     given = {"run.seconds": seconds, "run.runs": runs, "legs.model": model, "run.seed": seed}
     keys = {key: value for key, value in given.items() if value is not None}
     ground, member = scene_of(scene).variant(**keys), one_of(design, tilt, legs)
-    one = make.asked(ground, member, solids.mass_of(member))
-    return Simulation(one, make.measure(one, progress or silent))
+    mass, tell = solids.mass_of(member), progress or silent
+    if error is None:
+        one = make.asked(ground, member, mass)
+        return Simulation(one, make.measure(one, tell))
+    met = choose.meet(ground, member, mass, wanted.parse(error), tell)
+    one = Asked(met.scene, member, mass)
+    found = make.measured(met.point, one, {met.of: met.choice.bias_bound})
+    return Simulation(make.asked(met.scene, member, mass), found, met)
 
 
 def _interval(rate_hz: float) -> float:
@@ -150,10 +167,6 @@ def _interval(rate_hz: float) -> float:
     if not 1e-3 <= rate_hz <= 1e7:
         raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
     return 1.0 / rate_hz
-
-
-def _as_table(found: Trajectory, title: str) -> Table:
-    return Table(dict(zip(found.columns, found.rows.T, strict=True)), title)
 
 
 def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:

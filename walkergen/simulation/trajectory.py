@@ -1,15 +1,13 @@
-"""Trajectories, states at a fixed rate: of one run as CSV or NPZ, of all runs as tracks in CSV."""
+"""Trajectories, states at a fixed rate: of one run, or of all runs one after the other."""
 
 import io
-from collections.abc import Callable, Sequence
-from pathlib import Path
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import output
 from walkergen.scene import Scene
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import RunResult, simulate
@@ -78,11 +76,3 @@ def to_npz(trajectory: Trajectory) -> bytes:
     columns = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
     np.savez(data, allow_pickle=False, **columns)
     return data.getvalue()
-
-
-FORMATS: dict[str, Callable[[Trajectory], bytes]] = {"csv": to_csv, "npz": to_npz}
-
-
-def write(plan: Plan, path: Path, form: str, interval: float) -> None:
-    """Sample the ensemble's first run and write it in one of FORMATS."""
-    output.write(path, FORMATS[form](sample(plan, interval)))

@@ -1,7 +1,6 @@
 """Simulation of a walker: the speed of its runs and, in space, their motion and landings."""
 
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -10,7 +9,6 @@ from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
 from walkergen.exploring.runs import motion_of
-from walkergen.files import output
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution, trajectory
@@ -19,7 +17,6 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
-from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker import names
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -96,19 +93,3 @@ def _landings(result: RunResult, feet: int) -> Landings:
     rows = impacts_of(result)
     rows = rows[rows[:, 1] < feet * landings.CORNERS]
     return landings.count(rows[:, 0], rows[:, 1].astype(np.int64), result.measured_s, feet)
-
-
-def tracks_of(one: Asked, point: Point, progress: Progress) -> Trajectory:
-    """Tracks of all runs, again simulated where `point` kept no samples. Raises InputError."""
-    assert one.sample_interval is not None
-    kept = all(result.tally.samples.kept for result in point.results)
-    if not kept:
-        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-        point = points.measure(one, progress)
-    columns = prepare(one.scene, one.design, one.mass).model.columns
-    return trajectory.tracks(columns, point.results)
-
-
-def write_tracks(path: Path, one: Asked, point: Point, progress: Progress) -> None:
-    """Write the tracks of all runs as CSV, as `tracks_of` has them."""
-    output.write(path, trajectory.to_csv(tracks_of(one, point, progress)))

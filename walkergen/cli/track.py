@@ -1,0 +1,103 @@
+"""The command `track`."""
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from walkergen.cli import options as opt
+from walkergen.cli import show
+from walkergen.errors import InputError
+
+
+def track(
+    film: Annotated[Path, typer.Argument(metavar="FILM", help="Film from above: MP4, MOV, AVI.")],
+    mm_per_px: Annotated[
+        float | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film.")
+    ] = None,
+    length: Annotated[
+        float | None, typer.Option(metavar="MM", help="Length of a walker, mm, for the scale.")
+    ] = None,
+    fps: Annotated[
+        float | None,
+        typer.Option(metavar="N", help="Frames per second when filmed, if it plays slower."),
+    ] = None,
+    frames: Annotated[
+        str, typer.Option(metavar="FIRST:LAST", help="Frames to look at, from 0: 25:100, or 25:.")
+    ] = "0:",
+    region: Annotated[
+        str | None,
+        typer.Option(metavar="X,Y,W,H", help="Left, top, width and height to look at, pixels."),
+    ] = None,
+    walkers: Annotated[
+        str | None,
+        typer.Option(metavar="SIDE", help="Walkers are dark or light; by default what is wider."),
+    ] = None,
+    threshold: Annotated[
+        float | None,
+        typer.Option(metavar="STEPS", help="Contrast of a walker with the ground, of 255 steps."),
+    ] = None,
+    width: Annotated[
+        float | None,
+        typer.Option(metavar="PX", help="Width of a walker, its shorter side, pixels."),
+    ] = None,
+    heading: Annotated[
+        str,
+        typer.Option(
+            metavar="BY", help="Front by motion (the way it runs) or mark (a spot on it)."
+        ),
+    ] = "motion",
+    out: opt.Out = None,
+    json: opt.AsJson = False,
+    quiet: opt.Quiet = False,
+) -> None:
+    """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
+
+    The walkers are of one size, on a ground of another brightness, seen straight from above. Give
+    the scale by --mm-per-px or --length. Needs the extra film: pip install 'walkergen[film]'.
+    """
+    from walkergen.files import output
+    from walkergen.jobs.track import make, tables
+
+    options = make.Options(
+        mm_per_px=mm_per_px, length_mm=length, fps=fps, frames=_frames(frames),
+        region=None if region is None else _region(region), walkers=walkers, threshold=threshold,
+        width_px=width, heading=heading,
+    )  # fmt: skip
+    folder = output.results(film, out, "track")
+    with show.progress("track", wanted=not quiet) as progress:
+        made = make.track(film, options, folder, progress)
+    for warning in tables.warnings(made):
+        print(f"warning: {warning}", file=sys.stderr)
+    if json:
+        show.as_json(tables.facts(made) | {"folder": str(folder)})
+    elif not quiet:
+        show.table(tables.to_table(made))
+        for note in tables.notes(made):
+            show.text(note)
+        print(f"{folder / make.TRACKS}")
+        print(f"{folder / make.PICTURE}: look at it before you believe the numbers")
+
+
+def _frames(text: str) -> tuple[int, int | None]:
+    """First frame, and the one after the last. Raises InputError."""
+    first, colon, last = text.partition(":")
+    cells = [cell.strip() for cell in (first, last)]
+    if not colon or any(cell and not _whole(cell) for cell in cells):
+        raise InputError(f"--frames {text[:40]!r}: must be FIRST:LAST, as 25:100, or 25: or :100")
+    return int(cells[0] or 0), int(cells[1]) if cells[1] else None
+
+
+def _region(text: str) -> tuple[int, int, int, int]:
+    """Left, top, width and height. Raises InputError."""
+    cells = [cell.strip() for cell in text.split(",")]
+    if len(cells) != 4 or not all(map(_whole, cells)):
+        raise InputError(f"--region {text[:40]!r}: must be LEFT,TOP,WIDTH,HEIGHT in whole pixels")
+    left, top, width, height = map(int, cells)
+    return left, top, width, height
+
+
+def _whole(cell: str) -> bool:
+    """True for a whole number of at most seven plain digits."""
+    return cell.isascii() and cell.isdigit() and len(cell) <= 7

@@ -1,0 +1,149 @@
+"""Trajectories of all runs, as `simulate --trajectory` writes them: CSV, NPZ or extended XYZ.
+
+Columns: what trackpy and `analyse` read of a film (`frame`, `particle`, `x`, `y`, `theta`), seen
+from above, in mm and rad, not in pixels; then ours: `t_s` and what the model shows, with units in
+the names. A particle is a run; frames count samples from the end of its discarded start.
+
+Extended XYZ is for OVITO (https://ovito.org/manual/reference/file_formats/input/xyz.html): a run is
+a particle, with its place (x, to the left, height, mm), its orientation (a quaternion in OVITO's
+order x, y, z, w) and the half axes of its body (mm). There the body's axes are forward, left, up.
+"""
+
+import io
+from collections.abc import Callable
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.files import output
+from walkergen.files.progress import Progress
+from walkergen.simulation import points, trajectory
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.trajectory import Trajectory
+from walkergen.walker.design import Design
+
+Array = npt.NDArray[np.float64]
+
+FILM = ("frame", "particle", "x", "y", "theta")
+"""Columns by the names that trackpy gives them; x and y in mm, theta in rad."""
+
+XYZ = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
+"""Properties of a particle of extended XYZ, by the names that OVITO knows."""
+
+MARGIN = 1.0
+"""Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
+
+
+class Written(NamedTuple):
+    """What a file of trajectories is made of."""
+
+    rows: Trajectory
+    design: Design
+
+
+def of(one: Asked, point: Point, progress: Progress) -> Trajectory:
+    """Trajectories of all runs, again simulated where `point` kept no samples.
+
+    Raises InputError when there would be too many samples to keep.
+    """
+    assert one.sample_interval is not None
+    kept = all(result.tally.samples.kept for result in point.results)
+    if not kept:
+        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
+        point = points.measure(one, progress)
+    columns = prepare(one.scene, one.design, one.mass).model.columns
+    return with_film(trajectory.tracks(columns, point.results), one.sample_interval)
+
+
+def with_film(found: Trajectory, interval: float) -> Trajectory:
+    """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart.
+
+    A walker of a planar model runs along x: seen from above its y and theta are 0.
+    """
+    own = dict(zip(found.columns, found.rows.T, strict=True))
+    none = np.zeros(len(found.rows))
+    in_space = "theta_rad" in own  # in a plane y_mm is the height
+    film = (
+        np.rint(own["t_s"] / interval), own["particle"], own["x_mm"],
+        own["y_mm"] if in_space else none, own["theta_rad"] if in_space else none,
+    )  # fmt: skip
+    ours = {name: values for name, values in own.items() if name != "particle"}
+    return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
+
+
+def to_csv(found: Written) -> bytes:
+    """CSV with a header line, every digit kept."""
+    return trajectory.to_csv(found.rows)
+
+
+def to_npz(found: Written) -> bytes:
+    """NPZ archive with an array for each column."""
+    return trajectory.to_npz(found.rows)
+
+
+def to_xyz(found: Written) -> bytes:
+    """Extended XYZ for OVITO: a frame for each time, in it the runs that had not ended."""
+    own = dict(zip(found.rows.columns, found.rows.rows.T, strict=True))
+    size = found.design.size
+    half = 0.5 * np.array([size.length, size.depth, size.thickness])
+    height = own["height_mm"] if "height_mm" in own else own["y_mm"]
+    places = np.column_stack([own["x"], own["y"], height])
+    turns = orientation(own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height))
+    box = _box(places, float(np.linalg.norm(half)))
+    shape = " ".join(f"{value:.9g}" for value in half)
+    line = f"walker %d{' %.9g' * 7} {shape}\n"
+    table = np.column_stack([own["particle"], places, turns])
+    order = np.lexsort((own["particle"], own["frame"]))
+    frames, starts = np.unique(own["frame"][order], return_index=True)
+    text = io.StringIO()
+    for rows in np.split(order, starts[1:]) if len(frames) else []:
+        text.write(f"{len(rows)}\n{box} Properties={XYZ} Time={own['t_s'][rows[0]]:.9g}\n")
+        text.writelines(line % tuple(row) for row in table[rows])
+    return text.getvalue().encode()
+
+
+def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
+    """Unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
+
+    Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each:
+    a turn by the roll about the body's length, then by the pitch, then by the heading about up.
+    """
+    (a, b, c), (i, j, k) = (
+        [trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin)
+    )
+    return np.column_stack([
+        a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k
+    ])  # fmt: skip
+
+
+def _box(places: Array, reach: float) -> str:
+    """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
+    margin = (1.0 + MARGIN) * reach
+    low = places.min(axis=0, initial=np.inf) - margin
+    span = places.max(axis=0, initial=-np.inf) + margin - low
+    sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
+    corner = " ".join(f"{value:.9g}" for value in low)
+    return f'Lattice="{sides}" Origin="{corner}" pbc="F F F"'
+
+
+FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz}
+"""Writers of the formats, by the suffixes of their files."""
+
+
+def check(path: Path) -> None:
+    """Raise InputError when a file's suffix names no format."""
+    if path.suffix.lower() not in FORMATS:
+        raise InputError(
+            f"--trajectory {str(path)[:80]!r}: must end in one of {', '.join(FORMATS)} "
+            "(extended XYZ, for OVITO)"
+        )
+
+
+def write(path: Path, one: Asked, point: Point, progress: Progress) -> None:
+    """Write the trajectories of all runs in the format that the file's suffix names."""
+    found = Written(of(one, point, progress), one.design)
+    output.write(path, FORMATS[path.suffix.lower()](found))

@@ -1,0 +1,1 @@
+"""Tracking: from a film from above to tracks with headings, and a picture to check."""

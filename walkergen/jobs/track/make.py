@@ -1,0 +1,272 @@
+"""Tracking of a film: read, look, find, link, head; writes tracks.csv and check.png."""
+
+import math
+from collections.abc import Sequence
+from itertools import pairwise
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.files.output import Folder
+from walkergen.files.progress import Progress
+from walkergen.files.tables import csv_text
+from walkergen.jobs.track import film as films
+from walkergen.jobs.track import heading, link
+from walkergen.jobs.track import look as looks
+from walkergen.jobs.track.film import Film, Grey
+from walkergen.jobs.track.find import Blob, find
+from walkergen.jobs.track.heading import Headed
+from walkergen.jobs.track.link import Linked, Seen
+from walkergen.jobs.track.look import Look
+
+Array = npt.NDArray[np.float64]
+
+COLUMNS = (
+    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad"
+)  # fmt: skip
+"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own."""
+
+TRACKS, PICTURE = "tracks.csv", "check.png"
+"""Files of tracks, and to check them by."""
+
+SAMPLES = 8
+"""Number of frames, from the first on, that tell the look of a film."""
+
+SIDES: tuple[str, ...] = ("dark", "light")
+"""How walkers may differ from the ground."""
+
+EDGES = 2.5
+"""Pixels by which both ends of a walker together may be off: blur, a dark rim, its shadow."""
+
+STILL = 0.02
+"""Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
+
+LARGEST = 1e9
+
+
+class Options(NamedTuple):
+    """Wishes of a person; None is what the film tells."""
+
+    mm_per_px: float | None = None
+    length_mm: float | None = None
+    """Length of a walker; either this or `mm_per_px` is given."""
+    fps: float | None = None
+    """Frames per second at which the film was taken."""
+    frames: tuple[int, int | None] = (0, None)
+    """First frame, and the one after the last."""
+    region: tuple[int, int, int, int] | None = None
+    """Left and upper edge, width and height of the part that is looked at, pixels."""
+    walkers: str | None = None
+    """One of `SIDES`."""
+    threshold: float | None = None
+    """Contrast beyond which a pixel is a walker's, steps of 255."""
+    width_px: float | None = None
+    """Width of a walker, the shorter side."""
+    heading: str = "motion"
+    """One of `heading.BY`."""
+
+
+class Walker(NamedTuple):
+    """One tracked walker."""
+
+    seen: Seen
+    position: Array
+    """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
+    headed: Headed
+
+
+class Tracked(NamedTuple):
+    """What was found in a film, and where it was written."""
+
+    film: Film
+    options: Options
+    look: Look
+    linked: Linked
+    walkers: Sequence[Walker]
+    looked: int
+    """Frames looked at."""
+    still: int
+    """Frames in which nothing has moved since the one before."""
+    fps: float
+    mm_per_px: float
+    scale_error: float
+    """Share by which `mm_per_px` may be off, as far as the film tells; 0 where it was given."""
+    folder: Path
+
+    @property
+    def noise_mm(self) -> float:
+        """Largest error of a place that the film allows, mm: what three places in a row tell.
+
+        Motion that is not even adds to it, so the error is smaller. NaN for too few frames.
+        """
+        bends = [
+            np.diff(one.position, n=2, axis=0)[np.diff(one.seen.frames, n=2) == 0]
+            for one in self.walkers
+        ]
+        every = np.concatenate(bends)
+        return float(np.sqrt(np.mean(every**2) / 6.0)) if len(every) else math.nan
+
+
+def check(options: Options) -> None:
+    """Raise InputError for wishes that contradict each other or are out of range."""
+    if (options.mm_per_px is None) == (options.length_mm is None):
+        raise InputError(
+            "the scale: give either --mm-per-px, millimetres per pixel, or --length, the length of "
+            "a walker in mm"
+        )
+    for flag, value, most in (
+        ("--mm-per-px", options.mm_per_px, LARGEST), ("--length", options.length_mm, LARGEST),
+        ("--fps", options.fps, LARGEST), ("--threshold", options.threshold, 255.0),
+        ("--width", options.width_px, 1e5),
+    ):  # fmt: skip
+        if value is not None and not 0.0 < value <= most:
+            raise InputError(f"{flag} {value:g}: must be a number > 0 and <= {most:g}")
+    if options.walkers is not None and options.walkers not in SIDES:
+        raise InputError(f"--walkers {options.walkers[:30]!r}: must be one of {', '.join(SIDES)}")
+    if options.heading not in heading.BY:
+        known = ", ".join(heading.BY)
+        raise InputError(f"--heading {options.heading[:30]!r}: must be one of {known}")
+    first, last = options.frames
+    if first < 0 or (last is not None and last <= first):
+        raise InputError(
+            f"--frames {first}:{'' if last is None else last}: counts from 0, the first before the "
+            "last: 25:100, or 25: up to the end"
+        )
+
+
+def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tracked:
+    """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
+
+    Raises InputError, before anything is written, when the film cannot be read or no walker is
+    found in it.
+    """
+    films.require()
+    check(options)
+    film = films.about(path)
+    fps = options.fps or film.fps
+    if fps is None:
+        raise InputError(f"{path}: does not say its frame rate; give --fps")
+    part = _part(film, options.region)
+    try:
+        picture, look, found = _found(film, part, options, progress)
+        linked = link.link(found, options.frames[0], fps)
+    except InputError as error:
+        raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
+    scale, scale_error = _scale(options, linked)
+    by: heading.By = "mark" if options.heading == "mark" else "motion"
+    walkers = [
+        Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
+    ]
+    made = Tracked(
+        film, options, look, linked, walkers, len(found), _still(found), fps, scale, scale_error,
+        folder,
+    )  # fmt: skip
+    _write(made, picture, part)
+    return made
+
+
+def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
+    """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    left, top, width, height = region or (0, 0, film.width, film.height)
+    inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
+    if width < 8 or height < 8 or not inside:
+        raise InputError(
+            f"--region {left},{top},{width},{height}: left, top, width, height in pixels must lie "
+            f"within the {film.width} x {film.height} of {film.path}, and be 8 or more wide"
+        )
+    return left, top, left + width, top + height
+
+
+def _found(
+    film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress
+) -> tuple[Grey, Look, list[list[Blob]]]:
+    """First picture, the film's look, things found in each frame."""
+    left, top, right, bottom = part
+    first, last = options.frames
+    total = max((film.expected if last is None else last) - first, 1)
+    waiting: list[Grey] = []
+    found: list[list[Blob]] = []
+    look: Look | None = None
+    dark = None if options.walkers is None else options.walkers == "dark"
+
+    def learnt() -> Look:
+        return looks.learn(waiting, dark, options.threshold, options.width_px)
+
+    def take(grey: Grey, now: Look) -> None:
+        found.append(find(grey, now, options.heading == "mark"))
+        progress("frames", len(found), max(total, len(found)))
+
+    for _, whole in films.frames(film, first, last):
+        grey = whole[top:bottom, left:right]
+        if look is not None:
+            take(grey, look)
+            continue
+        waiting.append(grey)
+        if len(waiting) == SAMPLES:
+            look = learnt()
+            for one in waiting:
+                take(one, look)
+    if len(waiting) < 2:
+        raise InputError(
+            f"{len(waiting)} frame{'' if len(waiting) == 1 else 's'} from {first} on: at least 2 "
+            "are needed"
+        )
+    if look is None:
+        look = learnt()
+        for one in waiting:
+            take(one, look)
+    return waiting[0], look, found
+
+
+def _still(found: Sequence[Sequence[Blob]]) -> int:
+    """Number of frames in which something is seen and nothing moves."""
+
+    def still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
+        if not now or len(now) != len(before):
+            return False
+        moved = zip(now, before, strict=True)
+        return all(math.hypot(one.x - two.x, one.y - two.y) < STILL for one, two in moved)
+
+    return sum(still(before, now) for before, now in pairwise(found))
+
+
+def _scale(options: Options, linked: Linked) -> tuple[float, float]:
+    """Millimetres per pixel, and the share by which it may be off, by blurred edges."""
+    if options.mm_per_px is not None:
+        return options.mm_per_px, 0.0
+    assert options.length_mm is not None
+    return options.length_mm / linked.length, EDGES / linked.length
+
+
+def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:
+    """Places in mm from the lower left corner of the whole frame, y up, shape (n, 2)."""
+    left, top, _, _ = part
+    x, y = seen.blobs[:, 0] + left + 0.5, film.height - (seen.blobs[:, 1] + top + 0.5)
+    return scale * np.column_stack([x, y])
+
+
+def rows(made: Tracked) -> list[tuple[Any, ...]]:
+    """Rows of tracks.csv, frame by frame."""
+    rows = []
+    for number, walker in enumerate(made.walkers):
+        for frame, (x, y), theta in zip(
+            walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(),
+            strict=True,
+        ):  # fmt: skip
+            angle = None if math.isnan(theta) else theta
+            rows.append((frame, number, x, y, angle, frame / made.fps, x, y, angle))
+    return sorted(rows, key=lambda row: row[:2])
+
+
+def _write(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) -> None:
+    from walkergen.files import figures
+    from walkergen.jobs.track import tables
+    from walkergen.jobs.track.figures import check_figure
+
+    target = Folder(made.folder)
+    target.write(TRACKS, csv_text(COLUMNS, rows(made)).encode())
+    target.write(PICTURE, figures.png(check_figure(made, picture, part)))
+    target.finish(tables.facts(made))
