@@ -109,8 +109,8 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
     end = at + length * part.view[:2, 0]
     axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
     axes.annotate(
-        f"{length:g} mm along the body", (end[0], end[1]), xytext=(8, 0), textcoords="offset points",
-        va="center", fontsize=LABEL,
+        f"{length:g} mm along the body", (end[0], end[1]), xytext=(8, 0),
+        textcoords="offset points", va="center", fontsize=LABEL,
     )  # fmt: skip
 
 
