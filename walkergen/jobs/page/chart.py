@@ -125,7 +125,7 @@ def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
     theory = sorted((one for one in beside if one.what == "theory"), key=_tilt)
     curves = {
         legs: [one for one in theory if one.legs == legs]
-        for legs in dict.fromkeys(one.legs for one in (*found, *theory))
+        for legs in dict.fromkeys([*(one.legs for one in found), *(one.legs for one in theory)])
     }
     return Chart(
         [_point(speed, frame) for speed in found],
