@@ -1,6 +1,7 @@
 """Figures: one style for all, sizes of a journal, and PNG and PDF of equal bytes."""
 
 import io
+import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -8,7 +9,9 @@ from typing import Any
 
 import matplotlib
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 COLUMN, PAGE = 86.0 / 25.4, 178.0 / 25.4
 """Widths of a journal's column and of its page, inches: figures are drawn at the size of print."""
@@ -84,6 +87,31 @@ def wrapped(text: str, width: float, size: float = NORMAL) -> str:
     """Text in lines that fit a width (inches) in a font of a size (points)."""
     letters = int(72.0 * width / (POINTS_A_LETTER * size))
     return textwrap.fill(text, letters, break_on_hyphens=False)
+
+
+def logarithmic(axis: Axis) -> None:
+    """Ticks of a logarithmic axis, set once its limits are: plain numbers that do not collide.
+
+    Over less than two decades 1, 2 and 5 are named, over more the powers of ten alone.
+    """
+    low, high = sorted(axis.get_view_interval())
+    decades = math.log10(high / low)
+    named: tuple[float, ...] = (1.0, 2.0, 5.0) if decades < 2.0 else (1.0,)
+    if decades < 0.5:
+        named = (1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 8.0)
+    axis.set_major_locator(LogLocator(subs=named, numticks=8))
+    axis.set_major_formatter(FuncFormatter(_power))
+    axis.set_minor_formatter(NullFormatter())
+
+
+def _power(value: float, _: float | None = None) -> str:
+    """Number of a logarithmic axis: plain from 0.001 to 1000, beyond as a power of ten."""
+    if 0.999e-3 < value < 1001.0:
+        return f"{value:g}"
+    power = math.floor(math.log10(value) + 1e-9)
+    factor = value / 10.0**power
+    front = "" if abs(factor - 1.0) < 1e-6 else rf"{factor:g} \times "
+    return rf"${front}10^{{{power}}}$"
 
 
 def axes_of(title: str) -> tuple[Figure, Axes]:
