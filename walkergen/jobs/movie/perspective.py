@@ -207,10 +207,11 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     zoom = next((zoom for zoom in ZOOMS if zoom * largest <= room), ZOOMS[-1])
     margin = 0.12 * (right - left)
     x, z = (left - margin, right + margin), (near - margin, far + margin)
-    rim = np.array([(a, b, c) for a in x for c in z for b in (0.0, zoom * largest)])
+    deepest = zoom * min(float(shot.poses.gaps.min()), 0.0)
+    rim = np.array([(a, b, c) for a in x for c in z for b in (deepest, zoom * largest)])
     names = shot.poses.names
     view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
-    words = f"feet, heights over the plate × {zoom}; numbers: µm"
+    words = f"feet, heights over the plate × {zoom}, below it by the legs' bending; numbers: µm"
     canvas.text(CLOSE[0], CLOSE[1] + CLOSE[3] + 4, words, fontsize=SMALL)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
@@ -303,10 +304,10 @@ def _set_close(
     corners: Array,
     glows: list[tuple[Impact, float] | None],
 ) -> None:
-    """Show the feet at their magnified heights over the plate."""
+    """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
     gaps = shot.poses.gaps[at]
     below = corners * (1.0, 0.0, 1.0)
-    raised = below + np.outer(np.maximum(close.zoom * gaps, 0.0), (0.0, 1.0, 0.0))
+    raised = below + np.outer(close.zoom * gaps, (0.0, 1.0, 0.0))
     _set(close.view, shot, at, centre, raised, glows)
     project = close.view.camera.project
     tips, feet = project(raised)[:, :2], project(below)[:, :2]
@@ -317,4 +318,4 @@ def _set_close(
         # Numbers keep away from the foot: above the left corner, under the plate's right one
         x, y = tips[k] + (0.0, 7.0) if k % 2 == 0 else feet[k] - (0.0, 7.0)
         label.set_position((x, y))
-        label.set_text(f"{1e3 * gaps[k]:.0f}")
+        label.set_text(f"{1e3 * gaps[k]:.0f}".replace("-", "\N{MINUS SIGN}"))

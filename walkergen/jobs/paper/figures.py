@@ -180,8 +180,8 @@ def _draw_lines(axes: Axes, points: Sequence[Point], one: Assumption) -> None:
         if slope is None:
             continue
         x = np.array([start, end])
-        axes.plot(x, slope.mean * x, line, color=colour, linewidth=0.7, zorder=2,
-                  label=None if told else "through zero, ± 2 SE (in space: of those that run)")  # fmt: skip
+        name = None if told else "through zero, ± 2 SE (in space: of those that run)"
+        axes.plot(x, slope.mean * x, line, color=colour, linewidth=0.7, zorder=2, label=name)
         low, high = ((slope.mean + sign * 2.0 * slope.se) * x for sign in (-1.0, 1.0))
         axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0, zorder=1)
         told = True
