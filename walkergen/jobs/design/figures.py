@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from walkergen.exploring.point import THEORY
-from walkergen.files.figures import COLUMN, NORMAL, PAGE, style, wrapped
+from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.jobs.design.tables import title
 from walkergen.jobs.design.wish import UNITS
 
@@ -55,7 +55,7 @@ def trade_off(result: "Result") -> Figure:
                           markersize=7, capsize=3, markeredgecolor="black", zorder=5,
                           label="designs" if number == 1 else None)  # fmt: skip
             axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
-                          textcoords="offset points", fontsize=NORMAL, fontweight="bold")  # fmt: skip
+                          textcoords="offset points", fontweight="bold")  # fmt: skip
         axes.set_xlabel(span.key)
         if job.wish.logarithmic:
             axes.set_yscale("log")
