@@ -65,8 +65,9 @@ def ladder(along):
     settings = [*rungs("space, step", (1.2, 0.01, 4.2), (2.3, 0.03, 5.1), (4.6, 0.05, 2.7)),
                 *rungs("compliant, step", (1.2, 0.02, 3.2), (2.3, 0.06, 3.1))]  # fmt: skip
     events = rungs("compliant, step", (None, 0.015, 4.0))
-    return Ladder("x", "Bias of the long-run mean speed against the step", "bias of the speed",
-                  "CPU time, s", "", [*settings, *(events if along else ())], (), along)  # fmt: skip
+    known = [*settings, *(events if along else ())]
+    title = "Bias of the long-run mean speed against the step"
+    return Ladder("x", title, "bias of the mean speed", "CPU time, s", "", known, (), along)
 
 
 def choice_figure():

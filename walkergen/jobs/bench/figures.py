@@ -87,7 +87,7 @@ def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Point
     hinge = hertz * found.held.frequency / found.cantilever
     bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
     _draw_measured(bottom, measured)
-    bottom.set_xlabel("Young's modulus (GPa, material.youngs_modulus_gpa)")
+    bottom.set_xlabel("Young's modulus (material.youngs_modulus_gpa)")
     bottom.set_ylabel("frequency (Hz)")
     bottom.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure
