@@ -92,7 +92,7 @@ def tracks():
 @pytest.fixture(scope="module")
 def drawn(tracks):
     found = motion.analyse(tracks, None)
-    return {
+    made = {
         "speed": speed_figure(),
         "speed of one": speed_figure([ROWS[1]], beside.Beside({}), SIMULATED[:1]),
         "named": speed_figure(ROWS[::2], beside.Beside({}), SIMULATED[:2], named=True),
@@ -101,6 +101,10 @@ def drawn(tracks):
         "choice": choice_figure(),
         **dict(analysed.figures(found, tracks, "films/a_film_with_a_long_name_of_2026.csv")),
     }
+    with figures.style():
+        for figure in made.values():
+            figure.draw_without_rendering()
+    return made
 
 
 def texts(figure):
@@ -110,8 +114,6 @@ def texts(figure):
 def test_figures_have_a_journals_width_and_letters_of_seven_points_or_more(drawn):
     for name, figure in drawn.items():
         assert round(MM * figure.get_figwidth()) in (86, 178), name
-        with figures.style():
-            figure.draw_without_rendering()
         sizes = {text.get_text(): text.get_fontsize() for text in texts(figure)}
         small = {told: size for told, size in sizes.items() if size < figures.SMALLEST}
         assert not small, name
@@ -121,8 +123,6 @@ def test_every_figure_has_a_title_inside_it_and_its_pdf_bears_it(drawn):
     for name, figure in drawn.items():
         title = figures.words(figure)
         assert title, name
-        with figures.style():
-            figure.draw_without_rendering()
         (shown,) = [one for one in texts(figure) if " ".join(one.get_text().split()) == title]
         box = shown.get_window_extent()
         assert box.x0 >= 0.0, name

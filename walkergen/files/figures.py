@@ -19,8 +19,8 @@ COLUMN, PAGE = 86.0 / 25.4, 178.0 / 25.4
 SMALLEST, NORMAL = 7.0, 8.0
 """Sizes of fonts, points; nothing in a figure is smaller than the first."""
 
-DPI = 300
-"""Pixels per inch: a column is some 1000 pixels wide."""
+DPI = 200
+"""Pixels per inch: a column is some 700 pixels wide, a page 1400; print takes the PDF."""
 
 STYLE: Any = {
     "font.size": NORMAL, "axes.titlesize": NORMAL, "axes.labelsize": NORMAL,
