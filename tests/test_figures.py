@@ -216,6 +216,13 @@ def test_what_speed_png_shows_is_in_speed_csv():
     )
 
 
+def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
+    rows = [row(10.0, "flexible", 40.0)]
+    axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]
+    crosses = [line for line in axes.get_lines() if line.get_marker() in ("x", "+")]
+    assert [line.get_xdata().tolist() for line in crosses] == [[0.0]]
+
+
 def test_a_star_and_a_measured_point_hide_no_member():
     axes = speed_figure().axes[0]
     star = next(line for line in axes.get_lines() if line.get_marker() == "*")

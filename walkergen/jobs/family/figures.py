@@ -64,7 +64,8 @@ def speed_figure(
             tilt, speed, "*", color="black", markerfacecolor="white", markersize=11, zorder=2.5
         )[0]
     if beside.measured is not None:
-        legend |= _draw_measured(axes, beside.measured)
+        at = {one.row.legs: float(one.x) for one in walkers} if named else {}
+        legend |= _draw_measured(axes, beside.measured, at)
     _mark_sticking(axes, beside.curves)
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
     _label(axes, walkers, named, bool(simulated or beside.measured))
@@ -163,18 +164,22 @@ def _lengths(one: Simulated) -> tuple[float, float]:
     return speed - low, high - speed
 
 
-def _draw_measured(axes: Axes, measured: Measured) -> dict[str, Any]:
-    """Draw measured speeds, with bars of 95 % where their errors are known."""
+def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> dict[str, Any]:
+    """Draw measured speeds, with bars of 95 % where their errors are known.
+
+    They stand at their tilts, or at the places of walkers with such legs where these are given.
+    """
     legend: dict[str, Any] = {}
     for kind, mark in (("flexible", "x"), ("braced", "+")):
         chosen = np.array([one == kind for one in measured.legs])
-        if not chosen.any():
+        if not chosen.any() or (at and kind not in at):
             continue
+        x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
         speed = measured.speed[chosen]
         bars = None if measured.se is None else speed - ends(speed, measured.se[chosen])[0]
         told = f"{kind}, measured" + ("" if bars is None else ", 95 %")
         legend[told] = axes.errorbar(
-            measured.tilt[chosen], speed, bars, fmt=mark, color="black", markersize=5,
+            x, speed, bars, fmt=mark, color="black", markersize=5,
             markeredgewidth=1.2, elinewidth=0.9, capsize=2, zorder=3.4,
         )  # fmt: skip
     return legend
