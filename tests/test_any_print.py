@@ -360,8 +360,9 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
     job = families.Job(PAPER, members, SCENE, MK3S, "coulomb", pictures=True)
     built = [solids.build(one) for one in job.members]
     made = list(families.predicted(job.members, built, SCENE, "coulomb"))
-    (alone,) = families._curves(job, made[:1]).values()  # a single tilt: with those around it
-    assert (alone.tilt_deg[0], alone.tilt_deg[-1]) == (-5.0, 15.0)
+    monkeypatch.setattr(families.prediction, "curve", lambda *asked: asked[-2:])
+    assert families._curves(job, made) == {"flexible": (5.0, 10.0)}
+    assert families._curves(job, made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it
 
     def refuse(*_):
         raise GeometryError("a hole in between")

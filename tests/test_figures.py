@@ -221,6 +221,9 @@ def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
     axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]
     crosses = [line for line in axes.get_lines() if line.get_marker() in ("x", "+")]
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0]]
+    found = beside.of_members(MEASURED, {"braced": 3.0})
+    assert (found.tilt.tolist(), found.legs, found.speed.tolist()) == ([3.0], ["braced"], [1.0])
+    assert found.se.tolist() == [0.0]
 
 
 def test_a_star_and_a_measured_point_hide_no_member():

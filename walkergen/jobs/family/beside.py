@@ -37,6 +37,21 @@ def ends(speed: Array, se: Array, errors: float = SURE) -> tuple[Array, Array]:
     return speed - errors * se, speed + errors * se
 
 
+def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
+    """Measured speeds as those of members whose legs follow no common tilt, by their kind of legs.
+
+    `tilts` are the members' own, deg; speeds of kinds without a member are left out.
+    """
+    own = np.array([legs in tilts for legs in measured.legs], dtype=bool)
+    return measured._replace(
+        tilt=np.array([tilts[legs] for legs in measured.legs if legs in tilts], dtype=float),
+        legs=[legs for legs in measured.legs if legs in tilts],
+        speed=measured.speed[own],
+        se=None if measured.se is None else measured.se[own],
+        plate_speed=measured.plate_speed[own],
+    )
+
+
 def to_csv(beside: Beside) -> str:
     """Format as CSV, a line per point: `what` is theory, measured or the paper's."""
     lines: list[tuple[object, ...]] = []

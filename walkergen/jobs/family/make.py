@@ -239,7 +239,10 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
         f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
     )
     rows, simulated = rows_of(made)
-    shown = Beside(_curves(job, made), job.measured, _stated(job.design, job.scene))
+    measured = job.measured
+    if measured is not None and not job.design.follows:
+        measured = beside.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
+    shown = Beside(_curves(job, made), measured, _stated(job.design, job.scene))
     figure = plots.speed_figure(
         rows, shown, job.scene.impact_speed, title, simulated, not job.design.follows
     )
