@@ -77,7 +77,7 @@ def test_shape_alone_needs_no_simulation(run, tmp_path):
     assert result.exit_code == 0, result.exception
     assert "number of edges, claimed 2" in result.stdout
     assert {path.name for path in (tmp_path / "here").iterdir()} == {
-        "shape.csv", "shape.md", "shape.png",
+        "shape.csv", "shape.md", "shape.png", "shape.pdf",
     }  # fmt: skip
 
 

@@ -15,6 +15,7 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.jobs.family import figures, preview
 from walkergen.jobs.family import make as families
+from walkergen.jobs.family.beside import Beside
 from walkergen.jobs.orders import make as batch
 from walkergen.printing import (
     checks,
@@ -285,6 +286,27 @@ def test_previews_show_bodies_in_plan_view_from_higher_above():
     assert len(preview.preview_figure(parts, "both").axes[0].collections) == 2
 
 
+@pytest.mark.parametrize("count", [3, 41])
+def test_previews_keep_the_order_of_the_table_and_have_a_ruler(count):
+    mesh = solids.build(PAPER).walker
+    members = PAPER.members([float(tilt) for tilt in range(count)], None)
+    parts = [preview.Part(design, mesh) for design in members]
+    figure = preview.preview_figure(parts, "all")
+    (axes,) = figure.axes
+    *labels, ruler = axes.texts
+    assert [label.get_text() for label in labels] == [part.label for part in parts]
+    places = [label.xy for label in labels]
+    assert sorted(places, key=lambda place: (-place[1], place[0])) == places
+    assert ruler.get_text() == "10 mm along the body"
+    (bar,) = axes.lines
+    (x0, x1), (y0, y1) = bar.get_data()
+    along = preview.VIEW[:2, 0] * 10.0  # of the projection, not of the paper
+    assert (x1 - x0, y1 - y0) == pytest.approx(tuple(along))
+    assert min(label.get_fontsize() for label in axes.texts) >= 7.0
+    width = figure.get_figwidth() * 150.0  # pixels: letters of 5 of them were too small to read
+    assert labels[0].get_fontsize() / 72.0 * 150.0 / width > 0.009
+
+
 def test_drawings_are_the_profile_or_the_outline(tmp_path):
     (plan,) = profile.drawing_of(DISC)
     assert shapely.Polygon(plan).area == pytest.approx(math.pi * 100.0, rel=1e-4)
@@ -338,16 +360,21 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
     job = families.Job(PAPER, members, SCENE, MK3S, "coulomb", pictures=True)
     built = [solids.build(one) for one in job.members]
     made = list(families.predicted(job.members, built, SCENE, "coulomb"))
-    assert families._curves(job, made[:1]) == {}
+    monkeypatch.setattr(families.prediction, "curve", lambda *asked: asked[-2:])
+    assert families._curves(job, made) == {"flexible": (5.0, 10.0)}
+    assert families._curves(job, made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it
 
     def refuse(*_):
         raise GeometryError("a hole in between")
 
     monkeypatch.setattr(families.prediction, "curve", refuse)
     assert families._curves(job, made) == {}
-    figure = figures.speed_figure([one.row for one in made], {}, 14.0, "points")
-    labels = [text.get_text() for text in figure.axes[0].get_legend().get_texts()]
-    assert labels == ["flexible legs", "flexible legs, bounds of 68 and 95 %"]
+    figure = figures.speed_figure([one.row for one in made], Beside({}), 14.0, "points")
+    labels = [text.get_text() for text in figure.legends[0].get_texts()]
+    assert labels == ["flexible, 68 and 95 %"]
+    alone = figures.speed_figure([made[0].row], Beside({}), 14.0, "a point")
+    low, high = alone.axes[0].get_xlim()
+    assert (low, high) == (0.0, 10.0)
 
 
 def test_check_tells_the_orientation(tmp_path):

@@ -50,7 +50,7 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
         + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_orca.json")]
         + ["family.csv", "family.md", "weights.csv", "manifest.json"]
-        + ["speed.png", "speed.pdf", "preview.png"]
+        + ["speed.csv", "speed.png", "speed.pdf", "preview.png"]
     )  # fmt: skip
     for png in ("speed.png", "preview.png"):
         assert (tmp_path / png).read_bytes().startswith(b"\x89PNG")

@@ -155,3 +155,20 @@ def test_measured_speeds_of_another_plate_are_left_out_and_told(tmp_path):
     np.testing.assert_array_equal(found.speed, [70.0, 60.0])
     assert found.legs == ["flexible", "flexible"]
     assert found.bad == "1 speeds at other plate speeds than 31.2 mm/s left out"
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("10,1e300", "speed_mm_s must lie within ±100000"),
+        ("10,-1e9", "speed_mm_s must lie within ±100000"),
+        ("1e9,5", "tilt_deg must lie within ±90"),
+        ("-120,5", "tilt_deg must lie within ±90"),
+    ],
+)
+def test_speeds_that_are_no_measurements_are_left_out_and_told(tmp_path, line, told):
+    path = tmp_path / "speeds.csv"
+    path.write_text(f"tilt_deg,speed_mm_s\n5,70\n{line}\n")
+    found = speeds.read(path, "flexible", 31.2)
+    np.testing.assert_array_equal(found.tilt, [5.0])
+    assert found.bad == f"1 bad row left out: line 3: {told}"

@@ -16,7 +16,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.movie import bounce, footage, impacts
+from walkergen.jobs.movie import bounce, footage, impacts, race
 from walkergen.jobs.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation import record
@@ -151,6 +151,41 @@ def test_the_flash_is_in_the_picture_from_the_impact_on():
     assert coloured(draw(frame), colour) > 100
 
 
+def test_the_main_view_magnifies_the_bending_of_legs_and_says_so():
+    job, shot = filmed()
+    bend = bounce._bend(shot)
+    largest = np.abs(shot.angles).max()
+    assert bend in bounce.BENDS
+    assert 0.3 * bounce.MOST_BENT < bend * largest <= bounce.MOST_BENT
+    at = int(np.abs(shot.angles[:, 1]).argmax())
+    (plain, body), (bent, same) = footage.polygons(shot, at), footage.polygons(shot, at, bend)
+    assert np.array_equal(body, same)
+    hinge = shot.places[at] + footage._turned(shot.shape.anchors[1], shot.pitch[at])
+    turned = [complex(*(leg.mean(axis=0) - hinge)) for leg in (plain[1], bent[1])]
+    wanted = (bend - 1) * shot.angles[at, 1]
+    assert np.angle(turned[1] / turned[0]) == pytest.approx(wanted, rel=1e-9)
+    told = "legs' bending × 100 (outlined: as it is), all else to scale"
+    assert any(told in words for words in written(shot, job))
+    stiff = shot._replace(angles=0.0 * shot.angles)
+    assert bounce._bend(stiff) == 1
+    assert not any("bending" in words for words in written(stiff, job))
+
+
+def written(shot, job):
+    """Words that the slow film writes."""
+    canvases = []
+    make = bounce.Canvas
+
+    def kept(*size):
+        canvases.append(make(*size))
+        return canvases[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(bounce, "Canvas", kept)
+        bounce.draw_bounce(shot, movie.FINE, job.slow, "settings")
+    return [text.get_text() for text in canvases[0].figure.texts]
+
+
 def test_a_run_of_many_body_lengths_is_followed():
     job, shot = filmed()
     far = shot._replace(places=shot.places + np.outer(np.linspace(0, 1e4, len(shot.times)), (1, 0)))
@@ -208,6 +243,10 @@ def test_a_race_shows_every_walker_in_its_lane(tmp_path):
     wide = [np.ptp(np.nonzero(lane)[1]) for lane in lanes]
     assert wide[0] == pytest.approx(28.0 * scale, abs=3)  # to scale: bodies are 28 mm long
     assert wide[0] == pytest.approx(wide[1], abs=2)
+    # Words stand beside the lanes, walkers and plate in them.
+    assert not body[:, : race.BESIDE].any()
+    ink = (frame.sum(axis=-1) < 200)[64 : 64 + 2 * 66]
+    assert ink[:, : race.BESIDE].sum() > 300
 
 
 @pytest.mark.programs

@@ -407,3 +407,26 @@ def test_a_run_that_ends_at_once_is_refused():
     job = movie.plan([PAPER], lasting(PLANE.model_copy(update={"arena": arena}), 1.0, 0.6), fps=10)
     with pytest.raises(InputError, match=r"10°, flexible: the run ended before .*left the"):
         movie.shoot(job, PAPER, movie.TRAIL)
+
+
+def test_the_bending_of_legs_is_magnified_below_the_plate():
+    _, one = slow()
+    assert one.poses.gaps.min() < 0.0  # some leg gives way
+    canvas = perspective.Canvas(perspective.WIDTH, perspective.HEIGHT)
+    centres = perspective._centres(one)
+    close = perspective._close(canvas, one, centres)
+    told = f"× {close.zoom}, bending of legs (below it) × {close.bend}; numbers: µm"
+    assert any(told in text.get_text() for text in canvas.figure.texts)
+    assert close.bend > close.zoom
+    at, corner = np.unravel_index(one.poses.gaps.argmin(), one.poses.gaps.shape)
+    glows = [None] * one.poses.gaps.shape[1]
+    corners = one.poses.corners[at] - centres[at]
+    perspective._set_close(close, one, at, centres[at], corners, glows)
+    seen = np.column_stack(close.edges[corner // 2].get_data())[corner % 2]
+    foot = corners[corner] * (1.0, 0.0, 1.0)
+    foot[1] = close.bend * one.poses.gaps[at, corner]
+    assert seen == pytest.approx(close.view.camera.project(foot)[:2])
+    depth = close.view.camera.project(foot * (1.0, 0.0, 1.0))[1] - seen[1]
+    assert 3.0 < depth < 80.0  # pixels: it can be seen
+    words = [perspective._micrometres(length) for length in (0.0734, 0.0, -1e-6, -2.2e-4)]
+    assert words == ["73", "0", "0", "\N{MINUS SIGN}0.2"]

@@ -6,6 +6,7 @@ import io
 import itertools
 import json
 
+import numpy as np
 import pytest
 import threemf
 from typer.testing import CliRunner
@@ -171,6 +172,28 @@ def test_letters_count_on_and_the_picture_names_those_of_its_plate(monkeypatch):
     assert lines[1:3] == ["A: d0", "B: d1"]
     assert lines[-2:] == ["L: d11", "and 2 more: see the print sheet"]
     assert second.get_xlabel().splitlines()[1] == "O: d14"
+
+
+@pytest.mark.parametrize(("copies", "whole"), [(1, False), (20, False), (100, True)])
+def test_the_map_fills_its_frame_with_parts(monkeypatch, copies, whole):
+    drawn = []
+    monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
+    layout = plates.arrange([PAPER], [solids.build(PAPER)], [copies], PRINTER)
+    plate_map.png(PRINTER, [PAPER], layout.meshes, layout.plates[0], "p")
+    (axes,) = drawn[0].axes
+    (left, right), (low, high) = axes.get_xlim(), axes.get_ylim()
+    points = np.concatenate(
+        [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
+    )
+    assert left <= points[:, 0].min() <= points[:, 0].max() <= right
+    assert low <= points[:, 1].min() <= points[:, 1].max() <= high
+    assert bool(left < 0.0) is whole  # then it shows the bed's edges
+    assert bool(axes.child_axes) is not whole  # else, where on the bed
+    if not whole:
+        taken = max(np.ptp(points[:, 0]) / (right - left), np.ptp(points[:, 1]) / (high - low))
+        assert taken > 0.6
+        assert 0.0 <= left < right <= PRINTER.bed_width_mm
+        assert 0.0 <= low < high <= PRINTER.bed_depth_mm
 
 
 def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):

@@ -11,7 +11,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import trimesh
 from hypothesis import given
 from hypothesis import strategies as st
 from report_folder import add, edit, folder_of, rendered
@@ -20,7 +19,7 @@ from typer.testing import CliRunner
 import walkergen
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.page import chart, contents, members, references
+from walkergen.jobs.page import chart, contents, members, references, theory
 
 ROOT = Path(__file__).parent.parent
 ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "assets"
@@ -77,15 +76,39 @@ def refused(folder):
     return str(caught.value)
 
 
-def test_the_viewer_gets_the_corners_of_the_stl_files(folder):
-    parts = parts_of(rendered(folder))
+def downloads(text):
+    """Bytes behind every link that saves a file, by the name that it is saved under."""
+    found = {}
+    for link in Elements(text).all("a"):
+        if "download" in link:
+            head, data = link["href"].split(",", 1)
+            assert re.fullmatch("data:[a-z]+/[a-z0-9]+;base64", head)
+            found[link["download"]] = base64.b64decode(data, validate=True)
+    return found
+
+
+def test_every_part_is_seen_and_saved_as_its_stl_file(folder):
+    text = rendered(folder)
+    parts = parts_of(text)
     assert [(part["tilt_deg"], part["legs"]) for part in parts] == [
         (tilt, kind) for kind in ("flexible", "braced") for tilt in (0.0, 10.0, 35.0)
     ]
+    links = [link["download"] for link in Elements(text).all("a") if "data-stl" in link]
+    assert links == [f"{part['name']}.stl" for part in parts]  # as the viewer counts them
     for part in parts:
-        corners = np.frombuffer(base64.b64decode(part["corners"]), "<f4").reshape(-1, 3, 3)
-        mesh = trimesh.load(folder / "stl" / f"{part['name']}.stl", process=False)
-        assert np.array_equal(corners, mesh.triangles.astype("f4"))
+        assert part["seen"]
+
+
+def test_files_are_saved_whole_and_under_names_without_folders(folder):
+    add(folder, "plates/a&b.csv", b"item\n1\n")
+    add(folder, "plates/run.sh", b"echo no")
+    saved = downloads(rendered(folder))
+    manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))
+    kinds = (".stl", ".3mf", ".csv", ".ini", ".json", ".pdf")
+    wanted = [name for name in manifest["files"] if name.endswith(kinds)]
+    assert sorted(saved) == sorted(Path(name).name for name in wanted)
+    for name in wanted:
+        assert saved[Path(name).name] == (folder / name).read_bytes()
 
 
 def test_the_command_writes_one_file_that_asks_for_no_other(folder):
@@ -99,7 +122,7 @@ def test_the_command_writes_one_file_that_asks_for_no_other(folder):
     assert page.all("link") == [{"rel": "icon", "href": "data:,"}]
     assert all(image["src"].startswith("data:image/png;base64,") for image in page.all("img"))
     assert all("src" not in script for script in page.all("script"))
-    assert len(page.all("img")) == 3  # speeds, parts, the map of one plate
+    assert len(page.all("img")) == 2  # parts, the map of one plate
     assert run(folder, "--out", folder / "again.html").exit_code == 0
     assert (folder / "again.html").read_bytes() == data
 
@@ -143,7 +166,7 @@ def test_a_changed_and_a_missing_file_are_told(folder):
     assert (told["changed"], told["missing"]) == ([changed], [missing])
     page = Elements((folder / "report.html").read_text(encoding="utf-8"))
     assert [text for text in page.texts["code"] if text.startswith("stl/")] == [changed, missing]
-    (without,) = [part for part in parts_of(rendered(folder)) if part["corners"] is None]
+    (without,) = [part for part in parts_of(rendered(folder)) if not part["seen"]]
     assert f"stl/{without['name']}.stl" == missing
     text = run(folder).stdout
     assert f"{changed}: changed" in text
@@ -281,6 +304,67 @@ def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
         # coordinates are rounded to 0.01
         assert heights["0"] - point.y == pytest.approx(speed * per_mm_s, abs=0.03)
         assert point.low - point.high == pytest.approx((high - low) * per_mm_s, abs=0.03)
+
+
+def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
+    """Theory, bands, measured and stated speeds of the page stand where speed.csv has them."""
+    found = members.of(contents.read(family_folder))
+    rows = theory.of(contents.read(family_folder))
+    drawn = chart.speeds(found, rows)
+    scale = {tick.text: tick.at for tick in drawn.y_ticks}
+    per_mm_s = (scale["0"] - scale["100"]) / 100.0
+    along = {tick.text: tick.at for tick in drawn.x_ticks}
+    per_deg = (along["20"] - along["0"]) / 20.0
+    for line in drawn.lines:
+        own = [row for row in rows if (row.what, row.legs) == ("theory", line.legs)]
+        assert not line.joins
+        places = np.array([point.split(",") for point in line.points.split()], float)
+        wanted = [(along["0"] + per_deg * row.tilt_deg, scale["0"] - per_mm_s * row.speed_mm_s)
+                  for row in own]  # fmt: skip
+        assert places == pytest.approx(np.array(wanted), abs=0.05)
+    braced, flexible = (
+        [band.share for band in drawn.bands if band.legs == legs] for legs in ("braced", "flexible")
+    )
+    assert braced == flexible == [95, 68]
+    for point in drawn.points:  # a member's predicted speed lies on its kind's curve
+        line = next(line for line in drawn.lines if line.legs == point.legs)
+        places = np.array([one.split(",") for one in line.points.split()], float)
+        assert np.interp(point.x, *places.T) == pytest.approx(point.y, abs=0.7)
+    (mark,) = drawn.marks
+    assert mark.label == "flexible legs, 10°: stated by the paper 60.0 mm/s"
+    assert mark.y == pytest.approx(scale["0"] - 60.0 * per_mm_s, abs=0.05)
+    text = (folder / "speed.csv").read_text(encoding="utf-8")
+    more = text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,\nmeasured,flexible,10,5,,,,,\n"
+    (folder / "speed.csv").write_text(more, encoding="utf-8")
+    *_, barred, bare = chart.speeds(found, theory.of(contents.read(folder))).marks
+    assert barred.label == "braced legs, 10°: measured 12.0 mm/s (95 %: 10.0 to 14.0)"
+    assert (bare.low, bare.label) == (None, "flexible legs, 10°: measured 5.0 mm/s")
+
+
+@pytest.mark.parametrize(
+    ("line", "told"),
+    [
+        ("hearsay,flexible,10,1,,,,,", "speed.csv:2: what: must be theory, measured, paper, not"),
+        ("theory,wooden,10,1,,,,,", "speed.csv:2: legs: must be flexible or braced, not 'wooden'"),
+        ("theory,flexible,nan,1,,,,,", "speed.csv:2: tilt_deg: must be a number within ±1e+09"),
+        ("theory,flexible,10,1e300,,,,,", "speed.csv:2: speed_mm_s: must be a number within"),
+        ("theory,flexible,10,,,,,,", "speed.csv:2: tilt_deg, speed_mm_s: a number is missing"),
+        ("theory,flexible,10,1,x,,,,", "speed.csv:2: speed_low_68_mm_s: must be a number"),
+        ("theory,flexible", "speed.csv:2: 2 cells, the header has 9"),
+    ],
+)
+def test_a_broken_curve_is_refused_by_its_line(folder, line, told):
+    path = folder / "speed.csv"
+    header = path.read_text(encoding="utf-8").splitlines()[0]
+    path.write_text(f"{header}\n{line}\n", encoding="utf-8")
+    assert refused(folder).startswith(told)
+
+
+def test_without_a_curve_the_chart_joins_the_members(folder):
+    (folder / "speed.csv").unlink()
+    text = rendered(folder)
+    assert 'class="guide flexible"' in text
+    assert "Lines only join the members" in text
 
 
 @given(st.floats(-1e3, 1e3), st.floats(1.0, 1e3))

@@ -4,6 +4,7 @@ import io
 import json
 import os
 import shutil
+import time
 
 import matplotlib.image
 import numpy as np
@@ -151,6 +152,75 @@ def test_a_part_is_chosen_in_the_table_and_in_the_chart(browser):
     assert shown(browser).startswith("walker_t10.0_flexible")
     told = browser.find_element(By.ID, "readout").text
     assert told.startswith("flexible legs, 10°: predicted 59.7 mm/s (68 %: ")
+
+
+def styled(browser, **features):
+    """Look of the page with these features of the medium, until it is looked at otherwise."""
+    media = [{"name": name.replace("_", "-"), "value": value} for name, value in features.items()]
+    kind = "print" if not features else "screen"
+    browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": kind, "features": media})
+
+
+def size(browser, width):
+    browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": width, "height": 900, "deviceScaleFactor": 1, "mobile": width < 600},
+    )
+
+
+def test_in_the_dark_the_page_and_its_viewer_are_dark(browser):
+    try:
+        for scheme, dark in (("dark", True), ("light", False)):
+            styled(browser, prefers_color_scheme=scheme)
+            image = pixels(browser)
+            assert bool(np.median(image) < 0.3) is dark
+            assert coloured(image) > 0.03  # the part is seen on either ground
+            lightness = browser.execute_script(
+                "return [document.body, document.querySelector('#readout')].map((one, i) => "
+                "getComputedStyle(one)[i ? 'color' : 'backgroundColor'].match(/\\d+/g)[0] / 255)"
+            )
+            assert abs(lightness[0] - lightness[1]) > 0.6  # words stand out
+    finally:
+        styled(browser, prefers_color_scheme="light")
+
+
+@pytest.mark.parametrize("width", [360, 390])
+def test_a_phone_shows_the_speed_without_scrolling(browser, width):
+    try:
+        size(browser, width)
+        heading = next(one for one in browser.find_elements(By.CSS_SELECTOR, "#family thead th")
+                       if one.text.startswith("speed"))  # fmt: skip
+        edge = heading.rect["x"] + heading.rect["width"]
+        assert edge <= width
+        assert browser.execute_script("return document.documentElement.scrollWidth") <= width
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_paper_has_every_column_of_the_table(browser):
+    try:
+        size(browser, 688)  # 182 mm: a page of A4 between its margins
+        styled(browser)
+        table = browser.find_element(By.ID, "family").rect
+        assert table["x"] + table["width"] <= 688
+        assert not browser.find_element(By.ID, "canvas").is_displayed()
+        assert browser.find_element(By.CSS_SELECTOR, "#no-viewer img").is_displayed()
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        styled(browser, prefers_color_scheme="light")
+
+
+def test_the_chosen_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_path):
+    browser.execute_cdp_cmd(
+        "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(tmp_path)}
+    )
+    browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+    browser.find_element(By.CSS_SELECTOR, "#save a").click()
+    name = f"{shown(browser).split(';')[0]}.stl"
+    until = time.monotonic() + 10.0
+    while not (tmp_path / name).exists() and time.monotonic() < until:
+        time.sleep(0.02)
+    assert (tmp_path / name).read_bytes() == (page.parent / "stl" / name).read_bytes()
 
 
 def test_nothing_was_fetched_and_nothing_complained(browser, page):

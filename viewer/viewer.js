@@ -7,7 +7,7 @@ import {
   BufferGeometry,
   DirectionalLight,
   EdgesGeometry,
-  GridHelper,
+  Fog,
   LineBasicMaterial,
   LineSegments,
   Mesh,
@@ -24,6 +24,9 @@ import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 const FIELD_OF_VIEW = 30; // degrees
 const EDGE_ANGLE = 25; // degrees between faces from which their edge is drawn
+const FILLED = 0.94; // share of the frame that the part takes
+const PLATE = 12; // half the plate's length over the part's
+const PIECES = 32; // of each line of the plate
 const KEY_STEP = Math.PI / 24;
 const LIGHT_SIZE = 0.035; // radius of a corner's light at its brightest, over the part's size
 
@@ -42,6 +45,21 @@ function spacing(length) {
   return power * [5, 2, 1].find((factor) => factor * power <= length / 5);
 }
 
+// Lines of the plate, `count` cells of `step` wide, in short pieces: the picture fades at their ends.
+function grid(step, count) {
+  const half = (count * step) / 2;
+  const piece = (count * step) / PIECES;
+  const points = [];
+  for (let k = 0; k <= count; k += 1)
+    for (let i = 0; i < PIECES; i += 1) {
+      const [at, from, to] = [k * step - half, i * piece - half, (i + 1) * piece - half];
+      points.push(at, 0, from, at, 0, to, from, 0, at, to, 0, at);
+    }
+  const geometry = new BufferGeometry();
+  geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
+  return new LineSegments(geometry, new LineBasicMaterial());
+}
+
 function geometryOf(positions) {
   const geometry = new BufferGeometry();
   geometry.setAttribute('position', new BufferAttribute(positions, 3));
@@ -52,13 +70,12 @@ function geometryOf(positions) {
 
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
- * triangles' corners, nine numbers a triangle. Returns { show, look, stand, spacing }.
+ * triangles' corners, nine numbers a triangle. Returns { show, look, stand, paint, colour, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
   if (!context) return null;
   const renderer = new WebGLRenderer({ canvas, context, antialias: true });
-  renderer.setClearColor(0xffffff);
 
   const whole = new Box3();
   for (const positions of parts) whole.union(geometryOf(positions).boundingBox);
@@ -68,9 +85,10 @@ export function create(canvas, parts) {
 
   const scene = new Scene();
   const step = spacing(size.x);
-  const lines = 2 * Math.ceil((0.8 * size.x) / step);
-  const plate = new GridHelper(lines * step, lines, 0xd3d8dc, 0xd3d8dc);
+  const lines = 2 * Math.ceil((PLATE * size.x) / step);
+  const plate = grid(step, lines);
   plate.position.set(centre.x, 0, centre.z);
+  scene.fog = new Fog(0xffffff, 1, 2); // the plate fades out far behind the part
   const sun = new DirectionalLight(0xffffff, 2.6);
   scene.add(plate, new AmbientLight(0xffffff, 1.5));
 
@@ -83,7 +101,8 @@ export function create(canvas, parts) {
 
   const material = new MeshLambertMaterial({ polygonOffset: true, polygonOffsetFactor: 1 });
   const body = new Mesh(new BufferGeometry(), material);
-  const edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial({ color: 0x22282d }));
+  const edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+  for (const own of [material, edges.material]) own.fog = false;
   const part = body.add(edges);
   scene.add(part);
 
@@ -96,11 +115,30 @@ export function create(canvas, parts) {
   const controls = new OrbitControls(camera, canvas);
   controls.enablePan = false;
   controls.enableZoom = false; // the wheel scrolls the page until the canvas has the focus
-  controls.minDistance = radius;
+  controls.minDistance = 0.5 * radius;
   controls.maxDistance = radius * 20;
   controls.target.copy(centre);
 
-  const draw = () => renderer.render(scene, camera);
+  function draw() {
+    const distance = camera.position.distanceTo(controls.target);
+    [scene.fog.near, scene.fog.far] = [distance, distance + PLATE * size.x * 0.75];
+    renderer.render(scene, camera);
+  }
+
+  /** Use these CSS colours for background, lines of the plate and edges of the part. */
+  function paint(background, lines, edge) {
+    renderer.setClearColor(background);
+    scene.fog.color.setStyle(background);
+    plate.material.color.setStyle(lines);
+    edges.material.color.setStyle(edge);
+    draw();
+  }
+
+  /** Show the part in a CSS colour. */
+  function colour(css) {
+    material.color.setStyle(css);
+    draw();
+  }
 
   function resize() {
     const { clientWidth: width, clientHeight: height } = canvas;
@@ -112,22 +150,40 @@ export function create(canvas, parts) {
     draw();
   }
 
+  // Distance along a direction from which the box of all parts just fills the frame.
+  function distanceOf(direction) {
+    const towards = new Vector3().fromArray(direction).normalize();
+    const right = new Vector3(0, 1, 0).cross(towards).normalize();
+    const up = towards.clone().cross(right);
+    const high = FILLED * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
+    let distance = 0;
+    for (let k = 0; k < 8; k += 1) {
+      const corner = new Vector3(k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1)
+        .multiply(size)
+        .multiplyScalar(0.5);
+      const room = Math.max(
+        Math.abs(corner.dot(right)) / (high * camera.aspect),
+        Math.abs(corner.dot(up)) / high,
+      );
+      distance = Math.max(distance, corner.dot(towards) + room);
+    }
+    return distance;
+  }
+
   /** Look at the part from one of VIEWS, from where all of it is seen. */
   function look(name) {
-    const half = Math.tan((FIELD_OF_VIEW * Math.PI) / 360) * Math.min(1, camera.aspect);
-    const distance = (1.02 * radius) / half;
-    camera.position.fromArray(VIEWS[name]).setLength(distance).add(controls.target);
+    camera.position.fromArray(VIEWS[name]).setLength(distanceOf(VIEWS[name])).add(controls.target);
     controls.update();
     draw();
   }
 
   /** Put part `index` on the plate, in a CSS colour. */
-  function show(index, colour) {
+  function show(index, css) {
     body.geometry.dispose();
     edges.geometry.dispose();
     body.geometry = geometryOf(parts[index]);
     edges.geometry = new EdgesGeometry(body.geometry, EDGE_ANGLE);
-    material.color.setStyle(colour);
+    material.color.setStyle(css);
     part.position.set(0, -body.geometry.boundingBox.min.y, 0);
     part.quaternion.identity();
     for (const light of lights) light.visible = false;
@@ -187,5 +243,5 @@ export function create(canvas, parts) {
   new ResizeObserver(resize).observe(canvas);
   resize();
   look('angle');
-  return { show, look, stand, spacing: step };
+  return { show, look, stand, paint, colour, spacing: step };
 }

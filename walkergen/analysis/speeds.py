@@ -14,6 +14,9 @@ Array = npt.NDArray[np.float64]
 
 MOST_SPEEDS = 2000
 
+LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5}
+"""Largest sizes that are measurements, not slips of the pen, by column."""
+
 SAME_PLATE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
 
@@ -46,6 +49,10 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     for name in optional:
         if name in table.values:
             table = table.without(table.values[name] <= 0, f"{name} must be > 0")
+    for name, most in LARGEST.items():
+        if name in table.values:
+            beyond = np.abs(table.values[name]) > most
+            table = table.without(beyond, f"{name} must lie within ±{most:g}")
     if "speed_se_mm_s" in table.values:
         blank = np.isnan(table.values["speed_se_mm_s"])
         if not blank.all():

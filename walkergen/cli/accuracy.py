@@ -77,5 +77,5 @@ def _show_study(found: "Study", folder: Path) -> None:
     if found.answers:
         print("What to run for which error of the mean speed:")
         show.table(ladders.answers_table(found.answers))
-    print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG) for each ladder"
+    print(f"in {folder}/: a table (CSV, Markdown) and a figure (PNG, PDF) for each ladder"
           + (", accuracy.md, choice.png" if found.answers else ""))  # fmt: skip

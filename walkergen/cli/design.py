@@ -107,4 +107,4 @@ def _show(result: "Result") -> None:
     for line in tables.notes(result):
         show.text(line.removeprefix("- "))
     names = "design-1.toml" if len(result.designs) == 1 else f"design-1 to {len(result.designs)}"
-    print(f"{names}, scenes, design.csv, design.md and design.png in {result.folder}/")
+    print(f"{names}, scenes, design.csv, design.md, design.png and .pdf in {result.folder}/")

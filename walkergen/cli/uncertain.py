@@ -40,7 +40,7 @@ def simulate(
     if found.shares:
         _show_shares(found)
     if out is not None:
-        print(f"draws.csv, shares.csv and uncertain.png in {out}/")
+        print(f"draws.csv, shares.csv, uncertain.png and .pdf in {out}/")
 
 
 def _show_shares(found: "Uncertain") -> None:

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 from matplotlib.patches import Rectangle
+from matplotlib.transforms import Bbox
 
 from walkergen.files import figures
 from walkergen.printing.packing import Plate
@@ -22,7 +23,13 @@ from walkergen.walker.mass import Mesh
 Array = npt.NDArray[np.float64]
 
 INCHES = 10.0
-"""Longer side of the bed in the picture, inches."""
+"""Longer side of the bed, or of what is shown of it, in the picture, inches."""
+MARGIN, FLATTEST = 0.03, 0.3
+"""Room around the parts over the longer side of the bed; least height of a map over its width."""
+FULL = 0.6
+"""Share of the bed from which on the map shows all of it."""
+KEY = 0.12
+"""Width of the small picture of the bed over that of the map."""
 LINE_INCHES = 0.22
 """Height of a line of words below the picture, inches."""
 MOST_LISTED = 12
@@ -46,21 +53,59 @@ def png(
     letters = names.letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in one.placements})]
     named = _named({name: letters[name] for name in used if letters})
-    scale = INCHES / max(printer.bed_width_mm, printer.bed_depth_mm)
-    below = LINE_INCHES * len(named)
-    size = scale * printer.bed_width_mm + 0.8, scale * printer.bed_depth_mm + 0.9 + below
-    figure = Figure(figsize=size, layout="constrained")
+    figure = Figure(layout="constrained")
     axes = figure.add_subplot()
     _draw_parts(axes, printer, members, meshes, one)
+    shown = _window(axes, printer)
+    scale = INCHES / max(shown.width, shown.height)
+    below = LINE_INCHES * len(named)
+    figure.set_size_inches(scale * shown.width + 0.8, scale * shown.height + 0.9 + below)
+    _show(axes, shown, printer)
     _label_parts(axes, members, meshes, one, scale)
     axes.set_xlabel("\n".join(("x (mm), front", *named)))
     if named:  # the room that is left over belongs to the names below
         axes.set_anchor("N")
     axes.set_ylabel("y (mm)")
     told = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
-    axes.set_title(f"{title}: {len(one.placements)} parts; {told}", fontsize=10)
+    count = f"{len(one.placements)} part{'s' if len(one.placements) > 1 else ''}"
+    axes.set_title(f"{title}: {count}; {told}", fontsize=10)
     figure.legend(loc="outside upper right", ncols=2, frameon=False, fontsize=9)
     return figures.png(figure, 130)
+
+
+def _window(axes: Axes, printer: Printer) -> Bbox:
+    """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
+    bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
+    drawn = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
+    points = np.concatenate([np.asarray(one, float) for one in drawn])
+    margin = MARGIN * bed.max()
+    low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
+    room = np.maximum(high - low, FLATTEST * (high - low).max())
+    low = np.clip(0.5 * (low + high - room), 0.0, np.maximum(bed - room, 0.0))
+    high = np.minimum(low + room, bed)
+    if (high - low).prod() > FULL * bed.prod():
+        low, high = -0.01 * bed, 1.01 * bed
+    return Bbox([low, high])
+
+
+def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
+    """Show an area of the bed, and in a small picture beside it which one, if it is not all."""
+    axes.set_xlim(shown.x0, shown.x1)
+    axes.set_ylim(shown.y0, shown.y1)
+    if shown.x0 < 0.0:
+        return
+    bed = printer.bed_width_mm, printer.bed_depth_mm
+    high = KEY * shown.width / shown.height * bed[1] / bed[0]
+    key = axes.inset_axes((1.02, 1.0 - high, KEY, high))
+    key.add_patch(Rectangle((0.0, 0.0), *bed, fill=False, edgecolor="0.4"))
+    key.add_patch(
+        Rectangle(shown.min, shown.width, shown.height, facecolor="0.85", edgecolor="0.2")
+    )
+    key.set_xlim(-0.02 * bed[0], 1.02 * bed[0])
+    key.set_ylim(-0.02 * bed[1], 1.02 * bed[1])
+    key.set_aspect("equal")
+    key.set_axis_off()
+    key.set_title("on the bed", fontsize=8)
 
 
 def thumbnail(

@@ -80,6 +80,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
         f"steps {1.0 / EXACT:g} times finer than what resolves the feet",
         rungs,
         notes,
+        "value",
     )
 
 
@@ -121,6 +122,7 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         f"{reference.setting.label}: {reference.value:.2f} ± {reference.se:.2f} mm/s",
         rungs,
         ("The bias includes that of the step, which is the same in all rungs.",),
+        "frame_us",
     )
 
 

@@ -46,6 +46,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
             *(() if survey.complete == "space" else (f"Counts: {resolution.ENDLESS}.",)),
             "The figure shows the first eight; the table has all.",
         ),
+        "step_us",
     )
 
 

@@ -1,89 +1,116 @@
-"""Work-precision figures: error against CPU time, both on logarithmic axes."""
+"""Work-precision figures: error against CPU time, or both against the step; logarithmic axes."""
 
+import math
 from collections.abc import Iterable, Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
+from walkergen.files.figures import PAGE, SERIES, SMALLEST, logarithmic, style, wrapped
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 
-# Okabe and Ito's colours, each with its own line and marker: readable in grey as well.
-STYLES = (
-    ("#0072B2", "-", "o"), ("#D55E00", "--", "s"), ("#009E73", "-.", "^"), ("#CC79A7", ":", "D"),
-    ("#E69F00", "-", "v"), ("#56B4E9", "--", "P"), ("#000000", "-.", "X"), ("#999999", ":", "*"),
+OTHERS: tuple[tuple[str, Any, str], ...] = (
+    ("#000000", "--", "p"), ("#000000", ":", "h"), ("#000000", "-.", "<"),
 )  # fmt: skip
+"""Looks of settings that are not one more step of the same model."""
 
-CROWDED = 6
-"""Number of series beyond which only the ends of a series are named."""
+FORMULAS = ("*", "H", "d")
+"""Markers of formulas, which are points."""
 
 SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
 """Relative errors that the figure of choices marks with a line."""
 
+YLABEL = 1.5
+"""Length of the lines of a vertical axis's name, inches."""
 
+APART = 30
+"""Points of a curve between its markers."""
+
+UNSURE = "open: not told from 0; |error| + 2 SE"
+
+
+@style()
 def ladder_figure(ladder: Ladder) -> Figure:
-    """Draw a line per series; open symbols are errors that may be zero, drawn at |error| + 2 SE."""
-    with matplotlib.rc_context({"font.size": 9, "axes.spines.top": False}):
-        names = dict.fromkeys(rung.series for rung in ladder.rungs)
-        width = 9.5 if len(names) > CROWDED else 7.0
-        figure = Figure(figsize=(width, 4.6), layout="constrained")
-        axes = figure.add_subplot()
-        for place, (series, style) in enumerate(zip(names, STYLES, strict=False)):
-            rungs = [r for r in ladder.rungs if r.series == series and r.error is not None]
-            _draw(axes, rungs, style, below=place % 2 == 1, crowded=len(names) > CROWDED)
-        if any(rung.error_sd for rung in ladder.rungs):
-            axes.plot([], [], "o", color="0.5", markerfacecolor="white",
-                      label="not told from zero: |error| + 2 SE")  # fmt: skip
-        axes.margins(x=0.15)
-        _logarithmic(axes, ladder.cost, ladder.error, ladder.title)
-        if len(names) > CROWDED:
-            figure.legend(frameon=False, fontsize=8, loc="outside right center")
-        else:
-            axes.legend(frameon=False, fontsize=8)
+    """Draw a line per series; open symbols are errors that may be zero, drawn at |error| + 2 SE.
+
+    Ladders along a key, as the step, have error and cost against it in two panels: against one
+    another their lines would run to and fro.
+    """
+    names = {"step_us": "step, us", "value": "step, us", "frame_us": "time between frames, us"}
+    panels = 2 if ladder.along else 1
+    figure = Figure(figsize=(PAGE, 3.2 if panels == 1 else 4.6), layout="constrained")
+    grid = {"height_ratios": (1.7, 1.0)[:panels]}
+    axes = figure.subplots(panels, 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
+    known = [rung for rung in ladder.rungs if rung.error is not None]
+    apart = 0.6 * min((_at(one, ladder.along) or math.inf for one in known), default=1.0)
+    seen = dict.fromkeys(rung.series for rung in ladder.rungs)
+    for look, series in zip(SERIES, seen, strict=False):
+        rungs = [rung for rung in known if rung.series == series]
+        x = [_at(rung, ladder.along) for rung in rungs]
+        shown = [_shown(rung) for rung in rungs]
+        label = series if len(rungs) > 1 else "".join(rung.setting for rung in rungs)
+        _draw(axes[0], [(at, *one) for at, one in zip(x, shown, strict=True)], apart, look, label)
+        if ladder.along:
+            costs = [(at, rung.cpu_s, True) for at, rung in zip(x, rungs, strict=True)]
+            _draw(axes[1], costs, apart, look, "")
+    if any(rung.error_sd for rung in ladder.rungs):
+        axes[0].plot([], [], "o", color="0.5", markerfacecolor="white", label=UNSURE)
+    _label(axes[0], names.get(ladder.along, ladder.cost), ladder.error)
+    if ladder.along:
+        _label(axes[1], names[ladder.along], ladder.cost)
+        axes[0].set_xlabel("")
+        if any(_at(rung, ladder.along) == 0.0 for rung in known):
+            _mark_events(axes[0], apart)
+    figure.suptitle(wrapped(ladder.title, PAGE - 0.2))
+    figure.legend(loc="outside right center")
     return figure
 
 
-def _logarithmic(axes: Axes, cost: str, error: str, title: str) -> None:
-    axes.set_xscale("log")
-    axes.set_yscale("log")
-    axes.set_xlabel(cost)
-    axes.set_ylabel(error)
-    axes.set_title(title, fontsize=9)
-    axes.grid(visible=True, which="major", color="0.9")
+def _at(rung: Rung, along: str) -> float:
+    """Place of a rung on the axis of its ladder, 0 of one without steps; its cost without a key."""
+    return float(rung.details[along] or 0.0) if along else rung.cpu_s
+
+
+def _mark_events(axes: Axes, at: float) -> None:
+    """Name the place left of the steps at which settings without steps stand."""
+    axes.axvline(at, color="0.85", linewidth=5, zorder=0)
+    axes.annotate("by events", (at, 1.0), xycoords=("data", "axes fraction"), ha="center",
+                  va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
 
 
 def _draw(
-    axes: Axes, rungs: Sequence[Rung], style: tuple[str, str, str], below: bool, crowded: bool
+    axes: Axes,
+    points: Sequence[tuple[float, float, bool]],
+    apart: float,
+    look: tuple[str, Any, str],
+    label: str,
 ) -> None:
-    colour, line, marker = style
-    shown = [(rung, *_shown(rung)) for rung in rungs]
-    shown = [one for one in shown if one[1] > 0]
-    if not shown:
-        return
-    costs = [rung.cpu_s for rung, _, _ in shown]
-    errors = [error for _, error, _ in shown]
-    series = shown[0][0].series
-    # A single point carries its name; only lines need the legend.
-    label = series if len(shown) > 1 else None
-    axes.plot(costs, errors, line, color=colour, linewidth=1, label=label)
-    for rung, error, told in shown:
-        face = colour if told else "white"
-        axes.plot(rung.cpu_s, error, marker, color=colour, markerfacecolor=face, markersize=5)
-    # Long series, and many, are named at their ends only.
-    ends = len(shown) > 8 or (crowded and len(shown) > 1)
-    for rung, error, _ in (shown[0], shown[-1]) if ends else shown:
-        _name(
-            axes,
-            rung.setting.removeprefix(f"{series} ") if label else rung.setting,
-            rung.cpu_s,
-            error,
-            colour,
-            below,
-        )
+    """Draw points (x, y, sure) in the order of x, so that no line loops back; 0 stands apart."""
+    colour, line, marker = look
+    shown = sorted((at, y, sure) for at, y, sure in points if y > 0)
+    joined = np.array([(at, y) for at, y, _ in shown if at > 0]).reshape(-1, 2).T
+    axes.plot(*joined, color=colour, ls=line, linewidth=0.9)
+    for at, y, sure in shown:
+        axes.plot(at or apart, y, marker, color=colour, markerfacecolor=colour if sure else "white")
+    if label and shown:
+        joins = line if len(shown) > 1 else ""
+        axes.plot([], [], color=colour, ls=joins, marker=marker, label=label)
+
+
+def _label(axes: Axes, x: str, y: str) -> None:
+    """Make both axes logarithmic and name them, in lines that fit."""
+    axes.set_xscale("log")
+    axes.set_yscale("log")
+    axes.margins(x=0.08, y=0.1)
+    axes.set_xlabel(x)
+    axes.set_ylabel(wrapped(y, YLABEL))
+    logarithmic(axes.xaxis)
+    logarithmic(axes.yaxis)
 
 
 def _shown(rung: Rung) -> tuple[float, bool]:
@@ -94,6 +121,7 @@ def _shown(rung: Rung) -> tuple[float, bool]:
     return rung.error + 2.0 * rung.error_sd, False
 
 
+@style()
 def choice_figure(
     survey: Survey,
     found: Sequence[Measured],
@@ -106,52 +134,54 @@ def choice_figure(
     It falls as statistics improve, down to the bound of the setting's bias; formulas are points.
     """
     unit = survey.unit(reference)
-    with matplotlib.rc_context({"font.size": 9, "axes.spines.top": False}):
-        figure = Figure(figsize=(8.6, 5.0), layout="constrained")
-        axes = figure.add_subplot()
-        for place, rung in enumerate(formulas):
-            assert rung.error is not None
-            axes.plot(rung.cpu_s, rung.error, "k*", markersize=8)
-            _name(axes, rung.series, rung.cpu_s, rung.error, "k", below=place % 2 == 1)
-        for one, (colour, line) in zip(found, _lines(found), strict=True):
-            bound = survey.bound(one, reference)
-            if bound is None:
-                continue
-            time = np.geomspace(0.5, 1e5, 200)
-            cost = one.cpu_per_s * (time + one.runs * one.discard_seconds)
-            error = bound + 2.0 * np.sqrt(one.variance_time / time)
-            axes.plot(cost, error / unit.size, line, color=colour, label=one.setting.label)
-        _mark_shares(axes, unit.relative)
-        error_name = f"error of the mean speed, 95 %, {unit.name}"
-        _logarithmic(axes, "CPU time, s (one core)", error_name, title)
-        figure.legend(frameon=False, fontsize=8, loc="outside right center")
+    figure = Figure(figsize=(PAGE, 3.4), layout="constrained")
+    axes = figure.add_subplot()
+    for rung, marker in zip(formulas, FORMULAS, strict=False):
+        assert rung.error is not None
+        axes.plot(rung.cpu_s, rung.error, marker, color="black", markersize=6, label=rung.series)
+    looks = _looks(found)
+    for number, (one, (colour, line, marker)) in enumerate(zip(found, looks, strict=True)):
+        bound = survey.bound(one, reference)
+        if bound is None:
+            continue
+        time = np.geomspace(0.5, 1e5, 200)
+        cost = one.cpu_per_s * (time + one.runs * one.discard_seconds)
+        error = bound + 2.0 * np.sqrt(one.variance_time / time)
+        axes.plot(
+            cost, error / unit.size, color=colour, ls=line, marker=marker, label=one.setting.label,
+            markevery=(5 * number % APART, APART),
+        )  # fmt: skip
+    _label(axes, "CPU time, s (one core)", f"error of the mean speed, 95 %, {unit.name}")
+    if unit.relative:
+        _mark_shares(axes)
+    figure.suptitle(wrapped(title, PAGE - 0.2))
+    figure.legend(loc="outside right center")
     return figure
 
 
-def _lines(found: Sequence[Measured]) -> list[tuple[Any, str]]:
-    """Colours and lines: steps from light (coarse) to dark (fine), full; all else broken."""
-    steps = sorted(one.setting.step_us for one in found if one.setting.step_us is not None)
-    others = iter((("black", "--"), ("#D55E00", ":"), ("#CC79A7", "-.")))
-    shades = matplotlib.colormaps["viridis"]
+def _looks(found: Sequence[Measured]) -> list[tuple[str, Any, str]]:
+    """Colour, line and marker of each setting: of steps in the order of steps, black of others."""
+    model = found[0].setting.model
+    own = [one.setting.step_us for one in found if one.setting.model == model]
+    steps = sorted(step for step in own if step is not None)
+    others = iter(OTHERS)
     return [
-        next(others)
-        if one.setting.step_us is None
-        else (shades(0.9 * steps.index(one.setting.step_us) / max(len(steps) - 1, 1)), "-")
+        SERIES[steps.index(one.setting.step_us) % len(SERIES)]
+        if one.setting.model == model and one.setting.step_us in steps
+        else next(others)
         for one in found
     ]
 
 
-def _mark_shares(axes: Axes, relative: bool) -> None:
-    if not relative:
-        return
+def _mark_shares(axes: Axes) -> None:
+    """Mark round shares of the speed by lines, named on the right, where nothing is drawn."""
     for share in SHARES:
-        axes.axhline(share, color="0.75", linewidth=0.7, zorder=0)
-        axes.annotate(
-            f"{100 * share:g} %", (0.005, share), xycoords=("axes fraction", "data"),
-            va="bottom", fontsize=8, color="0.4",
-        )  # fmt: skip
-
-
-def _name(axes: Axes, text: str, x: float, y: float, colour: str, below: bool) -> None:
-    offset = (4, -10) if below else (4, 4)  # neighbours may lie on top of each other
-    axes.annotate(text, (x, y), xytext=offset, textcoords="offset points", fontsize=7, color=colour)
+        axes.axhline(share, color="0.8", linewidth=0.6, zorder=0)
+    right = axes.twinx()
+    right.set_yscale("log")
+    right.set_ylim(axes.get_ylim())
+    right.yaxis.set_major_locator(FixedLocator(SHARES))
+    right.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100 * share:g} %"))
+    right.yaxis.set_minor_locator(NullLocator())
+    right.yaxis.set_minor_formatter(NullFormatter())
+    right.tick_params(length=0)

@@ -41,6 +41,8 @@ class Ladder(NamedTuple):
     """Result that counts as true, and how it was certified."""
     rungs: Sequence[Rung]
     notes: Sequence[str] = ()
+    along: str = ""
+    """Detail of every rung against which error and cost are drawn; "": error against cost."""
 
 
 def order(values: Sequence[float], errors: Sequence[float]) -> tuple[float, float]:

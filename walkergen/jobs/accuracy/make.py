@@ -59,9 +59,9 @@ LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Study:
-    """Measure ladders and write NAME.csv, NAME.md, NAME.png for each as soon as it is measured.
+    """Measure ladders and write NAME.csv, .md, .png, .pdf for each as soon as it is measured.
 
-    With the ladders of models or steps also accuracy.md and choice.png: what to run for which
+    With the ladders of models or steps also accuracy.md, choice.png and .pdf: what to run for which
     error. Measured speeds are kept for `simulate --error`. Ctrl-C keeps the ladders already done.
     Raises InputError when there is no mean speed to study.
     """
@@ -96,7 +96,9 @@ def _write(ladder: Ladder, folder: Path) -> None:
 
     output.write(folder / f"{ladder.name}.csv", ladders.to_csv(ladder).encode())
     output.write(folder / f"{ladder.name}.md", ladders.to_markdown(ladder, machine()).encode())
-    output.write(folder / f"{ladder.name}.png", pictures.png(precision.ladder_figure(ladder)))
+    drawn = precision.ladder_figure(ladder)
+    output.write(folder / f"{ladder.name}.png", pictures.png(drawn))
+    output.write(folder / f"{ladder.name}.pdf", pictures.pdf(drawn))
 
 
 def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list[Answer]:
@@ -114,6 +116,7 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
     others = [survey.known[one] for one in survey.simpler if one in survey.known]
     figure = precision.choice_figure(survey, [*found, *others], reference, formulas, title)
     output.write(folder / "choice.png", pictures.png(figure))
+    output.write(folder / "choice.pdf", pictures.pdf(figure))
     table = as_markdown(ladders.answers_table(answers, markdown=True))
     page = (
         f"# {title}: what to run for which error\n\n"

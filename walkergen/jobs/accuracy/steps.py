@@ -100,6 +100,7 @@ def long(survey: Survey, progress: Progress) -> Ladder:
             "All settings start from the same drops and phases. The motion is chaotic: a bias "
             "smaller than twice its standard error cannot be told from none.",
         ),
+        "step_us",
     )
 
 

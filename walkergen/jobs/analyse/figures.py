@@ -1,5 +1,6 @@
 """Figures of measured motion, as in the paper's figures 5 and 6."""
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -8,11 +9,17 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis import walks
 from walkergen.analysis.motion import Curve, Motion
-from walkergen.analysis.tracks import Tracks
-from walkergen.files.figures import axes_of, panels_of
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.files.figures import SERIES, SMALLEST, axes_of, logarithmic, panels_of, style
 
-# Colours of Okabe and Ito, from dark to light, distinct in grey and to the colour-blind.
-INK, WARM, LIGHT = "#0072B2", "#D55E00", "#E69F00"
+INK, WARM = "#0072B2", "#D55E00"
+"""What was measured, and what was fitted to it."""
+
+ARROWS = 8
+"""Arrows along the longest track that show the heading."""
+
+ARROW = 0.05
+"""Length of an arrow over the width of the tracks."""
 
 MOST_TRACKS = 24
 """Largest number of tracks drawn: more would hide one another."""
@@ -24,12 +31,13 @@ MOST_POINTS = 4000
 """Largest number of points drawn of a track: more only make the PDF large."""
 
 
+@style()
 def msd_figure(motion: Motion, title: str) -> Figure:
     """Draw the mean squared displacement, with its ballistic and diffusive limits (fig. 6a).
 
     Below it stands its local exponent.
     """
-    figure, (axes, lower) = panels_of(title, (4.0, 1.6))
+    figure, (axes, lower) = panels_of(title, (2.5, 1.2))
     lag, value = motion.msd.at, motion.msd.value
     _points(axes, motion.msd, "measured")
     axes.set_xscale("log")
@@ -39,40 +47,51 @@ def msd_figure(motion: Motion, title: str) -> Figure:
     if motion.msd_fit is not None:
         speed2, rate, offset, turn = motion.msd_fit
         fine = np.geomspace(lag[0], lag[-1], 200)
-        axes.plot(fine, walks.squared(fine, speed2, rate, offset, turn), color=WARM, label="fit")
+        axes.plot(fine, walks.squared(fine, speed2, rate, offset, turn), color=WARM, label="fit",
+                  zorder=2.5)  # fmt: skip
         diffusivity = motion.estimates["diffusivity"].value
     elif (speed := motion.estimates["lane_speed"].value) is not None:
         speed2 = speed**2
     if speed2:
-        axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=1, label="ballistic, ∝ t²")
+        name = f"slope 2: v²t², v = {math.sqrt(speed2):.3g} mm/s"
+        axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=0.8, label=name)
     if diffusivity:
-        axes.plot(lag, 4 * diffusivity * lag, ":", color="0.35", lw=1.4, label="diffusive, ∝ t")
+        name = f"slope 1: 4Dt, D = {diffusivity:.3g} mm²/s"
+        axes.plot(lag, 4 * diffusivity * lag, ":", color="0.35", lw=1.1, label=name)
     crossover = motion.estimates["crossover_time"].value
     if crossover is not None and limits[0][0] < crossover < limits[0][1]:
         axes.axvline(crossover, color="0.75", lw=0.8, zorder=0)
         axes.annotate(
-            " crossover", (crossover, 0.02), xycoords=("data", "axes fraction"), color="0.4",
-            fontsize=8,
+            f"crossover {crossover:.2g} s ", (crossover, 0.98), ha="right", va="top",
+            xycoords=("data", "axes fraction"), color="0.3", fontsize=SMALLEST,
         )  # fmt: skip
     axes.set_xlim(limits[0])
     axes.set_ylim(max(limits[1][0], 0.3 * value[value > 0].min(initial=np.inf)), limits[1][1])
     axes.set_ylabel("mean squared displacement (mm²)")
-    axes.legend(frameon=False)
+    logarithmic(axes.xaxis)
+    logarithmic(axes.yaxis)
+    axes.legend(loc="lower right")
     _exponents(lower, motion.exponent)
     return figure
 
 
 def _exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents between those of diffusion and of a straight run."""
-    for value in (1.0, 2.0):
+    # Walkers begin straight and end diffusing: words stand where the points are not.
+    for value, words, at, side in (
+        (1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")
+    ):  # fmt: skip
         axes.axhline(value, color="0.75", lw=0.8, zorder=0)
+        axes.annotate(words, (at, value), xycoords=("axes fraction", "data"), ha=side,
+                      va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
     known = exponent.se < DRAWN
     _points(axes, Curve(*(column[known] for column in exponent)), "")
-    axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.25))
+    axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
     axes.set_xlabel("lag t (s)")
     axes.set_ylabel("local exponent")
 
 
+@style()
 def density_figure(motion: Motion, title: str) -> Figure:
     """Draw densities of the displacement along and across the body at one lag (fig. 6c)."""
     figure, axes = axes_of(title)
@@ -85,10 +104,11 @@ def density_figure(motion: Motion, title: str) -> Figure:
     axes.set_ylim(bottom=0)
     axes.set_xlabel(f"displacement within {1e3 * motion.lag_s:g} ms (mm)")
     axes.set_ylabel("probability density (1/mm)")
-    axes.legend(frameon=False)
+    axes.legend()
     return figure
 
 
+@style()
 def correlation_figure(motion: Motion, title: str) -> Figure:
     """Draw how direction is lost: the modulus of its autocorrelation, with the fitted decay."""
     figure, axes = axes_of(title)
@@ -107,38 +127,58 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
     headed = motion.estimates["motion_speed"].value is None
     what = "headings" if headed else "displacements (mm²)"
     axes.set_ylabel(f"autocorrelation of {what}")
-    axes.legend(frameon=False)
+    axes.legend()
     return figure
 
 
+@style()
 def tracks_figure(tracks: Tracks, title: str) -> Figure:
     """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5)."""
     drawn = tracks.tracks[:MOST_TRACKS]
     if len(drawn) < len(tracks.tracks):
         title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
     figure, axes = axes_of(title)
+    everywhere = np.concatenate([one.position for one in drawn])
+    size = float(np.max(np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)))
     for number, track in enumerate(drawn):
-        colour = (INK, WARM, LIGHT, "0.2")[number % 4]
+        colour, line, marker = SERIES[number % len(SERIES)]
         stride = len(track.position) // MOST_POINTS + 1
         seen = track.position[~np.isnan(track.position).any(axis=1)]
         start = seen[0]
         path = track.position[::stride]
         if tracks.lane:
             time = np.arange(len(track.position))[::stride] * tracks.interval
-            axes.plot(time, path[:, 0] - start[0], color=colour, lw=0.9)
+            axes.plot(time, path[:, 0] - start[0], color=colour, ls=line, lw=0.8)
         else:
-            axes.plot(*path.T, color=colour, lw=0.9)
-            axes.plot(*start, "o", color=colour, markersize=4)
+            axes.plot(*path.T, color=colour, ls=line, lw=0.8)
+            axes.plot(*start, marker, color=colour, markersize=4)
+            if track.heading is not None:
+                _head(axes, track, size, colour)
     if tracks.lane:
         axes.set_xlabel("time (s)")
         axes.set_ylabel("displacement along the lane (mm)")
     else:
         axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel("x (mm)")
+        axes.set_xlabel("x (mm)" + ("; arrows: headings" if drawn[0].heading is not None else ""))
         axes.set_ylabel("y (mm)")
     return figure
 
 
+def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
+    """Draw arrows along a track that point where the walker's front did."""
+    assert track.heading is not None
+    known = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
+    at = np.flatnonzero(known)
+    chosen = at[np.linspace(0, len(at) - 1, min(ARROWS, len(at))).astype(int)] if len(at) else at
+    heading = track.heading[chosen]
+    axes.quiver(
+        *track.position[chosen].T, np.cos(heading), np.sin(heading), color=colour, angles="xy",
+        scale_units="xy", scale=1.0 / max(ARROW * size, 1e-9), width=0.006, headwidth=4.5,
+        zorder=3,
+    )  # fmt: skip
+
+
+@style()
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = axes_of(title)
@@ -147,11 +187,13 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
     axes.errorbar(plates, speeds, errors, fmt="o", color=INK, capsize=3, label="measured")
     if motion.line is not None:
         ends = np.array([0.0, plates.max()])
-        axes.plot(ends, motion.line.slope * ends, color=WARM, label="line through the origin")
+        slope, se = motion.line.slope, motion.line.slope_se
+        name = f"through the origin, slope {slope:.3g} ± {se:.1g}"
+        axes.plot(ends, slope * ends, color=WARM, label=name)
     axes.set_xlim(left=0)
     axes.set_xlabel("plate speed (mm/s)")
     axes.set_ylabel("speed (mm/s)")
-    axes.legend(frameon=False)
+    axes.legend()
     return figure
 
 
@@ -172,6 +214,6 @@ def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, F
 def _points(axes: Axes, curve: Curve, label: str) -> None:
     errors = np.nan_to_num(curve.se)
     axes.errorbar(
-        curve.at, curve.value, errors, fmt="o", color=INK, markersize=3.5, elinewidth=0.8,
-        label=label,
+        curve.at, curve.value, errors, fmt="o", color=INK, elinewidth=0.8,
+        label=label, markersize=3.0, zorder=2,
     )  # fmt: skip

@@ -2,13 +2,12 @@
 
 from collections.abc import Sequence
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.inverse import Measured
-from walkergen.files.figures import STYLES, axes_of
+from walkergen.files.figures import COLUMN, STYLES, axes_of, style, wrapped
 from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.slide import Incline
@@ -19,6 +18,7 @@ BLUE, ORANGE = STYLES["flexible"][0], STYLES["braced"][0]
 GREEN, GREY = "#009E73", "0.45"
 
 
+@style()
 def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
     """Draw the rebound against the feet's restitution, let go flat and from the hand."""
     figure, axes = axes_of(title)
@@ -36,10 +36,11 @@ def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | No
     axes.set_ylabel("rebound of the whole walker")
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
-    axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
+    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure
 
 
+@style()
 def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
     """Draw the slope at which a walker gives way against friction, by the way it faces."""
     figure, axes = axes_of(title)
@@ -67,16 +68,16 @@ def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
     axes.set_ylabel("slope at which it gives way (deg)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
-    axes.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
+    axes.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure
 
 
+@style()
 def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Points) -> Figure:
     """Draw a leg of the model ringing, and the frequency heard against Young's modulus."""
-    with matplotlib.rc_context({"axes.spines.top": False, "axes.spines.right": False}):
-        figure = Figure(figsize=(5.6, 5.2), layout="constrained")
-        top, bottom = figure.subplots(2, 1)
-    top.set_title(title, fontsize=10)
+    figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
+    top, bottom = figure.subplots(2, 1)
+    figure.suptitle(wrapped(title, COLUMN - 0.1))
     ringing = found.held
     top.plot(1e3 * ringing.times, 1e3 * ringing.angles, color=BLUE)
     top.set_xlabel("time (ms)")
@@ -86,9 +87,9 @@ def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Point
     hinge = hertz * found.held.frequency / found.cantilever
     bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
     _draw_measured(bottom, measured)
-    bottom.set_xlabel("Young's modulus (GPa, material.youngs_modulus_gpa)")
+    bottom.set_xlabel("Young's modulus (material.youngs_modulus_gpa)")
     bottom.set_ylabel("frequency (Hz)")
-    bottom.legend(fontsize=8, loc="upper left", framealpha=0.9, edgecolor="none")
+    bottom.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure
 
 

@@ -5,6 +5,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from walkergen.exploring.point import THEORY
+from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.jobs.design.tables import title
 from walkergen.jobs.design.wish import UNITS
 
@@ -20,12 +21,14 @@ BESIDE = ((8, 5), (-13, -13), (8, -13))
 """Places of the numbers of designs beside their marks, points: designs often share a value."""
 
 
+@style()
 def trade_off(result: "Result") -> Figure:
     """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
     job, found = result.job, result.found
     count = len(job.box.spans)
     wide, high = min(count, ACROSS), -(-count // ACROSS)
-    figure = Figure(figsize=(3.4 * wide + 0.6, 3.0 * high + 0.5), layout="constrained")
+    width = COLUMN if wide == 1 else PAGE
+    figure = Figure(figsize=(width, 2.3 * high + 0.7), layout="constrained")
     panels = figure.subplots(high, wide, sharey=True, squeeze=False).ravel()
     tried = [trial for trial in found.trials if trial.usable and trial.seen]
     levels = [trial.seen.value for trial in tried if trial.seen]
@@ -52,19 +55,17 @@ def trade_off(result: "Result") -> Figure:
                           markersize=7, capsize=3, markeredgecolor="black", zorder=5,
                           label="designs" if number == 1 else None)  # fmt: skip
             axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
-                          textcoords="offset points", fontsize=10, fontweight="bold")  # fmt: skip
-        axes.set_xlabel(span.key, fontsize=9)
-        axes.spines[["top", "right"]].set_visible(False)
-        axes.tick_params(labelsize=8)
+                          textcoords="offset points", fontweight="bold")  # fmt: skip
+        axes.set_xlabel(span.key)
         if job.wish.logarithmic:
             axes.set_yscale("log")
     for axes in panels[count:]:
         axes.set_visible(False)
     for axes in panels[:count:wide]:
-        axes.set_ylabel(f"{job.wish.of} ({UNITS[job.wish.of]})", fontsize=9)
-    figure.suptitle(title(job), fontsize=9)
-    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center", ncols=4,
-                  fontsize=8, frameon=False)  # fmt: skip
+        axes.set_ylabel(f"{job.wish.of} ({UNITS[job.wish.of]})")
+    figure.suptitle(wrapped(title(job), width - 0.2))
+    figure.legend(*panels[0].get_legend_handles_labels(), loc="outside lower center",
+                  ncols=2 if wide == 1 else 4)  # fmt: skip
     return figure
 
 

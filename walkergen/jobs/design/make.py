@@ -98,16 +98,17 @@ def _write(result: Result, pictures: bool) -> None:
     for number, one in enumerate(result.designs):
         contents[f"design-{number + 1}.toml"] = one.text
         contents[f"scene-{number + 1}.toml"] = _scene(result, number)
-    drawn = b""
+    drawn: dict[str, bytes] = {}
     if pictures:
         from walkergen.files import figures as files
         from walkergen.jobs.design import figures
 
-        drawn = files.png(figures.trade_off(result))
+        figure = figures.trade_off(result)
+        drawn = {"design.png": files.png(figure), "design.pdf": files.pdf(figure)}
     for name, content in contents.items():
         target.write(name, content.encode())
-    if drawn:
-        target.write("design.png", drawn)
+    for name, data in drawn.items():
+        target.write(name, data)
     facts: dict[str, Any] = {
         **output.versions(), "wish": job.wish.words, "error": str(job.wish.error),
         "model": job.model, "seed": job.seed,

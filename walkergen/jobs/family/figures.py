@@ -1,114 +1,162 @@
 """Figures: speed against tilt, as in the paper's figure 2."""
 
 from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-import matplotlib
 import numpy as np
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.speeds import Measured
-from walkergen.files.figures import STYLES
+from walkergen.files.figures import COLUMN, STYLES, style, wrapped
+from walkergen.jobs.family.beside import Beside, ends
 from walkergen.jobs.family.tables import Simulated
 from walkergen.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
-BOUNDS = "bounds of 68 and 95 %"
+BOUNDS = "68 and 95 %"
+
+BAND, CORE = 0.16, 0.3
+"""Shades of the bounds of 95 and 68 %."""
+
+ALONE_DEG = 5.0
+"""Tilts that are shown on either side of a single tilt that has no curve."""
 
 
+class Shown(NamedTuple):
+    """Place of a walker on the figure's axis, with what is known of it."""
+
+    x: float
+    row: Prediction
+    simulated: Simulated | None
+
+
+@style()
 def speed_figure(
     rows: Sequence[Prediction],
-    curves: Mapping[Kind, Curve],
+    beside: Beside,
     impact_speed: float,
     title: str,
     simulated: Sequence[Simulated] = (),
-    measured: Measured | None = None,
-    stated: tuple[float, float] | None = None,
     named: bool = False,
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
     Kinds without a curve have their bounds as bars. Walkers whose legs follow no common tilt stand
     side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
-    95 % as bars; measured speeds are crosses; a star is the paper's one stated speed, (tilt, mm/s).
+    95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
-    with matplotlib.rc_context({"font.size": 10, "axes.spines.top": False}):
-        figure = Figure(figsize=(7.0, 4.4), layout="constrained")
-        axes = figure.add_subplot()
-        for kind, curve in curves.items():
-            colour, line, _ = STYLES[kind]
-            axes.plot(curve.tilt_deg, curve.speed, line, color=colour, label=f"{kind} legs")
-            for (bottom, top), shade in (((0, 3), 0.12), ((1, 2), 0.2)):
-                band = curve.bounds[bottom], curve.bounds[top]
-                known = bottom and not np.isnan(curve.bounds).all()
-                told = f"{kind} legs, {BOUNDS}" if known else None
-                axes.fill_between(
-                    curve.tilt_deg, *band, color=colour, alpha=shade, linewidth=0, label=told
-                )
-        for legs in dict.fromkeys(row.legs for row in rows):
-            colour, _, marker = STYLES[legs]
-            points = [(row.tilt_deg, row.speed_mm_s) for row in rows if row.legs == legs]
-            told = None if legs in curves else f"{legs} legs"
-            axes.plot(*zip(*points, strict=True), marker, color=colour, markersize=5, label=told)
-            if legs not in curves:
-                _draw_bars(axes, [row for row in rows if row.legs == legs], colour)
-        _draw_simulated(axes, rows, simulated)
-        if measured is not None:
-            _draw_measured(axes, measured)
-        if stated is not None:
-            axes.plot(*stated, "*", color="black", markersize=11, label="the paper's walker")
-        _mark_sticking(axes, curves)
-        axes.axhline(0.0, color="0.6", linewidth=0.8, zorder=0)
-        if not curves:
-            axes.margins(x=0.5, y=0.15)
-        axes.set_xlabel("legs as designed" if named else "tilt of the legs (deg)")
-        if named:
-            axes.set_xticks([])
-        axes.set_ylabel("speed (mm/s)" if simulated or measured else "predicted speed (mm/s)")
-        axes.set_title(title, fontsize=10)
-        axes.legend(frameon=False)
-        low, high = axes.get_ylim()
-        axes.set_ylim(low, high)
-        ratio = axes.twinx()
-        ratio.set_ylim(low / impact_speed, high / impact_speed)
-        ratio.set_ylabel("speed / impact speed")
+    figure = Figure(figsize=(COLUMN, 3.3), layout="constrained")
+    axes = figure.add_subplot()
+    places = range(len(rows)) if named else [row.tilt_deg for row in rows]
+    known = [*simulated, *[None] * (len(rows) - len(simulated))]
+    walkers = [Shown(*one) for one in zip(places, rows, known, strict=True)]
+    legend: dict[str, Any] = {}
+    for kind, curve in beside.curves.items():
+        legend |= _draw_curve(axes, kind, curve)
+    for legs in dict.fromkeys(row.legs for row in rows):
+        own = [one for one in walkers if one.row.legs == legs]
+        legend |= _draw_predicted(axes, own, legs, bars=legs not in beside.curves)
+        legend |= _draw_simulated(axes, own, legs)
+    if beside.stated is not None:
+        tilt, speed = beside.stated
+        legend[f"the paper: {speed:g} mm/s"] = axes.plot(
+            tilt, speed, "*", color="black", markerfacecolor="white", markersize=11, zorder=2.5
+        )[0]
+    if beside.measured is not None:
+        at = {one.row.legs: float(one.x) for one in walkers} if named else {}
+        legend |= _draw_measured(axes, beside.measured, at)
+    _mark_sticking(axes, beside.curves)
+    axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
+    _label(axes, walkers, named, bool(simulated or beside.measured))
+    figure.suptitle(wrapped(title, COLUMN - 0.1))
+    figure.legend(
+        legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2
+    )
+    _mark_ratio(axes, impact_speed)
     return figure
 
 
-def _draw_bars(axes: matplotlib.axes.Axes, rows: Sequence[Prediction], colour: str) -> None:
-    """Draw the bounds of 68 and 95 % of single points, where they are known."""
-    known = [row for row in rows if row.speed_low_95_mm_s is not None]
-    if not known:
+def _label(axes: Axes, walkers: Sequence[Shown], named: bool, mixed: bool) -> None:
+    """Name both axes; a single tilt without a curve gets an axis of some degrees."""
+    axes.set_ylabel("speed (mm/s)" if mixed else "predicted speed (mm/s)")
+    if named:
+        axes.set_xticks([one.x for one in walkers], [one.row.legs for one in walkers])
+        axes.set_xlim(-0.7, len(walkers) - 0.3)
+        axes.set_xlabel("legs as designed")
         return
-    tilts = [row.tilt_deg for row in known]
-    for low, high, width, told in (
-        ("low_95", "high_95", 1.2, f"{known[0].legs} legs, {BOUNDS}"),
-        ("low_68", "high_68", 4.0, ""),
-    ):
-        bottoms, tops = (
-            [getattr(row, f"speed_{end}_mm_s") for row in known] for end in (low, high)
+    axes.set_xlabel("tilt of the legs (deg)")
+    low, high = axes.get_xlim()
+    if len({one.x for one in walkers}) == 1 and high - low < 2.0 * ALONE_DEG:
+        middle = walkers[0].x
+        axes.set_xlim(middle - ALONE_DEG, middle + ALONE_DEG)
+
+
+def _mark_ratio(axes: Axes, impact_speed: float) -> None:
+    """Add an axis of speeds over the impact speed on the right."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high)
+    ratio = axes.twinx()
+    ratio.spines["right"].set_visible(True)
+    ratio.set_ylim(low / impact_speed, high / impact_speed)
+    ratio.set_ylabel("speed / impact speed")
+
+
+def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
+    """Draw a kind's theory between the members, with its bounds where they are known."""
+    colour, line, _ = STYLES[kind]
+    (theory,) = axes.plot(curve.tilt_deg, curve.speed, line, color=colour)
+    if np.isnan(curve.bounds).all():
+        return {f"{kind} legs": theory}
+    bands = [
+        axes.fill_between(
+            curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=colour, alpha=shade,
+            linewidth=0,
         )
-        axes.vlines(tilts, bottoms, tops, color=colour, linewidth=width, alpha=0.4, label=told)
+        for low, high, shade in ((0, 3, BAND), (1, 2, CORE))
+    ]  # fmt: skip
+    return {f"{kind}, {BOUNDS}": (*bands, theory)}
 
 
-def _draw_simulated(
-    axes: matplotlib.axes.Axes, rows: Sequence[Prediction], simulated: Sequence[Simulated]
-) -> None:
-    for legs in dict.fromkeys(row.legs for row in rows):
-        colour, _, marker = STYLES[legs]
-        points = [
-            (row.tilt_deg, one.sim_speed_mm_s, *_ends(one))
-            for row, one in zip(rows, simulated, strict=False)
-            if row.legs == legs and one.sim_speed_mm_s is not None
-        ]
-        if points:
-            tilts, speeds, *bars = zip(*points, strict=True)
-            axes.errorbar(
-                tilts, speeds, bars, fmt=marker, color=colour, markerfacecolor="white",
-                markersize=6, capsize=3, label=f"{legs}, simulated, 95 %",
-            )  # fmt: skip
+def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
+    """Draw the members' predicted speeds, with bounds as bars where no band shows them."""
+    colour, _, marker = STYLES[kind]
+    x, speeds = [one.x for one in walkers], [one.row.speed_mm_s for one in walkers]
+    (points,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
+    if not bars:
+        return {}
+    known = [one for one in walkers if one.row.speed_low_95_mm_s is not None]
+    for low, high, width, shade in (
+        ("low_95", "high_95", 1.2, 0.5), ("low_68", "high_68", 5.0, CORE)
+    ):  # fmt: skip
+        bottoms, tops = (
+            [getattr(one.row, f"speed_{end}_mm_s") for one in known] for end in (low, high)
+        )
+        axes.vlines(
+            [one.x for one in known], bottoms, tops, color=colour, linewidth=width, alpha=shade
+        )
+    return {f"{kind}, {BOUNDS}" if known else f"{kind} legs": points}
 
 
-def _ends(one: Simulated) -> tuple[float, float]:
+def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str, Any]:
+    """Draw the members' simulated speeds, as far as there are any."""
+    colour, _, marker = STYLES[kind]
+    points = [
+        (one.x, one.simulated.sim_speed_mm_s, *_lengths(one.simulated))
+        for one in walkers
+        if one.simulated is not None and one.simulated.sim_speed_mm_s is not None
+    ]
+    if not points:
+        return {}
+    x, speeds, *bars = zip(*points, strict=True)
+    drawn = axes.errorbar(
+        x, speeds, bars, fmt=marker, color=colour, markerfacecolor="white", markersize=5,
+        capsize=2, zorder=3.2,
+    )  # fmt: skip
+    return {f"{kind}, simulated, 95 %": drawn}
+
+
+def _lengths(one: Simulated) -> tuple[float, float]:
     """Lengths of a bar below and above a simulated speed, mm/s; none where bounds are unknown."""
     speed, low, high = one.sim_speed_mm_s, one.sim_low_95_mm_s, one.sim_high_95_mm_s
     if speed is None or low is None or high is None:
@@ -116,18 +164,28 @@ def _ends(one: Simulated) -> tuple[float, float]:
     return speed - low, high - speed
 
 
-def _draw_measured(axes: matplotlib.axes.Axes, measured: Measured) -> None:
-    for legs, mark in (("flexible", "x"), ("braced", "+")):
-        chosen = np.array([one == legs for one in measured.legs])
-        if chosen.any():
-            bars = None if measured.se is None else measured.se[chosen]
-            axes.errorbar(
-                measured.tilt[chosen], measured.speed[chosen], bars, fmt=mark, color="black",
-                markersize=7, markeredgewidth=1.5, capsize=3, label=f"{legs}, measured",
-            )  # fmt: skip
+def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> dict[str, Any]:
+    """Draw measured speeds, with bars of 95 % where their errors are known.
+
+    They stand at their tilts, or at the places of walkers with such legs where these are given.
+    """
+    legend: dict[str, Any] = {}
+    for kind, mark in (("flexible", "x"), ("braced", "+")):
+        chosen = np.array([one == kind for one in measured.legs])
+        if not chosen.any() or (at and kind not in at):
+            continue
+        x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
+        speed = measured.speed[chosen]
+        bars = None if measured.se is None else speed - ends(speed, measured.se[chosen])[0]
+        told = f"{kind}, measured" + ("" if bars is None else ", 95 %")
+        legend[told] = axes.errorbar(
+            x, speed, bars, fmt=mark, color="black", markersize=5,
+            markeredgewidth=1.2, elinewidth=0.9, capsize=2, zorder=3.4,
+        )  # fmt: skip
+    return legend
 
 
-def _mark_sticking(axes: matplotlib.axes.Axes, curves: Mapping[Kind, Curve]) -> None:
+def _mark_sticking(axes: Axes, curves: Mapping[Kind, Curve]) -> None:
     """Shade the tilts at which a flexible foot can stick, where the paper's formula fails."""
     curve = curves.get("flexible")
     if curve is None or not curve.can_stick.any():
@@ -135,6 +193,7 @@ def _mark_sticking(axes: matplotlib.axes.Axes, curves: Mapping[Kind, Curve]) -> 
     tilts = curve.tilt_deg[curve.can_stick]
     axes.axvspan(tilts.min(), tilts.max(), color="0.92", linewidth=0, zorder=-1)
     axes.annotate(
-        "feet can stick", (0.5 * (tilts.min() + tilts.max()), 0.97),
-        xycoords=("data", "axes fraction"), ha="center", va="top", color="0.45", fontsize=8,
+        "feet can stick", (0.5 * (tilts.min() + tilts.max()), 1.0),
+        xycoords=("data", "axes fraction"), xytext=(0, 2), textcoords="offset points",
+        ha="center", va="bottom", color="0.35", fontsize=7,
     )  # fmt: skip

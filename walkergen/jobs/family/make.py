@@ -12,7 +12,8 @@ from walkergen.analysis.speeds import SAME_PLATE, Measured
 from walkergen.errors import GeometryError
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
-from walkergen.jobs.family import tables
+from walkergen.jobs.family import beside, tables
+from walkergen.jobs.family.beside import Beside
 from walkergen.jobs.family.tables import Simulated, Weighing
 from walkergen.prediction import Curve, Prediction
 from walkergen.printing import checks, export, sheet
@@ -29,6 +30,11 @@ from walkergen.walker.limbs import Kind, Legs
 from walkergen.walker.mass import MassProperties, Mesh
 from walkergen.walker.solids import Solids
 from walkergen.walker.weights import Weighings
+
+AROUND_DEG = 10.0
+"""Tilts around a single one at which its theory is drawn as well."""
+STEEPEST_DEG = 85.0
+"""Largest tilt of a design's legs."""
 
 
 class Job(NamedTuple):
@@ -76,7 +82,8 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     """Write a family's folder; finished files stay whole whatever happens later.
 
     Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
-    speed.png, speed.pdf, preview.png, manifest.json. Files of an earlier run that this run does not
+    speed.csv (what speed.png shows beside the members), speed.png, speed.pdf, preview.png,
+    manifest.json. Files of an earlier run that this run does not
     make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
     too large for the printer, PrintabilityError when a part would not print and InputError when
     weighed masses are impossible, all before anything is written, and OutputError when a file
@@ -226,37 +233,44 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     from walkergen.jobs.family import figures as plots
     from walkergen.jobs.family import preview
 
-    curves = _curves(job, made)
     drive, contact = job.scene.drive, job.scene.contact
     title = (
         f"{job.design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
         f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
     )
     rows, simulated = rows_of(made)
+    measured = job.measured
+    if measured is not None and not job.design.follows:
+        measured = beside.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
+    shown = Beside(_curves(job, made), measured, _stated(job.design, job.scene))
     figure = plots.speed_figure(
-        rows, curves, job.scene.impact_speed, title, simulated, job.measured,
-        _stated(job.design, job.scene), not job.design.follows,
-    )  # fmt: skip
+        rows, shown, job.scene.impact_speed, title, simulated, not job.design.follows
+    )
+    folder.write("speed.csv", beside.to_csv(shown).encode())
     folder.write("speed.png", pictures.png(figure))
     folder.write("speed.pdf", pictures.pdf(figure))
     parts = [preview.Part(member.design, member.mesh) for member in made]
-    folder.write("preview.png", pictures.png(preview.preview_figure(parts, job.design.name)))
+    folder.write("preview.png", pictures.png(preview.preview_figure(parts, job.design.name), 150))
 
 
 def _curves(job: Job, made: Sequence[Member]) -> dict[Kind, Curve]:
     """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
 
-    There is no curve of one tilt, nor of legs whose tilts are their own, nor on a body on which the
-    walker cannot be built at every tilt in between (legs would meet a hole, or miss it).
+    A single tilt is shown with the tilts around it. There is no curve of legs whose tilts are their
+    own, nor on a body on which the walker cannot be built at every tilt in between (legs would meet
+    a hole, or miss it).
     """
-    tilts = [member.design.tilt_deg for member in made]
-    if min(tilts) == max(tilts):
+    if not job.design.follows:
         return {}
+    tilts = [member.design.tilt_deg for member in made]
+    low, high = min(tilts), max(tilts)
+    if low == high:
+        low, high = max(low - AROUND_DEG, -STEEPEST_DEG), min(high + AROUND_DEG, STEEPEST_DEG)
     found = {}
     for kind in dict.fromkeys(member.design.kind for member in made):
         design = job.design.variant(kind=kind)
         try:
-            found[kind] = prediction.curve(design, job.scene, job.mode, min(tilts), max(tilts))
+            found[kind] = prediction.curve(design, job.scene, job.mode, low, high)
         except GeometryError:  # at a tilt in between; of members it would have been told before
             return {}
     return found

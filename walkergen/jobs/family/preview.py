@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Sequence
+from itertools import groupby
 from typing import NamedTuple
 
 import numpy as np
@@ -10,13 +11,21 @@ from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from walkergen.files.figures import COLOURS
+from walkergen.files.figures import COLOURS, style
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Mesh
 
 Array = npt.NDArray[np.float64]
 
-FEWEST_COLUMNS, WIDEST_INCHES = 5, 24.0
+COLUMNS, PART_INCHES, LABEL = 5, 2.4, 10.0
+"""Parts in a row, inches for each, and the size of labels in points."""
+
+FEW, SHEET_INCHES, TALLEST = 40, 1.35, 3.0
+"""Parts beyond which they stand closer, as on a contact sheet; inches for each; and the height of
+the sheet over its width, at most."""
+
+RULER = 0.4
+"""Length of the scale bar over the body's, at most."""
 
 ROUNDING_MM = 1e-6
 """Largest error, mm, of the heights of a mesh."""
@@ -52,34 +61,60 @@ VIEW, FROM_ABOVE = _view(16.0), _view(32.0)
 LIGHT = np.array([-0.35, 0.75, 0.56])
 
 
+@style()
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
-    """Draw all parts, braced above flexible, each with its label; rows grow with the family."""
-    rows: list[list[Part]] = []
-    most = max(FEWEST_COLUMNS, round(math.sqrt(1.2 * len(parts))))
-    for kind in ("braced", "flexible"):
-        chosen = [part for part in parts if part.design.kind == kind]
-        rows += [chosen[i : i + most] for i in range(0, len(chosen), most)]
+    """Draw all parts with labels, in rows in the order of the table; more parts stand closer."""
     screens = [part.mesh.vertices @ part.view.T for part in parts]
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
-    pitch_x, pitch_y = 1.12 * size[0], 1.55 * size[1]
+    inches = PART_INCHES if len(parts) <= FEW else SHEET_INCHES
+    scale = inches / (1.12 * size[0])
+    pitch = np.array([1.12 * size[0], size[1] + 3.2 * LABEL / 72.0 / scale])
+    rows = _rows(parts, pitch[1] / pitch[0])
     columns = max(len(row) for row in rows)
-    width = min(WIDEST_INCHES, 1.0 + 2.4 * columns)
-    font = 9.0 * min(1.0, width / (2.4 * columns))
-    aspect = (len(rows) * pitch_y + 0.2 * pitch_y) / (columns * pitch_x)
-    figure = Figure(figsize=(width, width * aspect + 0.4), layout="constrained")
-    axes = figure.add_subplot()
-    for line, row in enumerate(rows):
+    middle, half = 0.5 * (columns - 1) * pitch[0], max(0.5 * columns * pitch[0], 1.7 / scale)
+    low, high = middle - half, middle + half
+    top, line = 0.5 * pitch[1], LABEL / 72.0 / scale
+    bottom = top - len(rows) * pitch[1] - 3.5 * line
+    figure = Figure(figsize=(scale * (high - low), scale * (top - bottom) + 0.4))
+    axes = figure.add_axes((0.0, 0.0, 1.0, scale * (top - bottom) / figure.get_figheight()))
+    for number, row in enumerate(rows):
         for column, part in enumerate(row):
-            _draw(axes, part, np.array([column * pitch_x, -line * pitch_y]), size[1], font)
-    axes.set_xlim(-0.55 * pitch_x, (columns - 0.45) * pitch_x)
-    axes.set_ylim(-(len(rows) - 0.38) * pitch_y, 0.58 * pitch_y)
-    axes.set_aspect("equal")
+            at = np.array([column * pitch[0], -number * pitch[1]])
+            _draw(axes, part, at)
+            axes.annotate(
+                part.label, at - (0.0, 0.52 * size[1] + 0.5 * line),
+                ha="center", va="top", fontsize=LABEL,
+            )  # fmt: skip
+    axes.set_xlim(low, high)
+    axes.set_ylim(bottom, top)
     axes.set_axis_off()
-    axes.set_title(title, fontsize=11)
+    _rule(axes, parts[0], np.array([low + 1.5 * line, bottom + 2.0 * line]))
+    figure.suptitle(title, fontsize=LABEL + 2.0)
     return figure
 
 
-def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None:
+def _rows(parts: Sequence[Part], aspect: float) -> list[list[Part]]:
+    """Parts in rows, a new one for another kind of legs; `aspect`: of a part's room, high/wide."""
+    most = COLUMNS if len(parts) <= FEW else 2 * COLUMNS
+    most = max(most, math.ceil(math.sqrt(len(parts) * aspect / TALLEST)))
+    kinds = [list(group) for _, group in groupby(parts, key=lambda part: part.design.kind)]
+    return [kind[i : i + most] for kind in kinds for i in range(0, len(kind), most)]
+
+
+def _rule(axes: Axes, part: Part, at: Array) -> None:
+    """Draw a scale bar from `at` along the bodies, as they are seen, with its length."""
+    longest = RULER * part.design.size.length
+    power = 10.0 ** math.floor(math.log10(longest))
+    length = next(step * power for step in (5.0, 2.0, 1.0) if step * power <= longest)
+    end = at + length * part.view[:2, 0]
+    axes.plot(*np.array([at, end]).T, "|-", color="black", linewidth=1.2, markersize=7)
+    axes.annotate(
+        f"{length:g} mm along the body", (end[0], end[1]), xytext=(8, 0),
+        textcoords="offset points", va="center", fontsize=LABEL,
+    )  # fmt: skip
+
+
+def _draw(axes: Axes, part: Part, at: Array) -> None:
     """Draw a part by the painter's algorithm without back faces: exact enough for a prism.
 
     Of a body in plan view legs come first, below it, and its upper side last: nothing hides that.
@@ -104,4 +139,3 @@ def _draw(axes: Axes, part: Part, at: Array, height: float, font: float) -> None
         facecolors=colours, edgecolors=colours, linewidths=0.3,
     )  # fmt: skip
     axes.add_collection(faces)
-    axes.annotate(part.label, (at[0], at[1] - 0.62 * height), ha="center", va="top", fontsize=font)

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.fits import Speeds
 from walkergen.analysis.speeds import Measured
-from walkergen.files.figures import STYLES, axes_of
+from walkergen.files.figures import STYLES, axes_of, style
 from walkergen.walker.limbs import Kind
 
 if TYPE_CHECKING:
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 Array = npt.NDArray[np.float64]
 
 
+@style()
 def fit_figure(
     tilt: Array,
     legs: Sequence[str],
@@ -48,10 +49,11 @@ def fit_figure(
         )  # fmt: skip
     axes.set_xlabel("tilt of the legs (deg)")
     axes.set_ylabel("speed (mm/s)" if same else "speed / plate speed")
-    axes.legend(frameon=False)
+    axes.legend()
     return figure
 
 
+@style()
 def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     """Draw speeds against tilt on the plate that is predicted: measured, and bands of one more.
 
@@ -83,5 +85,5 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
     )  # fmt: skip
     axes.set_xlabel("tilt of the legs (deg)")
     axes.set_ylabel(f"speed (mm/s) on a plate of {plate:.1f} mm/s")
-    axes.legend(frameon=False)
+    axes.legend()
     return figure

@@ -1,6 +1,7 @@
 """Slow motion: a walker bouncing on the plate, to scale, its feet magnified, impacts flashed."""
 
 import math
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -37,6 +38,12 @@ LONGEST_STILL = 1.5
 
 ZOOMS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 
+BENDS = (1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
+"""Magnifications of the legs' bending in the main view."""
+
+MOST_BENT = math.radians(13.5)
+"""Largest angle by which a leg is drawn bent, rad."""
+
 AFTERGLOW_S = 0.45
 """Time in which a flash fades, s, as the spectator sees it."""
 
@@ -67,8 +74,8 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
     canvas.line(12, 579, settings)
     readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
     at_feet, relaxed = feet(footage), feet(footage, relaxed=True)
-    cameras = _cameras(footage)
-    main, scale = _main(canvas, footage, cameras)
+    cameras, bend = _cameras(footage), _bend(footage)
+    main, scale = _main(canvas, footage, cameras, bend)
     zoom = _zoom(footage, scale)
     insets = [_inset(canvas, footage, side, scale, zoom) for side in (BACK, FRONT)]
     courses = [Course(*FEET[side], at_feet[:, side, 1]) for side in (BACK, FRONT)]
@@ -83,7 +90,8 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
         at = min(frame * every, len(footage.times) - 1)
         limbs, body = polygons(footage, at)
         shown = [strongest(footage, footage.times[at], afterglow, side) for side in (BACK, FRONT)]
-        _set(main, limbs, body, footage.plate[at], cameras[at], at_feet[at])
+        bent, straight = polygons(footage, at, bend)[0], limbs if bend > 1 else []
+        _set(main, bent, body, footage.plate[at], cameras[at], at_feet[at], straight)
         for side in (BACK, FRONT):
             _flash(main, side, shown[side], at_feet[at, side], cameras[at], largest)
             view, camera, foot = insets[side], relaxed[at, side, 0], at_feet[at, side]
@@ -111,6 +119,14 @@ def _cameras(footage: Footage) -> Array:
     return distances if long else np.zeros_like(distances)
 
 
+def _bend(footage: Footage) -> int:
+    """Largest round magnification of the legs' bending that still looks like the walker."""
+    largest = float(np.abs(footage.angles).max(initial=0.0))
+    if largest == 0.0:
+        return 1
+    return next((bend for bend in BENDS if bend * largest <= MOST_BENT), BENDS[-1])
+
+
 def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
     """Left, right and top of the area that the walker covers in the main view, mm."""
     every = max(1, len(footage.times) // 500)
@@ -122,7 +138,7 @@ def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
     return float(points[:, 0].min()), float(points[:, 0].max()), float(points[:, 1].max())
 
 
-def _main(canvas: Canvas, footage: Footage, cameras: Array) -> tuple[View, float]:
+def _main(canvas: Canvas, footage: Footage, cameras: Array, bend: int) -> tuple[View, float]:
     """Main view, with room for arrows in the plate, and its scale, pixels per mm."""
     left, right, top = _extent(footage, cameras)
     scale = min(MAIN[2] / (1.06 * (right - left)), MAIN[3] / (1.45 * top))
@@ -130,7 +146,9 @@ def _main(canvas: Canvas, footage: Footage, cameras: Array) -> tuple[View, float
     to_scale(axes, (0.5 * (left + right), 1.04 * top - 0.5 * height), scale)
     axes.set_axis_off()
     spacing = _nice(12.0 / scale)
-    canvas.text(788, 530, f"to scale; marks {spacing:g} mm", fontsize=SMALL, ha="right")
+    told = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
+    words = f"{told}all else to scale" if told else "to scale"
+    canvas.text(788, 530, f"{words}; marks {spacing:g} mm", fontsize=SMALL, ha="right")
     return _view(canvas, axes, spacing, -0.85 * axes.get_ylim()[0], feet_shown=2), scale
 
 
@@ -196,12 +214,21 @@ def _view(canvas: Canvas, axes: Axes, spacing: float, longest: float, feet_shown
 
 
 def _set(
-    view: View, limbs: list[Array], body: Array, height: float, camera: float, points: Array
+    view: View,
+    limbs: list[Array],
+    body: Array,
+    height: float,
+    camera: float,
+    points: Array,
+    outlined: Sequence[Array] = (),
 ) -> None:
     """Show limbs and body, and the plate at a height, seen from `camera` (mm along the plate)."""
-    offset = np.array([camera, 0.0])
-    view.shapes.set_verts([shape - offset for shape in (*limbs, body)])
-    view.shapes.set(facecolor=[LIMB] * len(limbs) + [BODY], edgecolor=[LIMB] * len(limbs) + [INK])
+    offset, hollow = np.array([camera, 0.0]), len(outlined)
+    view.shapes.set_verts([shape - offset for shape in (*limbs, *outlined, body)])
+    view.shapes.set(
+        facecolor=[LIMB] * len(limbs) + ["none"] * hollow + [BODY],
+        edgecolor=[LIMB] * len(limbs) + [INK] * (hollow + 1),
+    )
     view.plate.set_height(height - view.plate.get_y())
     left, right = view.axes.get_xlim()
     first = math.ceil((left + camera) / view.spacing)

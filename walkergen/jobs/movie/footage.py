@@ -92,13 +92,16 @@ def pace(slow: float) -> str:
     return f"{slow:.3g} times slower" if slow > 1.0 else f"{1.0 / slow:.3g} times faster"
 
 
-def polygons(footage: Footage, at: int) -> tuple[list[Polygon], Polygon]:
-    """Polygons of limbs (back, then front, with their parts) and body at pose `at`, mm."""
+def polygons(footage: Footage, at: int, bend: float = 1.0) -> tuple[list[Polygon], Polygon]:
+    """Polygons of limbs (back, then front, with their parts) and body at pose `at`, mm.
+
+    Legs bend `bend` times as much as they did.
+    """
     shape, place, pitch = footage.shape, footage.places[at], footage.pitch[at]
     limbs = []
     for side in (BACK, FRONT):
         hinge = place + _turned(shape.anchors[side], pitch)
-        turn = pitch + footage.angles[at, side]
+        turn = pitch + bend * footage.angles[at, side]
         limbs += [hinge + _turned(part, turn) for part in shape.limbs[side]]
     return limbs, place + _turned(shape.body, pitch)
 

@@ -37,6 +37,9 @@ ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
 LIFT = 0.35
 """Largest gap as the magnified view shows it, over the distance of the feet."""
 
+BEND = 0.3
+"""Largest bending of a leg as the magnified view shows it, over the largest gap."""
+
 MOST_LABELS = 8
 """Largest number of corners whose heights are written beside them."""
 
@@ -71,6 +74,8 @@ class Close(NamedTuple):
 
     view: View
     zoom: int
+    bend: int
+    """Magnification of what legs give way by: unbent, their feet were so far below the plate."""
     edges: list[Line2D]
     drops: LineCollection
     labels: list[Text]
@@ -205,12 +210,15 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     largest = max(float(shot.poses.gaps.max()), 1e-6)
     room = LIFT * (right - left)
     zoom = next((zoom for zoom in ZOOMS if zoom * largest <= room), ZOOMS[-1])
+    pressed = max(-float(shot.poses.gaps.min()), 0.0)
+    bend = next((bend for bend in ZOOMS if bend * pressed <= BEND * room), ZOOMS[-1])
     margin = 0.12 * (right - left)
     x, z = (left - margin, right + margin), (near - margin, far + margin)
-    rim = np.array([(a, b, c) for a in x for c in z for b in (0.0, zoom * largest)])
+    rim = np.array([(a, b, c) for a in x for c in z for b in (-bend * pressed, zoom * largest)])
     names = shot.poses.names
     view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
-    words = f"feet, heights over the plate × {zoom}; numbers: µm"
+    bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
+    words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
     canvas.text(CLOSE[0], CLOSE[1] + CLOSE[3] + 4, words, fontsize=SMALL)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
@@ -226,7 +234,7 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     canvas.move(view.ground, view.lines, drops, *edges)
     _on_top(canvas, view)
     canvas.move(*labels)
-    return Close(view, zoom, edges, drops, labels)
+    return Close(view, zoom, bend, edges, drops, labels)
 
 
 def _courses(shot: Shot) -> list[Course]:
@@ -303,10 +311,11 @@ def _set_close(
     corners: Array,
     glows: list[tuple[Impact, float] | None],
 ) -> None:
-    """Show the feet at their magnified heights over the plate."""
+    """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
     gaps = shot.poses.gaps[at]
     below = corners * (1.0, 0.0, 1.0)
-    raised = below + np.outer(np.maximum(close.zoom * gaps, 0.0), (0.0, 1.0, 0.0))
+    shown = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
+    raised = below + np.outer(shown, (0.0, 1.0, 0.0))
     _set(close.view, shot, at, centre, raised, glows)
     project = close.view.camera.project
     tips, feet = project(raised)[:, :2], project(below)[:, :2]
@@ -315,6 +324,14 @@ def _set_close(
     close.drops.set_segments([*np.stack([feet, tips], axis=1), *feet.reshape(-1, 2, 2)])
     for k, label in enumerate(close.labels):
         # Numbers keep away from the foot: above the left corner, under the plate's right one
-        x, y = tips[k] + (0.0, 7.0) if k % 2 == 0 else feet[k] - (0.0, 7.0)
+        outer = max(tips[k][1], feet[k][1]) + 7.0, min(tips[k][1], feet[k][1]) - 7.0
+        x, y = tips[k][0], outer[k % 2]
         label.set_position((x, y))
-        label.set_text(f"{1e3 * gaps[k]:.0f}")
+        label.set_text(_micrometres(gaps[k]))
+
+
+def _micrometres(length: float) -> str:
+    """Length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
+    micrometres = round(1e3 * length, 1 if length < 0.0 else 0) + 0.0
+    text = f"{micrometres:.1f}" if micrometres < 0.0 else f"{micrometres:.0f}"
+    return text.replace("-", "\N{MINUS SIGN}")

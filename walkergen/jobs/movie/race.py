@@ -17,6 +17,12 @@ WIDTH, HEAD, LANE, FOOT = 900, 64, 66, 40
 
 MARGIN = 12
 
+BESIDE = 172
+"""Width of the column of words to the left of the lanes, pixels."""
+
+LONG = WIDTH - BESIDE - MARGIN
+"""Length of a lane, pixels."""
+
 
 class Lane(NamedTuple):
     """Lane of one walker."""
@@ -57,23 +63,24 @@ def _window(runs: Sequence[Footage]) -> tuple[float, float]:
     left = min(float(run.places[:, 0].min() + run.shape.body[:, 0].min()) for run in runs)
     right = max(float(run.places[:, 0].max() + run.shape.body[:, 0].max()) for run in runs)
     top = max(float(run.places[:, 1].max() + run.shape.body[:, 1].max()) for run in runs)
-    scale = min((WIDTH - 2 * MARGIN) / (1.02 * (right - left)), 0.6 * LANE / top)
+    scale = min(LONG / (1.02 * (right - left)), 0.75 * LANE / top)
     return left - 0.01 * (right - left), scale
 
 
 def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: float) -> Lane:
-    axes = canvas.axes(MARGIN, bottom, WIDTH - 2 * MARGIN, LANE)
-    middle = left + 0.5 * (WIDTH - 2 * MARGIN) / scale
+    axes = canvas.axes(BESIDE, bottom, LONG, LANE)
+    middle = left + 0.5 * LONG / scale
     to_scale(axes, (middle, (0.5 * LANE - 10) / scale), scale)
     axes.set_axis_off()
     (low, high), floor = axes.get_xlim(), axes.get_ylim()[0]
     axes.add_patch(Rectangle((low, 0.4 * floor), high - low, -0.4 * floor, color=PLATE))
-    axes.axvline(0.0, ymin=10 / LANE, ymax=0.6, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
+    axes.axvline(0.0, ymin=10 / LANE, ymax=0.9, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
     _, tilt, kind = footage.name.rsplit(", ", 2)
-    canvas.text(MARGIN, bottom + LANE - 13, f"{tilt} {kind}", weight="bold")
+    canvas.text(MARGIN, bottom + LANE - 15, f"{tilt} {kind}", weight="bold")
     readout = canvas.text(
-        WIDTH - MARGIN, bottom + LANE - 13, "", family="DejaVu Sans Mono", ha="right"
-    )
+        MARGIN, bottom + LANE - 20, "", family="DejaVu Sans Mono", fontsize=SMALL, va="top",
+        linespacing=1.3,
+    )  # fmt: skip
     shapes = PolyCollection([], linewidths=0.4)
     axes.add_collection(shapes, autolim=False)
     canvas.move(shapes, readout)
@@ -87,16 +94,16 @@ def _set(lane: Lane, at: int) -> None:
     time, distance = lane.footage.times[at], lane.footage.places[at, 0]
     words = f"{distance:7.1f} mm"
     if time > 0:
-        words += f"  {distance / time:6.1f} mm/s so far"
+        words += f"\n{distance / time:7.1f} mm/s so far"
     if at == len(lane.footage.times) - 1 and lane.footage.ended:
-        words = f"{lane.footage.ended} at {time:.2f} s  {words}"
+        words += f"\n{lane.footage.ended} at {time:.2f} s"
     lane.readout.set_text(words)
 
 
 def _ruler(canvas: Canvas, left: float, scale: float) -> None:
     """Draw a ruler of the distance run by the middle of the body along the bottom."""
-    axes = canvas.axes(MARGIN, FOOT - 4, WIDTH - 2 * MARGIN, 1)
-    axes.set_xlim(left, left + (WIDTH - 2 * MARGIN) / scale)
+    axes = canvas.axes(BESIDE, FOOT - 4, LONG, 1)
+    axes.set_xlim(left, left + LONG / scale)
     axes.set_yticks([])
     axes.spines[["left", "right", "top"]].set_visible(False)
     axes.tick_params(labelsize=SMALL, length=4, pad=2)

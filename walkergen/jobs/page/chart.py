@@ -1,6 +1,8 @@
-"""Chart of speeds against tilt for the page: places of its marks, bars, axes and labels.
+"""Chart of speeds against tilt for the page: places of its marks, bands, bars, axes and labels.
 
-Only numbers here; the page's template draws them. Coordinates are SVG user units, y downwards.
+Members come from family.csv, all else from speed.csv, which holds what speed.png shows: both
+pictures have one source. Only numbers here; the page's template draws them. Coordinates are SVG
+user units, y downwards.
 """
 
 import math
@@ -8,9 +10,10 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.jobs.page.members import Member
+from walkergen.jobs.page.theory import Speed
 
-WIDTH, HEIGHT = 600.0, 380.0
-LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 14.0, 50.0
+WIDTH, HEIGHT = 600.0, 400.0
+LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 30.0, 50.0
 MARGIN = 0.04
 """Share of the range of the data that is left free on every side."""
 
@@ -30,11 +33,33 @@ class Point(NamedTuple):
 
 
 class Line(NamedTuple):
-    """Straight lines from member to member of one kind of legs: a guide to the eye."""
+    """Lines of one kind of legs: the theory, or straight ones that only join the members."""
 
     legs: str
-    simulated: bool
+    joins: bool
+    """True for a guide to the eye, where there is no theory between the members."""
     points: str
+
+
+class Band(NamedTuple):
+    """Area between the theory's bounds of one kind of legs."""
+
+    legs: str
+    share: int
+    """Share of walkers that run at speeds in between, %."""
+    points: str
+
+
+class Mark(NamedTuple):
+    """Speed that was measured, or that the paper states, with its bar of 95 %."""
+
+    what: str
+    legs: str
+    x: float
+    y: float
+    low: float | None
+    high: float | None
+    label: str
 
 
 class Tick(NamedTuple):
@@ -45,12 +70,37 @@ class Tick(NamedTuple):
 
 
 class Chart(NamedTuple):
-    """Points, lines and ticks of the chart."""
+    """Points, lines, bands, marks and ticks of the chart."""
 
     points: list[Point]
     lines: list[Line]
+    bands: list[Band]
+    marks: list[Mark]
+    sticking: tuple[float, float] | None
+    """Ends, along x, of the tilts at which a flexible foot can stick."""
     x_ticks: list[Tick]
     y_ticks: list[Tick]
+
+
+class _Frame(NamedTuple):
+    """Ranges of both axes."""
+
+    tilts: tuple[float, float]
+    values: tuple[float, float]
+
+    def x(self, tilt: float) -> float:
+        """Place of a tilt, deg."""
+        share = (tilt - self.tilts[0]) / (self.tilts[1] - self.tilts[0])
+        return round(LEFT + share * (WIDTH - LEFT - RIGHT), 2)
+
+    def y(self, speed: float) -> float:
+        """Place of a speed, mm/s."""
+        share = (speed - self.values[0]) / (self.values[1] - self.values[0])
+        return round(HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM), 2)
+
+    def path(self, points: Sequence[tuple[float, float]]) -> str:
+        """Points (tilt, speed) as SVG writes them."""
+        return " ".join(f"{self.x(tilt):g},{self.y(speed):g}" for tilt, speed in points)
 
 
 class _Speed(NamedTuple):
@@ -63,18 +113,28 @@ class _Speed(NamedTuple):
     high: float | None
 
 
-def speeds(members: Sequence[Member]) -> Chart:
-    """Make the chart of predicted speeds and, where the table has any, simulated speeds."""
+def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
+    """Make the chart of predicted speeds, simulated ones if any, and of what stands beside them."""
     found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
-    tilts = _padded([speed.tilt for speed in found])
     ends = [end for speed in found for end in speed[-3:] if end is not None]
-    values = _padded([*ends, 0.0])
-    points = [_point(speed, tilts, values) for speed in found]
+    ends += [end for one in beside for end in (one.speed_mm_s, *(one.bounds or ()))]
+    frame = _Frame(
+        _padded([*(speed.tilt for speed in found), *(one.tilt_deg for one in beside)]),
+        _padded([*ends, 0.0]),
+    )
+    theory = sorted((one for one in beside if one.what == "theory"), key=_tilt)
+    curves = {
+        legs: [one for one in theory if one.legs == legs]
+        for legs in dict.fromkeys([*(one.legs for one in found), *(one.legs for one in theory)])
+    }
     return Chart(
-        points,
-        _lines(points),
-        [Tick(_x(value, tilts), _text(value)) for value in ticks(*tilts)],
-        [Tick(_y(value, values), _text(value)) for value in ticks(*values)],
+        [_point(speed, frame) for speed in found],
+        [_line(legs, curve, found, frame) for legs, curve in curves.items()],
+        [band for legs, curve in curves.items() for band in _bands(legs, curve, frame)],
+        [_mark(one, frame) for one in beside if one.what != "theory"],
+        _sticking(theory, frame),
+        [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
+        [Tick(frame.y(value), _text(value)) for value in ticks(*frame.values)],
     )
 
 
@@ -98,7 +158,11 @@ def _of(number: int, member: Member) -> list[_Speed]:
     return found
 
 
-def _point(speed: _Speed, tilts: tuple[float, float], values: tuple[float, float]) -> Point:
+def _tilt(one: Speed) -> float:
+    return one.tilt_deg
+
+
+def _point(speed: _Speed, frame: _Frame) -> Point:
     source, share = ("simulated", "95 %") if speed.simulated else ("predicted", "68 %")
     told = "mm/s, error unknown"
     if speed.low is not None and speed.high is not None:
@@ -107,21 +171,58 @@ def _point(speed: _Speed, tilts: tuple[float, float], values: tuple[float, float
         member=speed.member,
         legs=speed.legs,
         simulated=speed.simulated,
-        x=_x(speed.tilt, tilts),
-        y=_y(speed.value, values),
-        low=None if speed.low is None else _y(speed.low, values),
-        high=None if speed.high is None else _y(speed.high, values),
+        x=frame.x(speed.tilt),
+        y=frame.y(speed.value),
+        low=None if speed.low is None else frame.y(speed.low),
+        high=None if speed.high is None else frame.y(speed.high),
         label=f"{speed.legs} legs, {speed.tilt:g}°: "
         f"{source} {round(speed.value, 1) + 0.0:.1f} {told}".replace("-", "−"),
     )
 
 
-def _lines(points: Sequence[Point]) -> list[Line]:
-    lines = []
-    for legs, simulated in dict.fromkeys((point.legs, point.simulated) for point in points):
-        chosen = sorted((p.x, p.y) for p in points if (p.legs, p.simulated) == (legs, simulated))
-        lines.append(Line(legs, simulated, " ".join(f"{x:g},{y:g}" for x, y in chosen)))
-    return lines
+def _line(legs: str, curve: Sequence[Speed], found: Sequence[_Speed], frame: _Frame) -> Line:
+    """Theory of a kind of legs; without one, straight lines from member to member."""
+    points = [(one.tilt_deg, one.speed_mm_s) for one in curve] or sorted(
+        (one.tilt, one.value) for one in found if one.legs == legs and not one.simulated
+    )
+    return Line(legs, not curve, frame.path(points))
+
+
+def _bands(legs: str, curve: Sequence[Speed], frame: _Frame) -> list[Band]:
+    """Bounds of 95 and 68 % around a kind's theory, where they are known."""
+    known = [(one.tilt_deg, one.bounds) for one in curve if one.bounds is not None]
+    if not known:
+        return []
+    return [
+        Band(legs, share, frame.path(
+            [(tilt, bounds[low]) for tilt, bounds in known]
+            + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(known)]
+        ))
+        for share, low in ((95, 2), (68, 0))
+    ]  # fmt: skip
+
+
+def _mark(one: Speed, frame: _Frame) -> Mark:
+    told = f"{round(one.speed_mm_s, 1) + 0.0:.1f} mm/s"
+    low = high = None
+    if one.bounds is not None:
+        _, _, low, high = one.bounds
+        told += f" (95 %: {low:.1f} to {high:.1f})"
+    source = "measured" if one.what == "measured" else "stated by the paper"
+    return Mark(
+        what=one.what,
+        legs=one.legs,
+        x=frame.x(one.tilt_deg),
+        y=frame.y(one.speed_mm_s),
+        low=None if low is None else frame.y(low),
+        high=None if high is None else frame.y(high),
+        label=f"{one.legs} legs, {one.tilt_deg:g}°: {source} {told}".replace("-", "−"),
+    )
+
+
+def _sticking(theory: Sequence[Speed], frame: _Frame) -> tuple[float, float] | None:
+    tilts = [one.tilt_deg for one in theory if one.sticks and one.legs == "flexible"]
+    return (frame.x(min(tilts)), frame.x(max(tilts))) if tilts else None
 
 
 def _padded(values: Sequence[float]) -> tuple[float, float]:
@@ -131,16 +232,6 @@ def _padded(values: Sequence[float]) -> tuple[float, float]:
         low, high = low - 0.5, high + 0.5
     margin = MARGIN * (high - low)
     return low - margin, high + margin
-
-
-def _x(tilt: float, tilts: tuple[float, float]) -> float:
-    share = (tilt - tilts[0]) / (tilts[1] - tilts[0])
-    return round(LEFT + share * (WIDTH - LEFT - RIGHT), 2)
-
-
-def _y(speed: float, values: tuple[float, float]) -> float:
-    share = (speed - values[0]) / (values[1] - values[0])
-    return round(HEIGHT - BOTTOM - share * (HEIGHT - TOP - BOTTOM), 2)
 
 
 def _text(value: float) -> str:

@@ -9,7 +9,7 @@ import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from typing import Any, NamedTuple
 
 import jinja2
@@ -17,11 +17,17 @@ import markupsafe
 from markdown_it import MarkdownIt
 
 from walkergen.files.columns import number
-from walkergen.jobs.page import chart, members, references
+from walkergen.jobs.page import chart, members, references, theory
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.members import Member
 
-TABLE_PAGE, SPEED, PREVIEW = "family.md", "speed.png", "preview.png"
+TABLE_PAGE, PREVIEW = "family.md", "preview.png"
+
+DOWNLOADS = {
+    ".3mf": "model/3mf", ".csv": "text/csv", ".ini": "text/plain", ".json": "application/json",
+    ".pdf": "application/pdf", ".stl": "model/stl",
+}  # fmt: skip
+"""Types of files that the page hands out, by their ends; it holds them whole."""
 
 HEADINGS = {
     "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
@@ -67,6 +73,17 @@ class Table(NamedTuple):
     """Notes on rows; note k is marked [k]."""
 
 
+class Download(NamedTuple):
+    """File that the page hands out."""
+
+    path: str
+    """Name of the file in its folder."""
+    name: str
+    """Name under which it is saved."""
+    url: str
+    size: str
+
+
 def render(contents: Contents, version: str, run: Mapping[str, Any] | None = None) -> bytes:
     """Page as UTF-8, with a run to be played (see `play`), if any; equal input gives equal bytes.
 
@@ -82,10 +99,16 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "members": made,
         "parts": [_part(member) for member in made],
         "table": table(made),
-        "chart": chart.speeds(made),
+        "chart": chart.speeds(made, theory.of(contents)),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
         "caption": caption(contents),
-        "pictures": {name: _picture(contents, name) for name in (SPEED, PREVIEW)},
+        "preview": _picture(contents, PREVIEW),
+        "downloads": [_download(contents, name) for name in contents.files if _offered(name)],
+        "stl": {
+            member.name: _download(contents, f"stl/{member.name}.stl")
+            for member in made
+            if member.corners is not None
+        },
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
         "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
         "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
@@ -188,10 +211,22 @@ def _minus(text: str) -> str:
 
 
 def _part(member: Member) -> dict[str, Any]:
-    """Data of a member for the viewer; corners are float32, little-endian, exactly the STL's."""
-    mesh = member.corners
-    data = None if mesh is None else base64.b64encode(mesh.astype("<f4").tobytes()).decode()
-    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "corners": data}
+    """Data of a member for the viewer, which takes its mesh from the download of its STL file."""
+    seen = member.corners is not None
+    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen}
+
+
+def _offered(name: str) -> bool:
+    """True for a file that is handed out beside the parts' meshes."""
+    path = PurePosixPath(name)
+    return path.suffix in DOWNLOADS and path.parts[0] != "stl"
+
+
+def _download(contents: Contents, name: str) -> Download:
+    """File of the folder, whole, as a link that needs nothing but the page."""
+    kind, data = DOWNLOADS[PurePosixPath(name).suffix], contents.files[name]
+    url = f"data:{kind};base64,{base64.b64encode(data).decode()}"
+    return Download(name, PurePosixPath(name).name, url, f"{len(data) / 1e3:,.1f} kB")
 
 
 def _plates(contents: Contents, suffix: str) -> list[str]:

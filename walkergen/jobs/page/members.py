@@ -7,6 +7,7 @@ from walkergen.files import stl
 from walkergen.files.columns import number
 from walkergen.files.stl import Corners
 from walkergen.jobs.page.contents import Contents
+from walkergen.jobs.page.theory import LARGEST
 
 TABLE = "family.csv"
 NUMBERS = ("tilt_deg", "speed_mm_s")
@@ -69,12 +70,16 @@ def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
             f"{MOST_ROWS}, a row each"
         )
     for line, row in rows:
-        for column in NUMBERS:
-            if number(row.get(column, "")) is None:
+        for column, text in row.items():
+            value = number(text)
+            if (column in NUMBERS and value is None) or (
+                value is not None and abs(value) > LARGEST
+            ):
                 raise InputError(
-                    f"{TABLE}:{line}: {column}: must be a number, not {row.get(column, '')!r}"
+                    f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not "
+                    f"{text[:40]!r}"
                 )
-        for column in TEXTS:
+        for column in (*TEXTS, *NUMBERS):
             if not row.get(column):
                 raise InputError(f"{TABLE}:{line}: {column}: missing")
     return [row for _, row in rows]

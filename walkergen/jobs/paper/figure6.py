@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.analysis.motion import Curve
+from walkergen.files.figures import SMALLEST
 from walkergen.jobs.paper.compare import LOW, Findings
 from walkergen.jobs.paper.plane import HALFWAY, SHORTEST, TILTS, Runs
 from walkergen.published import FACTS
@@ -39,11 +40,10 @@ def draw(figure: Figure, found: Findings) -> None:
     for axes, name in ((along, "parallel"), (across, "orthogonal")):
         _densities(axes, shown, name)
     for axes, letter in zip((squares, fast, along), "abc", strict=True):
-        axes.set_title(f"({letter})", loc="left", fontsize=9)
-    figure.suptitle(f"Motion on a plane, {low.label}", fontsize=10)
+        axes.set_title(f"({letter})", loc="left")
+    figure.suptitle(f"Motion on a plane, {low.label}")
     figure.legend(
-        *squares.get_legend_handles_labels(), loc="outside lower center", ncols=5, frameon=False,
-        fontsize=8,
+        *squares.get_legend_handles_labels(), loc="outside lower center", ncols=5,
     )  # fmt: skip
 
 
@@ -93,7 +93,7 @@ def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
     )  # fmt: skip
     axes.annotate(
         "the paper's crossover, 35 deg", (fact.value, HALFWAY), (0, 8),
-        textcoords="offset points", ha="center", fontsize=8,
+        textcoords="offset points", ha="center", fontsize=SMALLEST,
     )  # fmt: skip
     axes.set_xscale("log")
     axes.set_ylim(0.8, 2.1)

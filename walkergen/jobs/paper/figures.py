@@ -3,11 +3,11 @@
 from collections.abc import Callable, Sequence
 from typing import Any
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
+from walkergen.files.figures import PAGE, SMALLEST, style, wrapped
 from walkergen.jobs.paper import figure6 as motion
 from walkergen.jobs.paper.compare import FITTED, Findings, Theory
 from walkergen.jobs.paper.curves import lively, series_of, through_zero
@@ -27,18 +27,19 @@ THEORY = {"coulomb": ("#0072B2", "-"), "paper": ("#56B4E9", "--")}
 # From dark to light in the order of TYPES; hatches where greys come close.
 FILLS = (("#0072B2", ""), ("#56B4E9", ""), ("#E69F00", "//"), ("#F0E442", ".."), ("#FFFFFF", ""),
          ("#FFFFFF", "xx"))  # fmt: skip
-STAR: Any = {"marker": "*", "color": "black", "markersize": 10, "linestyle": "none"}
+STAR: Any = {"marker": "*", "color": "black", "markersize": 9, "linestyle": "none"}
 LABELS = {"from rest": "from rest", "mirrored": "backward before, then stops"}
-SETTINGS: Any = {"font.size": 9, "axes.spines.top": False, "axes.spines.right": False,
-            "hatch.linewidth": 0.6}  # fmt: skip
+PANEL_INCHES = 2.0
+"""Width of a panel of three side by side."""
 ROOM = 1.15
 """Upper end of the axes over the largest simulated speed; the theory may exceed it."""
 
 
 def figure2(found: Findings) -> Figure:
     """Draw speed against tilt: a panel for each set of contact numbers."""
-    with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+    with style():
+        figure = Figure(figsize=(PAGE, 3.9), layout="constrained")
+        figure.suptitle("Speed against tilt, as in the paper's figure 2")
         panels = figure.subplots(1, len(found.assumptions), sharey=True)
         for axes, one in zip(panels, found.assumptions, strict=True):
             for theory in found.theories:
@@ -47,7 +48,7 @@ def figure2(found: Findings) -> Figure:
             _draw_points(axes, [p for p in found.tilts if p.assumption == one.name], "tilt_deg")
             _mark_facts(axes)
             axes.set_xlabel("tilt of the legs (deg)")
-            axes.set_title(one.label, fontsize=9)
+            axes.set_title(wrapped(one.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
         panels[0].set_ylim(-0.08 * _highest(found.tilts), _highest(found.tilts))
         panels[0].set_ylabel("mean speed (mm/s)")
         _legend(figure, panels[0])
@@ -61,9 +62,7 @@ def _highest(points: Sequence[Point]) -> float:
 
 def _legend(figure: Figure, axes: Axes, columns: int = 3) -> None:
     handles, labels = axes.get_legend_handles_labels()
-    figure.legend(
-        handles, labels, loc="outside lower center", ncols=columns, frameon=False, fontsize=8
-    )
+    figure.legend(handles, labels, loc="outside lower center", ncols=columns)
 
 
 def _draw_theory(axes: Axes, theory: Theory) -> None:
@@ -73,15 +72,17 @@ def _draw_theory(axes: Axes, theory: Theory) -> None:
     axes.fill_between(tilt, speed - sd, speed + sd, color=colour, alpha=0.18, linewidth=0)
 
 
-def _draw_points(axes: Axes, points: Sequence[Point], along: str) -> None:
+def _draw_points(axes: Axes, points: Sequence[Point], along: str, joined: bool = True) -> None:
+    """Draw simulated speeds with bars of two standard errors, joined along the axis or alone."""
     for series in series_of(points):
         colour, line, marker, label = MODELS[series[0].model]
         known = [(getattr(point, along), *point.speed) for point in series if point.speed]
         if known:
             x, speeds, errors = (np.array(column) for column in zip(*known, strict=True))
             axes.errorbar(
-                x, speeds, 2.0 * errors, fmt=marker, linestyle=line, color=colour,
-                markerfacecolor="white", markersize=5, linewidth=0.9, capsize=2, label=label,
+                x, speeds, 2.0 * errors, fmt=marker, linestyle=line if joined else "none",
+                color=colour, markerfacecolor="white", linewidth=0.8, capsize=2, label=label,
+                zorder=3,
             )  # fmt: skip
 
 
@@ -107,19 +108,19 @@ def figure3(found: Findings) -> Figure:
     """
     fitted = next(one for one in found.assumptions if one.name == FITTED)
     models = ("relaxed", "compliant", "space")
-    with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(10.0, 7.4), layout="constrained")
+    with style():
+        figure = Figure(figsize=(PAGE, 6.4), layout="constrained")
         grid = figure.subplots(len(models), len(COUNTINGS), sharex=True, sharey=True)
         for row, model in zip(grid, models, strict=True):
             series = [p for p in found.tilts if (p.assumption, p.model) == (fitted.name, model)]
             for axes, counting in zip(row, COUNTINGS, strict=True):
                 _stack(axes, [point for point in series if point.shares], counting)
-                axes.set_title(f"{MODELS[model][3].removeprefix('simulated, ')}: {counting}",
-                               fontsize=9)  # fmt: skip
+                name = f"{MODELS[model][3].removeprefix('simulated, ')}: {counting}"
+                axes.set_title(wrapped(name, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
             row[0].set_ylabel("share (%)")
         for axes in grid[-1]:
             axes.set_xlabel("tilt of the legs (deg)")
-        figure.suptitle(f"Types of impacts, {fitted.label}", fontsize=10)
+        figure.suptitle(f"Types of impacts, {fitted.label}")
         _legend(figure, grid[0, 0], columns=4)
     return figure
 
@@ -137,13 +138,14 @@ def _stack(axes: Axes, series: Sequence[Point], counting: str) -> None:
     axes.axhline(bound, color="black", linestyle="--", linewidth=1.2,
                  label=f"the paper: types II and III make more than {bound:g} %")  # fmt: skip
     axes.set_ylim(0.0, 100.0)
-    axes.set_xticks(places, [f"{point.tilt_deg:g}" for point in series], fontsize=7.5)
+    axes.set_xticks(places, [f"{point.tilt_deg:g}" for point in series], fontsize=SMALLEST)
 
 
 def figure5(found: Findings) -> Figure:
-    """Draw speed against the plate's speed, with lines through zero."""
-    with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(10.0, 4.4), layout="constrained")
+    """Draw speed against the plate's speed: points with errors, thin lines through zero."""
+    with style():
+        figure = Figure(figsize=(PAGE, 3.9), layout="constrained")
+        figure.suptitle("Speed against the plate's speed, as in the paper's figure 5")
         panels = figure.subplots(1, len(found.assumptions), sharey=True)
         for axes, one in zip(panels, found.assumptions, strict=True):
             points = [point for point in found.drives if point.assumption == one.name]
@@ -151,11 +153,11 @@ def figure5(found: Findings) -> Figure:
             for theory in found.theories:
                 if theory.assumption == one.name and theory.mode == "coulomb":
                     _draw_theory_line(axes, theory, one, points)
-            _draw_points(axes, points, "plate_speed_mm_s")
+            _draw_points(axes, points, "plate_speed_mm_s", joined=False)
             _mark_drive(axes, one)
             axes.set_xlim(0.0, 1.05 * max(point.plate_speed_mm_s for point in points))
             axes.set_xlabel("peak speed of the plate (mm/s)")
-            axes.set_title(one.label, fontsize=9)
+            axes.set_title(wrapped(one.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
         panels[0].set_ylim(-0.08 * _highest(found.drives), _highest(found.drives))
         panels[0].set_ylabel(f"mean speed at {found.drives[0].tilt_deg:g} deg (mm/s)")
         _legend(figure, panels[0])
@@ -163,19 +165,26 @@ def figure5(found: Findings) -> Figure:
 
 
 def _draw_lines(axes: Axes, points: Sequence[Point], one: Assumption) -> None:
-    """Draw lines through zero, of walkers in space through the points from figure 2's drive up."""
+    """Draw lines through zero, of walkers in space through the points from figure 2's drive up.
+
+    A band shows two standard errors of the slope; lines say no more than their points.
+    """
     end = 1.05 * max(point.plate_speed_mm_s for point in points)
+    told = False
     for series in series_of(points):
-        colour, line, _, label = MODELS[series[0].model]
-        name = label.removeprefix("simulated, ").removesuffix(" (the paper's)")
-        fitted = series
+        colour, line, *_ = MODELS[series[0].model]
+        fitted, start = series, 0.0
         if series[0].model == "space":
-            fitted = lively(series, one.scene.drive.peak_speed)
-            name += f", from {one.scene.drive.peak_gamma:.2g} g"
+            fitted, start = lively(series, one.scene.drive.peak_speed), one.scene.drive.peak_speed
         slope = through_zero(fitted)
-        if slope is not None:
-            axes.plot([0.0, end], [0.0, slope.mean * end], line, color=colour, alpha=0.5,
-                      linewidth=2.2, label=f"line through zero, {name}")  # fmt: skip
+        if slope is None:
+            continue
+        x = np.array([start, end])
+        name = None if told else "through zero, ± 2 SE (in space: of those that run)"
+        axes.plot(x, slope.mean * x, line, color=colour, linewidth=0.7, zorder=2, label=name)
+        low, high = ((slope.mean + sign * 2.0 * slope.se) * x for sign in (-1.0, 1.0))
+        axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0, zorder=1)
+        told = True
 
 
 def _draw_theory_line(axes: Axes, theory: Theory, one: Assumption, points: Sequence[Point]) -> None:
@@ -198,8 +207,8 @@ def _mark_drive(axes: Axes, one: Assumption) -> None:
 
 def figure6(found: Findings) -> Figure:
     """Draw motion on a plane: squared displacements with exponents, tracks, densities."""
-    with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(10.0, 6.8), layout="constrained")
+    with style():
+        figure = Figure(figsize=(PAGE, 5.6), layout="constrained")
         motion.draw(figure, found)
     return figure
 

@@ -2,13 +2,13 @@
 
 from collections.abc import Sequence
 
-import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
-from walkergen.jobs.paper.figures import MODELS, SETTINGS, THEORY
+from walkergen.files.figures import PAGE, SMALLEST, style
+from walkergen.jobs.paper.figures import MODELS, THEORY
 from walkergen.jobs.paper.mechanisms import Mechanism
 from walkergen.walker import profiles
 from walkergen.walker.design import Design
@@ -20,14 +20,15 @@ SEGMENTS = 16
 
 def draw(found: Sequence[Mechanism]) -> Figure:
     """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
-    with matplotlib.rc_context(SETTINGS):
-        figure = Figure(figsize=(9.0, 4.2), layout="constrained")
+    with style():
+        figure = Figure(figsize=(PAGE, 3.8), layout="constrained")
         grid = figure.subplots(2, len(found), height_ratios=(1.0, 2.4), squeeze=False)
         for (above, below), one in zip(grid.T, found, strict=True):
             _profile(above, one.design)
-            above.set_title(f"{one.what}\n({one.name})", fontsize=9)
+            above.set_title(f"{one.what}\n({one.name})", fontsize=SMALLEST)
             _bars(below, one)
         grid[1, 0].set_ylabel("mean speed (mm/s)")
+        figure.suptitle("Three ways to run, by theory and simulated; bars: 2 SE")
     return figure
 
 
@@ -47,7 +48,7 @@ def _profile(axes: Axes, design: Design) -> None:
     for limb in design.limbs:
         if limb.friction is not None:
             at = (limb.along, ground - 0.8)
-            axes.annotate(f"μ {limb.friction:g}", at, ha="center", va="top", fontsize=8)
+            axes.annotate(f"μ {limb.friction:g}", at, ha="center", va="top", fontsize=SMALLEST)
     axes.annotate("", (18.0, 0.0), (14.5, 0.0), arrowprops={"arrowstyle": "->"})
     axes.set_xlim(-19.0, 19.0)
     axes.set_ylim(-16.0, 3.0)

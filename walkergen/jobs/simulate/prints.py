@@ -66,7 +66,7 @@ def as_dict(found: Uncertain) -> dict[str, Any]:
 
 
 def write(found: Uncertain, folder: Path, title: str) -> None:
-    """Write draws.csv (inputs and speed of every print), shares.csv and uncertain.png."""
+    """Write draws.csv (inputs and speed of every print), shares.csv, uncertain.png and .pdf."""
     from walkergen.files import figures
 
     lines = np.column_stack([found.values, found.speeds]).tolist()
@@ -75,14 +75,25 @@ def write(found: Uncertain, folder: Path, title: str) -> None:
     shares = [*found.shares, (UNEXPLAINED, found.unexplained, found.unexplained_se, None, None)]
     header = ("input", "first", "first_se", "total", "total_se")
     output.write(folder / "shares.csv", csv_text(header, shares).encode())
-    output.write(folder / "uncertain.png", figures.png(figure(found, title)))
+    drawn = figure(found, title)
+    output.write(folder / "uncertain.png", figures.png(drawn))
+    output.write(folder / "uncertain.pdf", figures.pdf(drawn))
 
 
 def figure(found: Uncertain, title: str) -> "Figure":
     """Draw the speeds of all prints with their bounds, and the shares of the variance."""
+    from walkergen.files.figures import style
+
+    with style():
+        return _draw(found, title)
+
+
+def _draw(found: Uncertain, title: str) -> "Figure":
     from matplotlib.figure import Figure
 
-    drawn = Figure(figsize=(9.0, 3.6), layout="constrained")
+    from walkergen.files.figures import PAGE, wrapped
+
+    drawn = Figure(figsize=(PAGE, 2.8), layout="constrained")
     left, right = drawn.subplots(1, 2)
     left.hist(found.speeds, bins="auto", color="#0072B2", alpha=0.6)
     low2, low1, high1, high2 = found.bounds_mm_s
@@ -91,8 +102,8 @@ def figure(found: Uncertain, title: str) -> "Figure":
     left.axvline(found.speed_mm_s, color="black", linewidth=1.2, label="mean")
     left.set_xlabel("speed (mm/s)")
     left.set_ylabel("prints")
-    left.set_title(title, fontsize=10)
-    left.legend(fontsize=8, framealpha=0.9, loc="upper left")
+    drawn.suptitle(wrapped(title, PAGE - 0.2))
+    left.legend(frameon=True, framealpha=0.9, edgecolor="none", loc="upper left")
     names = [*(share.name for share in found.shares), UNEXPLAINED]
     places = np.arange(len(names))[::-1]
     error = {"ecolor": "0.3", "capsize": 2, "elinewidth": 0.8}
@@ -103,11 +114,9 @@ def figure(found: Uncertain, title: str) -> "Figure":
     right.barh(places + 0.2, first, 0.36, xerr=first_se, error_kw=error, color="#0072B2",
                label="alone")  # fmt: skip
     right.barh(places[:-1] - 0.2, total, 0.36, xerr=total_se, error_kw=error, color="#D55E00",
-               label="with all others")  # fmt: skip
-    right.set_yticks(places, names, fontsize=8)
+               hatch="////", edgecolor="white", linewidth=0.0, label="with all others")  # fmt: skip
+    right.set_yticks(places, names)
     right.set_xlim(left=0.0)
     right.set_xlabel("share of the variance between prints")
-    right.legend(frameon=False, fontsize=8)
-    for axes in (left, right):
-        axes.spines[["top", "right"]].set_visible(False)
+    right.legend()
     return drawn

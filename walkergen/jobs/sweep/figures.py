@@ -4,7 +4,6 @@ Every figure can be read without colours, and shows the points that have no spee
 """
 
 import math
-import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from typing import Any
@@ -17,13 +16,11 @@ from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.patches import Patch
 
+from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.jobs.sweep import panels as draw
 from walkergen.jobs.sweep.panels import COLOURS, HATCHED, MARK, STYLES, Mask
 from walkergen.jobs.sweep.panels import Columns as Columns
 from walkergen.jobs.sweep.scales import Scale, dress, scale_of, told
-
-COLUMN, PAGE = 86 / 25.4, 178 / 25.4
-"""Widths of figures, inches: a column of a journal, and two with their gap for many panels."""
 
 MOST_LINES, MOST_PANELS = 5, 12
 """Numbers of values of a key up to which each is a line of its own, or a panel."""
@@ -32,12 +29,8 @@ FILLED = 0.5
 """Share of all combinations of the values beyond which points are taken to lie on a grid."""
 
 SPEED = "speed (mm/s)"
-SETTINGS: Any = {
-    "font.size": 8, "axes.titlesize": 8, "axes.labelsize": 8, "xtick.labelsize": 7,
-    "ytick.labelsize": 7, "legend.fontsize": 7, "axes.spines.top": False,
-    "axes.spines.right": False, "hatch.linewidth": 0.6, "axes.linewidth": 0.7,
-    "lines.linewidth": 1.2, "lines.markersize": 3.5, "errorbar.capsize": 1.5,
-}  # fmt: skip
+BARS: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
+"""What differs from other figures: points are many."""
 
 
 def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure | None:
@@ -53,7 +46,7 @@ def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure | None:
         return None
     combinations = math.prod(len(scale.values) for scale in scales)
     gridded = FILLED * combinations < len(columns.speed) and len(scales) <= 3
-    with matplotlib.rc_context(SETTINGS):
+    with style(), matplotlib.rc_context(BARS):
         if not gridded:
             return _clouds(columns, scales, title)
         # The key with most values lies along x, numbers before words; of equals the first.
@@ -179,7 +172,7 @@ def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
     panels = list(grid.flat)
     for axes in panels[count:]:
         axes.remove()
-    drawn.suptitle(textwrap.fill(title, int(16 * width)), fontsize=8)
+    drawn.suptitle(wrapped(title, width - 0.1))
     yield drawn, panels[:count], wide
 
 

@@ -5,7 +5,7 @@
 (() => {
   const byId = (id) => document.getElementById(id);
   const parts = JSON.parse(byId('parts').textContent);
-  const shown = parts.flatMap((part, member) => (part.corners ? [member] : []));
+  const shown = parts.flatMap((part, member) => (part.seen ? [member] : []));
   const slider = byId('tilt');
   let viewer = null;
   let chosen = null;
@@ -18,6 +18,20 @@
     const bytes = bytesOf(base64);
     const view = new DataView(bytes.buffer);
     return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
+  }
+
+  // Link that holds the STL file of a member.
+  const linkOf = (member) => document.querySelectorAll('[data-stl]')[shown.indexOf(member)];
+
+  // Corners of a binary STL file: an 84 byte header, then 50 bytes a triangle, 12 of them its normal.
+  function corners(member) {
+    const bytes = bytesOf(linkOf(member).href.split(',')[1]);
+    const view = new DataView(bytes.buffer);
+    const count = view.getUint32(80, true);
+    const found = new Float32Array(9 * count);
+    for (let i = 0; i < count; i += 1)
+      for (let k = 0; k < 9; k += 1) found[9 * i + k] = view.getFloat32(96 + 50 * i + 4 * k, true);
+    return found;
   }
 
   // Members of a kind that have a mesh, by tilt: what the slider runs over.
@@ -46,8 +60,20 @@
     byId('kinds').querySelector(`[value="${CSS.escape(part.legs)}"]`).checked = true;
     for (const marked of document.querySelectorAll('[data-member]'))
       marked.classList.toggle('chosen', Number(marked.dataset.member) === member);
-    const colour = getComputedStyle(document.documentElement).getPropertyValue(`--${part.legs}-part`);
-    viewer?.show(shown.indexOf(member), colour.trim());
+    Object.assign(byId('save').firstElementChild, {
+      href: linkOf(member).href, download: linkOf(member).download,
+    });
+    byId('save').hidden = false;
+    viewer?.show(shown.indexOf(member), colourOf(`${part.legs}-part`));
+  }
+
+  const colourOf = (name) =>
+    getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+  // The page's colours, which are others in the dark.
+  function paint() {
+    viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'));
+    if (chosen !== null) viewer.colour(colourOf(`${parts[chosen].legs}-part`));
   }
 
   // The member of a kind whose tilt is nearest to the chosen one's.
@@ -74,7 +100,7 @@
       return;
     }
     byId('viewer').hidden = false;
-    viewer = walkergenViewer.create(byId('canvas'), shown.map((m) => floats(parts[m].corners)));
+    viewer = walkergenViewer.create(byId('canvas'), shown.map(corners));
     if (!viewer) {
       byId('viewer').hidden = true;
       byId('no-viewer-reason').textContent =
@@ -82,6 +108,8 @@
       return;
     }
     byId('no-viewer').hidden = true;
+    paint();
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
     byId('spacing').textContent = viewer.spacing;
     for (const button of byId('views').children)
       button.addEventListener('click', () => viewer.look(button.dataset.view));
@@ -194,6 +222,10 @@
       button.disabled = !viewer || !shown.includes(member);
       button.addEventListener('click', () => choose(member));
     }
+    for (const mark of document.querySelectorAll('.mark')) {
+      const label = mark.querySelector('title').textContent;
+      mark.addEventListener('pointerenter', () => (byId('readout').textContent = label));
+    }
     for (const point of document.querySelectorAll('.point')) {
       const member = Number(point.dataset.member);
       const label = point.querySelector('title').textContent;
@@ -205,8 +237,23 @@
     }
   }
 
+  // What is folded away is printed as well, but for the list of downloads.
+  function unfoldOnPaper() {
+    const folded = [];
+    addEventListener('beforeprint', () => {
+      for (const details of document.querySelectorAll('section:not(.downloads) details:not([open])')) {
+        details.open = true;
+        folded.push(details);
+      }
+    });
+    addEventListener('afterprint', () => {
+      for (const details of folded.splice(0)) details.open = false;
+    });
+  }
+
   addKinds();
   startViewer();
+  unfoldOnPaper();
   listen();
   startPlayer();
   if (player) player.showAt(0);

@@ -1,0 +1,234 @@
+"""Figures: sizes of a journal, letters that can be read, lines told apart without colours."""
+
+from itertools import combinations, pairwise
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from matplotlib.colors import to_rgb
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from synthetic_tracks import film
+
+from walkergen.analysis import motion
+from walkergen.analysis.speeds import Measured as Speeds
+from walkergen.files import figures
+from walkergen.jobs.accuracy import figures as precision
+from walkergen.jobs.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.accuracy.setting import Measured, Setting, Unit
+from walkergen.jobs.analyse import figures as analysed
+from walkergen.jobs.family import beside
+from walkergen.jobs.family import figures as family
+from walkergen.jobs.family.tables import Simulated
+from walkergen.prediction import Curve, Prediction
+
+TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
+MM = 25.4
+
+
+def row(tilt, legs, speed):
+    bounds = [speed + off for off in (-10.0, 20.0, -20.0, 40.0)]
+    values = dict.fromkeys(Prediction._fields)
+    values |= {"tilt_deg": tilt, "legs": legs, "speed_mm_s": speed}
+    ends = ("low_68", "high_68", "low_95", "high_95")
+    values |= {f"speed_{end}_mm_s": value for end, value in zip(ends, bounds, strict=True)}
+    return Prediction(**values)
+
+
+def curve(speed):
+    tilt = np.linspace(0.0, 45.0, 91)
+    bounds = np.array([speed + off + 0.0 * tilt for off in (-20.0, -10.0, 20.0, 40.0)])
+    return Curve(tilt, speed + 0.0 * tilt, 0.0 * tilt, bounds, tilt < 14.0)
+
+
+ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]
+SIMULATED = [Simulated(42.0, 2.0, 38.0, 46.0, "space", "step", "8 ok", "agree")] * 4
+MEASURED = Speeds(
+    np.array([10.0, 10.0]), ["flexible", "braced"], np.array([58.0, 1.0]), np.array([4.0, 0.0]),
+    np.array([31.0, 31.0]), "",
+)  # fmt: skip
+SHOWN = beside.Beside({"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED, (10.0, 60.0))
+
+
+def speed_figure(rows=ROWS, shown=SHOWN, simulated=SIMULATED, named=False):
+    return family.speed_figure(rows, shown, 14.0, TITLE, simulated, named)
+
+
+def rungs(series, *points):
+    return [
+        Rung(series, f"{series} {step}", error, 0.01, cpu, {"step_us": step})
+        for step, error, cpu in points
+    ]
+
+
+def ladder(along):
+    settings = [*rungs("space, step", (1.2, 0.01, 4.2), (2.3, 0.03, 5.1), (4.6, 0.05, 2.7)),
+                *rungs("compliant, step", (1.2, 0.02, 3.2), (2.3, 0.06, 3.1))]  # fmt: skip
+    events = rungs("compliant, step", (None, 0.015, 4.0))
+    known = [*settings, *(events if along else ())]
+    title = "Bias of the long-run mean speed against the step"
+    return Ladder("x", title, "bias of the mean speed", "CPU time, s", "", known, (), along)
+
+
+def choice_figure():
+    survey = SimpleNamespace(
+        unit=lambda reference: Unit(100.0, "share of the mean speed", True, 1.0),
+        bound=lambda one, reference: 0.2 * (one.setting.step_us or 30.0),
+    )
+    steps = [Setting("space", "step", step) for step in (1.2, 2.3, 4.6, 5.8, 7.4)]
+    others = [Setting("rigid", "event", None), Setting("compliant", "step", 2.3)]
+    found = [
+        Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0, None, "") for one in (*steps, *others)
+    ]  # fmt: skip
+    formulas = [Rung("paper's eq. 15", "", 0.39, None, 3.6e-4, {})]
+    return precision.choice_figure(survey, found, found[0], formulas, TITLE)
+
+
+@pytest.fixture(scope="module")
+def tracks():
+    return film(1, 3, 5.0)
+
+
+@pytest.fixture(scope="module")
+def drawn(tracks):
+    found = motion.analyse(tracks, None)
+    made = {
+        "speed": speed_figure(),
+        "speed of one": speed_figure([ROWS[1]], beside.Beside({}), SIMULATED[:1]),
+        "named": speed_figure(ROWS[::2], beside.Beside({}), SIMULATED[:2], named=True),
+        "steps": precision.ladder_figure(ladder("step_us")),
+        "models": precision.ladder_figure(ladder("")),
+        "choice": choice_figure(),
+        **dict(analysed.figures(found, tracks, "films/a_film_with_a_long_name_of_2026.csv")),
+    }
+    with figures.style():
+        for figure in made.values():
+            figure.draw_without_rendering()
+    return made
+
+
+def texts(figure):
+    return [text for text in figure.findobj(Text) if text.get_visible() and text.get_text()]
+
+
+def test_figures_have_a_journals_width_and_letters_of_seven_points_or_more(drawn):
+    for name, figure in drawn.items():
+        assert round(MM * figure.get_figwidth()) in (86, 178), name
+        sizes = {text.get_text(): text.get_fontsize() for text in texts(figure)}
+        small = {told: size for told, size in sizes.items() if size < figures.SMALLEST}
+        assert not small, name
+
+
+def test_every_figure_has_a_title_inside_it_and_its_pdf_bears_it(drawn):
+    for name, figure in drawn.items():
+        title = figures.words(figure)
+        assert title, name
+        (shown,) = [one for one in texts(figure) if " ".join(one.get_text().split()) == title]
+        box = shown.get_window_extent()
+        assert box.x0 >= 0.0, name
+        assert box.x1 <= figure.bbox.x1, name
+    data = figures.pdf(drawn["speed"])
+    assert b"/Title (koumakis2016: 90 Hz" in data
+    assert b"/Type3" not in data  # journals refuse its letters
+    assert b"/FontFile2" in data
+    assert data == figures.pdf(speed_figure())
+
+
+def test_series_differ_in_line_and_marker_and_not_only_in_colour():
+    for one, other in combinations(figures.SERIES, 2):
+        assert one[1] != other[1]
+        assert one[2] != other[2]
+    for one, other in combinations(figures.STYLES.values(), 2):
+        assert one[1:] != other[1:]
+    for colour, *_ in figures.SERIES:  # dark enough on white
+        assert to_rgb(colour) @ np.array([0.299, 0.587, 0.114]) < 0.66
+
+
+def test_lines_against_the_step_never_loop_back(drawn):
+    for figure in (drawn["steps"], drawn["models"]):
+        for axes in figure.axes:
+            for line in axes.get_lines():
+                x = np.asarray(line.get_xdata(), float)
+                assert (np.diff(x) >= 0.0).all()
+    top = drawn["steps"].axes[0]
+    words = [text.get_text() for text in top.texts]
+    assert words == ["by events"]
+
+
+def test_settings_of_another_model_are_black_and_steps_are_told_by_their_dashes(drawn):
+    lines = {line.get_label(): line for line in drawn["choice"].axes[0].get_lines()}
+    steps = [line for name, line in lines.items() if name.startswith("space, step")]
+    assert len({line.get_marker() for line in steps}) == len(steps) == 5
+    assert lines["compliant, step 2.3 us"].get_color() == "#000000"
+    shares = [tick.get_text() for tick in drawn["choice"].axes[1].get_yticklabels()]
+    assert set(shares) >= {"20 %", "1 %"}
+
+
+def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():
+    for low, high in ((0.011, 0.05), (2.6, 5.3), (3e-5, 4.0), (0.4, 60.0), (1e-9, 1e9)):
+        figure = Figure(figsize=(figures.COLUMN, 2.0), layout="constrained")
+        with figures.style():
+            axes = figure.subplots()
+            axes.set_xscale("log")
+            axes.set_xlim(low, high)
+            figures.logarithmic(axes.xaxis)
+            figure.draw_without_rendering()
+            labels = [tick for tick in axes.get_xticklabels() if tick.get_text()]
+            boxes = [one.get_window_extent() for one in labels
+                     if low <= one.get_position()[0] <= high]  # fmt: skip
+        assert len(boxes) >= 2, (low, high)
+        assert all(a.x1 < b.x0 for a, b in pairwise(boxes)), (low, high)
+    assert [figures._power(value) for value in (0.02, 1000.0, 1e-5, 2e6)] == [
+        "0.02", "1000", "$10^{-5}$", r"$2 \times 10^{6}$",
+    ]  # fmt: skip
+
+
+def test_arrows_point_where_the_tracks_head(tracks, drawn):
+    arrows = [one for one in drawn["trajectories"].axes[0].collections if hasattr(one, "U")]
+    assert len(arrows) == len(tracks.tracks)
+    for track, arrow in zip(tracks.tracks, arrows, strict=True):
+        for place, U, V in zip(arrow.XY, arrow.U, arrow.V, strict=True):
+            at = np.nanargmin(np.abs(track.position - place).sum(axis=1))
+            assert (U, V) == pytest.approx((np.cos(track.heading[at]), np.sin(track.heading[at])))
+    headless = film(2, 2, 1.0, headed=False)
+    axes = analysed.tracks_figure(headless, "without").axes[0]
+    assert not [one for one in axes.collections if hasattr(one, "U")]
+
+
+def test_slopes_are_told_in_words(drawn):
+    legend = drawn["msd"].axes[0].get_legend().get_texts()
+    told = [text.get_text() for text in legend]
+    assert any(name.startswith("slope 2: v²t², v = 30 mm/s") for name in told)
+    assert any(name.startswith("slope 1: 4Dt, D = ") for name in told)
+
+
+def test_what_speed_png_shows_is_in_speed_csv():
+    lines = beside.to_csv(SHOWN).splitlines()
+    assert lines[0].split(",") == list(beside.COLUMNS)
+    kinds = [line.split(",")[0] for line in lines[1:]]
+    assert kinds == ["theory"] * 182 + ["measured"] * 2 + ["paper"]
+    assert lines[1] == "theory,flexible,0.0,40.0,30.0,60.0,20.0,80.0,yes"
+    assert lines[-3].startswith("measured,flexible,10.0,58.0,54.0,62.0,50.16,65.84")
+    assert lines[-1] == "paper,flexible,10.0,60.0,,,,,"
+    unknown = curve(1.0)._replace(bounds=np.full((4, 91), np.nan))
+    assert (
+        beside.to_csv(beside.Beside({"flexible": unknown})).splitlines()[1].endswith("1.0,,,,,yes")
+    )
+
+
+def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
+    rows = [row(10.0, "flexible", 40.0)]
+    axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]
+    crosses = [line for line in axes.get_lines() if line.get_marker() in ("x", "+")]
+    assert [line.get_xdata().tolist() for line in crosses] == [[0.0]]
+    found = beside.of_members(MEASURED, {"braced": 3.0})
+    assert (found.tilt.tolist(), found.legs, found.speed.tolist()) == ([3.0], ["braced"], [1.0])
+    assert found.se.tolist() == [0.0]
+
+
+def test_a_star_and_a_measured_point_hide_no_member():
+    axes = speed_figure().axes[0]
+    star = next(line for line in axes.get_lines() if line.get_marker() == "*")
+    members = [line for line in axes.get_lines() if line.get_marker() in ("o", "s")]
+    assert star.get_markerfacecolor() == "white"
+    assert star.get_zorder() < max(line.get_zorder() for line in members)

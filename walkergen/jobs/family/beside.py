@@ -1,0 +1,79 @@
+"""What a family's chart shows beside its members: theory between them, measured, the paper's."""
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis.speeds import Measured
+from walkergen.files.tables import csv_text
+from walkergen.prediction import Curve
+from walkergen.walker.limbs import Kind
+
+Array = npt.NDArray[np.float64]
+
+COLUMNS = (
+    "what", "legs", "tilt_deg", "speed_mm_s", "speed_low_68_mm_s", "speed_high_68_mm_s",
+    "speed_low_95_mm_s", "speed_high_95_mm_s", "foot_can_stick",
+)  # fmt: skip
+
+SURE = 1.96
+"""Standard errors on either side that hold a normal number with 95 %."""
+
+
+class Beside(NamedTuple):
+    """Speeds that speed.png shows and family.csv has not; speed.csv holds them."""
+
+    curves: Mapping[Kind, Curve]
+    """Theory against tilt by kind of legs."""
+    measured: Measured | None = None
+    stated: tuple[float, float] | None = None
+    """Tilt (deg) and speed (mm/s) that the paper states for this walker on this plate."""
+
+
+def ends(speed: Array, se: Array, errors: float = SURE) -> tuple[Array, Array]:
+    """Ends of the bars of measured speeds, mm/s, so many standard errors away."""
+    return speed - errors * se, speed + errors * se
+
+
+def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
+    """Measured speeds as those of members whose legs follow no common tilt, by their kind of legs.
+
+    `tilts` are the members' own, deg; speeds of kinds without a member are left out.
+    """
+    own = np.array([legs in tilts for legs in measured.legs], dtype=bool)
+    return measured._replace(
+        tilt=np.array([tilts[legs] for legs in measured.legs if legs in tilts], dtype=float),
+        legs=[legs for legs in measured.legs if legs in tilts],
+        speed=measured.speed[own],
+        se=None if measured.se is None else measured.se[own],
+        plate_speed=measured.plate_speed[own],
+    )
+
+
+def to_csv(beside: Beside) -> str:
+    """Format as CSV, a line per point: `what` is theory, measured or the paper's."""
+    lines: list[tuple[object, ...]] = []
+    for kind, curve in beside.curves.items():
+        low95, low68, high68, high95 = curve.bounds
+        columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95)
+        lines += [
+            ("theory", kind, *map(_cell, row), "yes" if sticks else "no")
+            for *row, sticks in zip(*columns, curve.can_stick, strict=True)
+        ]
+    if (found := beside.measured) is not None:
+        se = np.full(len(found.speed), np.nan) if found.se is None else found.se
+        columns = (found.tilt, found.speed, *ends(found.speed, se, 1.0), *ends(found.speed, se))
+        lines += [
+            ("measured", kind, *map(_cell, row), "")
+            for kind, row in zip(found.legs, zip(*columns, strict=True), strict=True)
+        ]
+    if beside.stated is not None:
+        lines.append(("paper", "flexible", *beside.stated, *[""] * 5))
+    return csv_text(COLUMNS, lines)
+
+
+def _cell(value: float) -> float | str:
+    """Every digit of a number; nothing where it is unknown."""
+    return "" if np.isnan(value) else float(value)
