@@ -1,8 +1,13 @@
-"""Reading of 3MF files by lib3mf: every printed item as it is placed, in mm.
+"""lib3mf, where it is made for the machine, and the reading of 3MF files by it.
+
+Every printed item is read as it is placed, in mm.
 
 trimesh reads 3MF too, but keeps one of several items that share object and part number.
 """
 
+import importlib.util
+import platform
+from functools import cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -30,10 +35,27 @@ class Part(NamedTuple):
     """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
 
-def read(data: bytes, source: str) -> list[Part]:
-    """Meshes of all items, in the file's order. Raises InputError, beginning with `source`."""
+@cache
+def available() -> bool:
+    """True where lib3mf is installed; nobody makes it for Linux or Windows on ARM."""
+    return importlib.util.find_spec("lib3mf") is not None
+
+
+def library() -> Any:
+    """Module lib3mf. Raises InputError where it is not installed."""
+    if not available():
+        raise InputError(
+            "3MF: lib3mf is not installed (it is made for x86-64 and Macs, this is "
+            f"{platform.system()} on {platform.machine()}): use STL; plates are STL files too"
+        )
     import lib3mf
 
+    return lib3mf
+
+
+def read(data: bytes, source: str) -> list[Part]:
+    """Meshes of all items, in the file's order. Raises InputError, beginning with `source`."""
+    lib3mf = library()
     model = lib3mf.get_wrapper().CreateModel()  # must outlive its objects and items
     try:
         model.QueryReader("3mf").ReadFromBuffer(data)

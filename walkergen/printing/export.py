@@ -14,11 +14,10 @@ from functools import cache
 from typing import Any, NamedTuple
 from xml.sax.saxutils import quoteattr
 
-import lib3mf
 import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.files import stl
+from walkergen.files import stl, threemf
 from walkergen.walker.mass import Mesh
 
 APPLICATION = "walkergen"
@@ -78,7 +77,7 @@ def threemf_bytes(
     wrapper = _wrapper()
     title = _xml_safe(title)
     model = wrapper.CreateModel()  # must outlive its objects and items: they point into it
-    model.SetUnit(lib3mf.ModelUnit.MilliMeter)
+    model.SetUnit(threemf.library().ModelUnit.MilliMeter)
     part_numbers = [_xml_safe(item.part_number) for item in items]
     model.SetBuildUUID(_identifier(title, "build", *part_numbers))
     metadata = model.GetMetaDataGroup()
@@ -173,7 +172,7 @@ def _setting(key: str, value: str) -> str:
 @cache
 def _wrapper() -> Any:
     """Entry point of lib3mf, loaded once: it takes 10 ms."""
-    return lib3mf.get_wrapper()
+    return threemf.library().get_wrapper()
 
 
 def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
@@ -182,7 +181,7 @@ def _add_solid(model: Any, solid: Solid, title: str, number: int) -> Any:
     added = model.AddMeshObject()
     added.SetName(name)
     added.SetUUID(_identifier(title, "object", number, name))
-    vertices = solid.mesh.vertices - solid.mesh.vertices.min(axis=0)
+    vertices, lib3mf = solid.mesh.vertices - solid.mesh.vertices.min(axis=0), threemf.library()
     try:
         added.SetGeometry(
             _as_structures(lib3mf.Position, vertices.astype("<f4")),

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from walkergen.files.tables import csv_text
-from walkergen.printing import checks, export, sheet, slicer
+from walkergen.printing import checks, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
@@ -121,8 +121,9 @@ def files(
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
     PrusaSlicer; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
-    STEM_PRINTER_NUMBER.3mf; with pictures STEM_PRINTER_NUMBER.png as well, and the
-    plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see export.for_prusaslicer.
+    STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with pictures STEM_PRINTER_NUMBER.png as well,
+    and the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
+    export.for_prusaslicer.
     """
     start = f"{stem}_{layout.printer.name}"
     meshes = layout.meshes
@@ -139,8 +140,10 @@ def files(
             view = layout.printer, layout.members, meshes, one
             yield f"{name}.png", plate_map.png(*view, name)
             thumbnail = plate_map.thumbnail(*view)
-        data = plate.plate_3mf(one, layout.parts, meshes, layout.printer, name, thumbnail)
-        yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
+        suffix, data = plate.plate_file(
+            one, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer
+        )
+        yield f"{name}{suffix}", data
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:

@@ -9,12 +9,18 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
+import numpy as np
+
 from walkergen.errors import PlateError
+from walkergen.files import threemf
 from walkergen.printing import export
 from walkergen.printing.printers import Printer
 from walkergen.walker.mass import Mesh
 
 MOST_PARTS = 5000
+
+THREEMF, STL = ".3mf", ".stl"
+"""Suffixes of plates' files."""
 
 
 class Part(NamedTuple):
@@ -134,6 +140,43 @@ def plate_3mf(
         for part, copy, x, y in plate.placements
     ]
     return export.threemf_bytes(solids, items, title, thumbnail)
+
+
+def plate_file(
+    plate: Plate,
+    parts: Sequence[Part],
+    meshes: Sequence[Mesh],
+    printer: Printer,
+    title: str,
+    thumbnail: bytes | None = None,
+    prusaslicer: bool = False,
+) -> tuple[str, bytes]:
+    """Suffix and bytes of one plate's file: 3MF, or STL where lib3mf is not installed.
+
+    `prusaslicer`: see `export.for_prusaslicer`; raises InputError without lib3mf.
+    """
+    if prusaslicer or threemf.available():
+        data = plate_3mf(plate, parts, meshes, printer, title, thumbnail)
+        return THREEMF, export.for_prusaslicer(data) if prusaslicer else data
+    return STL, export.stl_bytes(placed(plate, meshes, printer), title)
+
+
+def placed(plate: Plate, meshes: Sequence[Mesh], printer: Printer) -> Mesh:
+    """Mesh of all copies of a plate, in the printer's coordinates, standing on z = 0."""
+    corner = np.array([*printer.bed_corner, 0.0])
+    vertices, triangles, before = [], [], 0
+    for part, _, x, y in plate.placements:
+        mesh = meshes[part]
+        moved = mesh.vertices - mesh.vertices.min(axis=0) + corner + (x, y, 0.0)
+        vertices.append(moved)
+        triangles.append(mesh.triangles + before)
+        before += len(moved)
+    return Mesh(np.concatenate(vertices), np.concatenate(triangles))
+
+
+def suffix() -> str:
+    """Suffix of the files of plates on this machine."""
+    return THREEMF if threemf.available() else STL
 
 
 def item_name(part: Part, copy: int) -> str:

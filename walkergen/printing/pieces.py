@@ -83,8 +83,10 @@ def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[
             drawn = _map(laid, plate, name)
             picture = figures.png(drawn, THUMBNAIL_DPI)
             yield f"{name}.png", figures.png(drawn, 130)
-        data = packing.plate_3mf(plate, laid.parts, meshes, laid.printer, name, picture)
-        yield f"{name}.3mf", export.for_prusaslicer(data) if prusaslicer else data
+        suffix, data = packing.plate_file(
+            plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer
+        )
+        yield f"{name}{suffix}", data
     for one in laid.pieces:
         yield f"{start}_stl/{one.name}.stl", export.stl_bytes(one.mesh, one.name)
 

@@ -4,7 +4,7 @@ from collections import Counter
 from collections.abc import Sequence
 from typing import Any, NamedTuple
 
-from walkergen.printing import checks, estimate, orientation, slicer, walls
+from walkergen.printing import checks, estimate, orientation, packing, slicer, walls
 from walkergen.printing.checks import Finding
 from walkergen.printing.estimate import Load
 from walkergen.printing.packing import Part, Plate
@@ -105,7 +105,7 @@ def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
 
 
 def _steps(batch: Batch) -> str:
-    stem, name = batch.stem, slicer.preset_name(batch.printer)
+    stem, name, ending = batch.stem, slicer.preset_name(batch.printer), packing.suffix()
     return (
         "## Print\n\n"
         "1. Choose your own printer and filament in the slicer: the files here leave both alone.\n"
@@ -116,16 +116,16 @@ def _steps(batch: Batch) -> str:
         f"3. Choose `{name}` among the print settings (OrcaSlicer, Bambu Studio: among the user "
         "presets under Process). Its speeds are the slicer's defaults: yours to change, they move "
         "no plastic. Change nothing else.\n"
-        "4. Open a plate's 3MF; where the slicer asks, as geometry. Keep names and places: do not "
-        "arrange, turn, scale or merge. (OrcaSlicer and Bambu Studio name every copy. PrusaSlicer "
-        "shows copies under one name; a plate of one kind alone under the file's, unless it was "
-        "made with --prusaslicer.)\n"
+        f"4. Open a plate's {ending[1:].upper()}; where the slicer asks, as geometry. Keep names "
+        "and places: do not arrange, turn, scale or merge. (OrcaSlicer and Bambu Studio name every "
+        "copy. PrusaSlicer shows copies under one name; a plate of one kind alone under the "
+        "file's, unless it was made with --prusaslicer.)\n"
         "5. Slice. In the preview every leg must show plastic in every layer.\n"
         "6. Print; take the parts off cold, by the body; cut off any brim.\n\n"
         "Without a window, `yours.ini` being your printer and filament (PrusaSlicer: File > Export "
         f"> Export Config): `prusa-slicer --load yours.ini --load {stem}.ini --dont-arrange "
-        f"--export-gcode --output {stem}_1.gcode {stem}_1.3mf` (without --output the file takes a "
-        "part's name, and the next plate overwrites it)."
+        f"--export-gcode --output {stem}_1.gcode {stem}_1{ending}` (without --output the file "
+        "takes a part's name, and the next plate overwrites it)."
     )
 
 
@@ -153,7 +153,7 @@ def _contents(batch: Batch) -> str:
         # Copies with serial numbers are parts of their own, under one name
         counts = Counter(batch.parts[placement.part].name for placement in one.placements)
         for name, copies in counts.items():
-            rows.append((f"`{batch.stem}_{number}.3mf`", name, str(copies)))
+            rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", name, str(copies)))
     told = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
     return "## What is on which plate\n\n" + told + table(("file", "part", "copies"), rows)
 
@@ -162,8 +162,9 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
     rows = []
     for number, one in enumerate(batch.plates, start=1):
         told = estimate.of_plate(one, batch.parts, loads, batch.printer)
-        rows.append((f"`{batch.stem}_{number}.3mf`", f"{told.grams:.2f}", f"{told.metres:.2f}",
-                     str(told.layers), estimate.duration(told.seconds / told.layers),
+        rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"{told.grams:.2f}",
+                     f"{told.metres:.2f}", str(told.layers),
+                     estimate.duration(told.seconds / told.layers),
                      estimate.duration(told.seconds)))  # fmt: skip
     error = f"{100 * estimate.TIME_TOLERANCE:g} %"
     headings = ("file", "plastic, g", f"filament {slicer.FILAMENT_MM:g} mm, m", "layers",
