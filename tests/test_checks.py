@@ -297,7 +297,7 @@ def test_errors_are_one_line_each_and_nothing_is_written(run, tmp_path, command)
     result = run(command, "thin.toml", "--tilt", "5,10", "--legs", "flexible")
     assert isinstance(result.exception, PrintabilityError)
     (line,) = str(result.exception).splitlines()
-    assert line.startswith("walker_t5.0_flexible_s0.20 and 1 more: the leg is thinner than 0.75")
+    assert line.startswith("walker_t05.0_flexible_s0.20 and 1 more: the leg is thinner than 0.75")
     assert [path.name for path in tmp_path.iterdir()] == ["thin.toml"]
 
 

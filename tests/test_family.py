@@ -45,7 +45,7 @@ def files_of(folder):
 def test_the_folder_holds_what_the_readme_says(tmp_path):
     family.make(job_of(pictures=True), tmp_path, silent, unheard)
     assert files_of(tmp_path) == sorted(
-        [f"stl/walker_t{t}_{kind}.stl" for t in ("0.0", "10.0", "35.0")
+        [f"stl/walker_t{t}_{kind}.stl" for t in ("00.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
         + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_orca.json")]
@@ -127,14 +127,14 @@ def test_output_that_cannot_be_written_is_one_line(tmp_path):
 
 def test_leftovers_of_an_earlier_run_are_removed_unless_changed(tmp_path):
     family.make(job_of((0.0, 5.0, 10.0), ["flexible"]), tmp_path, silent, unheard)
-    edited = tmp_path / "stl" / "walker_t5.0_flexible_s0.40.stl"
+    edited = tmp_path / "stl" / "walker_t05.0_flexible_s0.40.stl"
     edited.write_bytes(b"mine now")
     (tmp_path / "notes.txt").write_text("the user's")
     family.make(job_of((10.0,), ["flexible"]), tmp_path, silent, unheard)
     kept = files_of(tmp_path)
     assert "notes.txt" in kept
-    assert "stl/walker_t5.0_flexible_s0.40.stl" in kept
-    assert "stl/walker_t0.0_flexible_s0.40.stl" not in kept
+    assert "stl/walker_t05.0_flexible_s0.40.stl" in kept
+    assert "stl/walker_t00.0_flexible_s0.40.stl" not in kept
 
 
 def test_a_forged_manifest_removes_nothing_outside(tmp_path):

@@ -324,7 +324,7 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
     ]
     assert hashes[0] == hashes[1]
     assert found.table["tilt_deg"].tolist() == [5.0, 10.0]
-    assert "walker_t5.0_flexible_s0.40" in found._repr_html_()
+    assert "walker_t05.0_flexible_s0.40" in found._repr_html_()
     for form in ("stl", "3mf", "svg", "dxf"):
         run("export", "koumakis2016", "--format", form, "--out", "parts", "--quiet")
         (told,) = (tmp_path / "parts" / form).iterdir()

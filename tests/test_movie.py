@@ -351,7 +351,7 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
 def test_json_names_the_files_and_the_runs(run):
     words = ("--tilt", "5,10", "--model", "compliant", "--seconds", "0.1", "--slow", "0.5")
     found = json.loads(run(*words, "--fps", "50", "--json").stdout)
-    assert found["gif"] == "out/koumakis2016/race_t5.0-10.0_flexible_lane-90hz.gif"
+    assert found["gif"] == "out/koumakis2016/race_t05.0-t10.0_flexible_lane-90hz.gif"
     assert (found["frames"], found["slow"]) == (3, 0.5)
     assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
     assert (found["mp4"] is None) == bool(found["without_mp4"])

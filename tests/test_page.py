@@ -159,7 +159,7 @@ def test_text_of_files_is_shown_and_never_run(folder):
 
 
 def test_a_changed_and_a_missing_file_are_told(folder):
-    changed, missing = "stl/walker_t0.0_flexible_s0.40.stl", "stl/walker_t10.0_braced_s1.00.stl"
+    changed, missing = "stl/walker_t00.0_flexible_s0.40.stl", "stl/walker_t10.0_braced_s1.00.stl"
     (folder / changed).write_bytes((folder / "stl/walker_t35.0_flexible_s0.40.stl").read_bytes())
     (folder / missing).unlink()
     told = json.loads(run(folder, "--json").stdout)

@@ -94,7 +94,7 @@ def test_the_slider_runs_over_the_tilts_of_the_kind_by_keyboard(browser):
     browser.find_element(By.CSS_SELECTOR, "#kinds [value=flexible]").click()
     slider = browser.find_element(By.ID, "tilt")
     slider.send_keys(Keys.HOME)
-    told = "walker_t0.0_flexible_s0.40; flexible legs, 0°: predicted 0.0 mm/s (68 %: −"
+    told = "walker_t00.0_flexible_s0.40; flexible legs, 0°: predicted 0.0 mm/s (68 %: −"
     assert shown(browser).startswith(told)
     upright = pixels(browser)
     slider.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)

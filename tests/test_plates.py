@@ -127,7 +127,7 @@ def test_two_hundred_walkers_go_to_two_printers_with_one_command(run, tmp_path):
     assert (kinds.count("csv"), kinds.count("png"), kinds.count("3mf")) == (3, 5, 5)
     template = (tmp_path / "out" / "koumakis2016" / "weights.csv").read_text().splitlines()
     assert len(template) == 201
-    assert template[1] == "walker_t5.0_flexible_s0.40-1,,,"
+    assert template[1] == "walker_t05.0_flexible_s0.40-1,,,"
 
 
 def test_how_many_fit_is_answered_without_writing(run, tmp_path):
@@ -207,7 +207,7 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
         assert float(row["speed_mm_s"]) < float(row["speed_mesh_mm_s"]) - 5.0
     assert "## Weighed" in (tmp_path / "here" / "family.md").read_text()
     manifest = json.loads((tmp_path / "here" / "manifest.json").read_text())
-    assert manifest["weighed"]["walker_t5.0_flexible_s0.40"]["leg_g"]["mean"] == 0.05
+    assert manifest["weighed"]["walker_t05.0_flexible_s0.40"]["leg_g"]["mean"] == 0.05
     assert manifest["copies"] == [2, 2]
     shown = run("predict", "--tilt", "5,10", "--weights", str(path)).stdout
     assert "mesh's" in shown
@@ -218,7 +218,9 @@ def test_weighed_masses_change_the_family_and_stay(run, tmp_path):
 
 def test_impossible_masses_leave_no_half_made_folder(run, tmp_path):
     path = tmp_path / "w.csv"
-    path.write_text("part,grams\nwalker_t5.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n")
+    path.write_text(
+        "part,grams\nwalker_t05.0_flexible_s0.40,0.9\nwalker_t10.0_flexible_s0.40,900\n"
+    )
     words = ("family", "--tilt", "5,10", "--legs", "flexible", "--weights", str(path))
     error = run(*words).exception
     assert isinstance(error, InputError)

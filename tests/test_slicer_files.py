@@ -115,7 +115,7 @@ def test_copies_and_plates_have_names_in_orca_slicer_and_bambu_studio():
     made, files = files_of()
     archive = archive_of(files["p_prusa-mk3s_1.3mf"])
     wanted = [row.item for row in layout.places(made)]
-    assert wanted[1] == "walker_t5.0_flexible_s0.40-2"
+    assert wanted[1] == "walker_t05.0_flexible_s0.40-2"
     told = ElementTree.fromstring(archive.read("Metadata/model_settings.config"))
     model = ElementTree.fromstring(archive.read("3D/3dmodel.model"))
     objects = {one.get("id"): one for one in model.iter(f"{CORE}object")}

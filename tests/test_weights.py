@@ -13,7 +13,7 @@ from walkergen.walker.design import Design
 PAPER = templates.load("koumakis2016", "walkers", Design)
 SCENE = templates.load("lane-90hz", "scenes", Scene)
 MEMBERS = PAPER.members([5.0, 10.0], ["flexible"])
-FIVE, TEN = "walker_t5.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"
+FIVE, TEN = "walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"
 
 
 @pytest.fixture
@@ -122,12 +122,12 @@ def test_the_error_of_a_whole_walker_adds_those_of_its_parts(read):
 def test_a_form_of_the_whole_family_serves_some_of_its_walkers(read, tmp_path):
     """Walkers of other tilts and kinds are left out and named; those of no design are refused."""
     rows = [f"{name},0.9" for name in names_of_family()]
-    rows += [f"{FIVE}-2,0.9", "walker_t7.5_flexible_s0.40-3,1"]
+    rows += [f"{FIVE}-2,0.9", "walker_t07.5_flexible_s0.40-3,1"]
     found = read("part,grams\n" + "\n".join(rows))
     assert {name: one.grams.weighings for name, one in found.items()} == {FIVE: 2, TEN: 1}
     unused = weights.unused(tmp_path / "weights.csv", MEMBERS)
     others = [name for name in names_of_family() if name not in (FIVE, TEN)]
-    assert unused == [*others, "walker_t7.5_flexible_s0.40"]
+    assert unused == [*others, "walker_t07.5_flexible_s0.40"]
     with pytest.raises(InputError, match="no masses of the walkers of --tilt and --legs"):
         read("part,grams\nwalker_t15.0_flexible_s0.40,0.9\n")
 
@@ -155,7 +155,7 @@ def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
         ("part,grams\nwalker_t5_flexible_s0.40,1", f":2: part .* did you mean {FIVE}"),
         (
             "part,grams\n\nzzz,1",
-            ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t5.0",
+            ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t05.0",
         ),
         (f"part,grams\n{FIVE}-0,1", ":2: part"),
         (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number > 0"),

@@ -37,12 +37,13 @@ def accuracy(
 ) -> None:
     """Measure what accuracy costs in time: models, steps, statistics, shape."""
     from walkergen.jobs.accuracy import make as study
+    from walkergen.walker import names
 
     chosen = study.check(only)
     seconds = parse_time(budget)
     asked = loading.asked(keys, "design scene", restitution=restitution, friction=friction)
     resolved, member = asked.scene(scene), asked.one(design, tilt, legs)
-    name = f"{member.name}_t{member.tilt_deg:.1f}_{member.kind}_{resolved.name}"
+    name = f"{member.name}_{names.tilt(member)}_{member.kind}_{resolved.name}"
     folder = out or Path("out") / "accuracy" / name
     with show.progress("accuracy", wanted=not quiet) as progress:
         found = study.make(study.Job(member, resolved, chosen, seconds), folder, progress)

@@ -13,16 +13,21 @@ STEM = "walker"
 
 
 def part(design: Design, stem: str = STEM) -> str:
-    """Name of a walker, such as walker_t10.0_flexible_s0.40; unique within a family."""
-    tilt = _decimal(design.tilt_deg, 1)
-    return f"{stem}_t{tilt}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+    """Name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
+    return f"{stem}_{tilt(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+
+
+def tilt(design: Design) -> str:
+    """Tilt of a walker in names of files, such as t05.0: as wide as others, so that they sort."""
+    whole, point, digits = _decimal(design.tilt_deg, 1).partition(".")
+    return f"t{whole.zfill(3 if whole.startswith('-') else 2)}{point}{digits}"
 
 
 def race(members: Sequence[Design]) -> str:
-    """Name of several walkers of a design together, such as race_t5.0-10.0_flexible."""
-    tilts = dict.fromkeys(_decimal(one.tilt_deg, 1) for one in members)
+    """Name of several walkers of a design together, such as race_t05.0-t10.0_flexible."""
+    tilts = dict.fromkeys(tilt(one) for one in members)
     kinds = dict.fromkeys(one.kind for one in members)
-    return f"race_t{'-'.join(tilts)}_{'-'.join(kinds)}"
+    return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
 
 
 def legs(design: Design) -> tuple[str, ...]:
