@@ -1,5 +1,6 @@
 """Files are written whole or not at all."""
 
+import sys
 from pathlib import Path
 
 import pytest
@@ -16,7 +17,7 @@ def test_a_file_is_written_with_its_folders_and_replaced_whole(tmp_path: Path) -
     assert [entry.name for entry in path.parent.iterdir()] == ["walker.stl"]
 
 
-@pytest.mark.parametrize("broken", ["pathlib.Path.replace", "pathlib.Path.write_bytes"])
+@pytest.mark.parametrize("broken", ["pathlib.Path.replace", "walkergen.files.output._create"])
 @pytest.mark.parametrize(
     ("raised", "seen"),
     [
@@ -60,3 +61,25 @@ def test_a_path_that_cannot_be_written_is_one_line(tmp_path: Path, name: str) ->
         output.write(tmp_path / name, b"data")
     assert len(str(caught.value).splitlines()) == 1
     assert [entry.name for entry in tmp_path.iterdir()] == ["file"]
+
+
+@pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
+def test_no_link_beside_a_file_leads_the_writing_elsewhere(tmp_path):
+    """The temporary name is not foreseen, and is made anew: nothing is there to be followed."""
+    victim = tmp_path / "victim"
+    victim.write_text("mine")
+    (tmp_path / ".family.csv.part").symlink_to(victim)
+    output.write(tmp_path / "family.csv", b"ours")
+    assert victim.read_text() == "mine"
+    assert (tmp_path / "family.csv").read_bytes() == b"ours"
+    (tmp_path / "family.csv").unlink()
+    (tmp_path / "family.csv").symlink_to(victim)  # the rename replaces the link itself
+    output.write(tmp_path / "family.csv", b"ours")
+    assert victim.read_text() == "mine"
+    names = sorted(path.name for path in tmp_path.iterdir())
+    assert names == [".family.csv.part", "family.csv", "victim"]
+
+
+def test_the_longest_name_that_a_folder_takes_can_be_written(tmp_path):
+    output.write(tmp_path / ("n" * 255), b"1")
+    assert [len(path.name) for path in tmp_path.iterdir()] == [255]

@@ -56,13 +56,16 @@ def test_a_template_has_no_masses_and_can_be_filled(read, tmp_path):
 
 
 @pytest.mark.parametrize("header", ["part,grams,body_g,leg_g", "part,grams"])
-@pytest.mark.parametrize("line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"'])
+@pytest.mark.parametrize(
+    "line", ["x,1", "x;1", "x\t1", "x,,1,", 'x,"0,81"', "x,,, ", "x,,,\n\n", "x,,,\r", "x"]
+)
 def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
     path = tmp_path / "weights.csv"
     weights.write_template(tmp_path, ["x"])
-    path.write_text(f"{header}\n{line}\n")
+    written = f"{header}\n{line}\n".encode()
+    path.write_bytes(written)
     weights.write_template(tmp_path, ["y"])
-    assert path.read_text() == f"{header}\n{line}\n"
+    assert path.read_bytes() == written
 
 
 def test_an_empty_template_follows_the_print(tmp_path):

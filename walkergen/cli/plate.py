@@ -128,6 +128,7 @@ def plate(
         show.rows_as_json(rows, files=files)
     elif not quiet:
         _show_placements(rows, files, members)
+        show.kept_forms(folder, members)
         if serial is not None:
             print(f"copies bear numbers {serial} to {serial + sum(counts) - 1}, last in each mark")
 

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from walkergen.jobs.family.tables import Simulated, Weighing
     from walkergen.prediction import Prediction
     from walkergen.printing.checks import Finding
+    from walkergen.walker.design import Design
 
 
 def as_json(data: dict[str, Any]) -> None:
@@ -83,6 +84,16 @@ def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:
     for finding in checks.grouped(findings):
         if finding.level == "warning" and not quiet:
             print(f"warning: {checks.line(finding)}", file=sys.stderr)
+
+
+def kept_forms(folder: Path, members: "Sequence[Design]") -> None:
+    """Say on the error stream which forms for masses were left as somebody had changed them."""
+    from walkergen.walker import names, weights
+
+    for name in names.by_design(members):
+        path = folder / weights.form(members, name)
+        if weights.filled(path):
+            print(f"{path}: somebody has written in it: left as it is", file=sys.stderr)
 
 
 def templates(rows: "Sequence[Entry]") -> None:

@@ -5,6 +5,7 @@ import hashlib
 import json
 import platform
 import re
+import secrets
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
@@ -19,13 +20,16 @@ LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
 def write(path: Path, data: bytes) -> None:
     """Write a file whole or not at all: a temporary name in the same folder, then a rename.
 
-    Parent folders are made. Raises OutputError; on any exception the temporary file is removed.
+    The temporary file is new and its name not foreseen, so that no link that somebody put there
+    leads elsewhere. Parent folders are made. Raises OutputError; on any exception the temporary
+    file is removed.
     """
     try:
-        temporary = path.with_name(f".{path.name}.part")
+        # Of long names the beginning: the whole must not exceed what a folder holds
+        temporary = path.with_name(f".{path.name[:80]}.{secrets.token_hex(8)}")
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
-            temporary.write_bytes(data)
+            _create(temporary, data)
             temporary.replace(path)
         except BaseException:
             with contextlib.suppress(OSError):
@@ -33,6 +37,12 @@ def write(path: Path, data: bytes) -> None:
             raise
     except (OSError, ValueError) as error:  # ValueError: a path that holds NUL or has no name
         raise refused(path, error) from None
+
+
+def _create(path: Path, data: bytes) -> None:
+    """Write a file that is not there yet; fails where anything of this name is."""
+    with path.open("xb") as stream:
+        stream.write(data)
 
 
 def refused(path: Path, error: Exception) -> OutputError:

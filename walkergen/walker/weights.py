@@ -25,7 +25,6 @@ from walkergen.walker.solids import Solids
 
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
-HEADER = ",".join(("part", *QUANTITIES))
 MOST_BYTES = 10_000_000
 FACTOR = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
@@ -34,7 +33,6 @@ PART = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-
 """Name of a walker, as `names.part` writes it."""
 
 COPY = re.compile(r"-[1-9][0-9]*$")
-SEPARATOR = re.compile(r"[,;\t]")
 
 
 class Mean(NamedTuple):
@@ -69,12 +67,12 @@ def template(parts: Iterable[str]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """True when a file exists that holds more than names: work to keep. Raises InputError."""
-    if not path.is_file():
+    """True for a file that is not byte for byte a `template`: work to keep. Raises InputError."""
+    if not path.exists():
         return False
-    lines = reading.content(path).decode("utf-8", "replace").splitlines()
-    header, *rows = [line.rstrip(",;\t ") for line in lines] or [HEADER]
-    return header != HEADER or any(SEPARATOR.search(row) for row in rows)
+    data = reading.content(path)
+    rows = data.decode("utf-8", "replace").splitlines()[1:]
+    return data != template(row.partition(",")[0] for row in rows).encode()
 
 
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
@@ -240,7 +238,7 @@ def _mean(values: Sequence[float]) -> Mean:
 
 
 def write_template(folder: Path, parts: Iterable[str], name: str = FILE) -> Path | None:
-    """Write the form folder/NAME, and return its path, unless somebody filled it in: then None.
+    """Write the form folder/NAME, and return its path, unless somebody changed it: then None.
 
     Raises InputError and OutputError.
     """
