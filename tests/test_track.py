@@ -15,7 +15,7 @@ import walkergen as wg
 from walkergen.analysis import motion, tracks
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.files import templates
+from walkergen.files import figures, templates
 from walkergen.files.progress import silent
 from walkergen.jobs.movie import above
 from walkergen.jobs.movie import make as movie
@@ -250,7 +250,7 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
         np.testing.assert_allclose(one.position, 0.5 * truth[:, :2], atol=0.1)
         assert np.degrees(one.heading) == pytest.approx(np.degrees(truth[:, 2]), abs=2.0)
     with Image.open(folder / "check.png") as picture:
-        assert picture.size[0] == 1200
+        assert picture.size[0] == 8 * figures.DPI
 
 
 @pytest.mark.usefixtures("undrawn")
