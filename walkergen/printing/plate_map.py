@@ -93,9 +93,10 @@ def _place(
 ) -> None:
     """Give a map its size (inches), and the figure room for everything around it.
 
-    `key` is the width of the small picture beside the map; `lines` are the heading, then the names of designs, which stand below the map; all are centred
-    on it. The room is reckoned here, as the map's shape is given: a layout that matplotlib finds
-    by itself takes the map's own free room for that of the names, and cuts the last one off.
+    `key` is the width of the small picture beside the map; `lines` are the heading, then the names
+    of designs, which stand below it; all are centred on the map. The room is reckoned here, as the
+    map's shape is given: a layout that matplotlib finds by itself takes the map's own free room for
+    that of the names, and cuts the last one off.
     """
     width, height = size
     beside = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
