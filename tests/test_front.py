@@ -2,6 +2,7 @@
 
 import ast
 import json
+import math
 import os
 import pkgutil
 import subprocess
@@ -14,7 +15,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import app
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.notebook.speed import speed_of
 from walkergen.notebook.table import Table
@@ -332,6 +333,97 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
         assert path.read_bytes() == told.read_bytes()
     with pytest.raises(InputError, match=r"must end in one of \.stl, \.3mf"):
         wg.export(PAPER, tmp_path / "walker.step")
+
+
+def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
+    run, tmp_path, monkeypatch
+):
+    for name in ("files.figures.png", "files.figures.pdf", "jobs.family.preview.preview_figure"):
+        monkeypatch.setattr(f"walkergen.{name}", lambda *_: b"undrawn")  # which takes long
+    names = ["walker_t5.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
+    Path("weights.csv").write_text(
+        f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n"
+    )
+    Path("speeds.csv").write_text("tilt_deg,speed_mm_s\n10,58\n10,1e9\n")
+    run("family", "koumakis2016", "--copies", "5:2,10:3", "--legs", "flexible", "--weights",
+        "weights.csv", "--measured", "speeds.csv", "--out", "told", "--quiet",
+        "--max-parts", "4", "--prusaslicer")  # fmt: skip
+    found = wg.family(
+        PAPER, tmp_path / "found", copies={5: 2, np.float64(10): np.int64(3)}, legs="flexible",
+        weights="weights.csv", measured=Path("speeds.csv"), max_parts=4, prusaslicer=True,
+    )  # fmt: skip
+    told, made = (
+        json.loads((tmp_path / name / "manifest.json").read_text()) for name in ("told", "found")
+    )
+    assert told["files"] == made["files"]
+    assert made["copies"] == [2, 3]
+    assert "plates/family_prusa-mk3s_2.3mf" in made["files"]
+    assert "\nmeasured,flexible,10.0,58.0," in (tmp_path / "found" / "speed.csv").read_text()
+    assert found.table["name"].tolist() == names
+    assert found.table["mass_g"][0] == pytest.approx(0.81 + 2 * 0.012)
+    assert [one for one in found.warnings if "weights.csv: 1 walkers beside" in one]
+    assert [one for one in found.warnings if one.startswith("speeds.csv: ")]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"copies": 0}, "copies=0: must be a whole number in 1..5000"),
+        ({"copies": True}, "copies=True: must be a whole number"),
+        ({"copies": 2.5}, "copies=2.5: must be a whole number"),
+        ({"copies": 10**9}, "copies=1000000000: must be a whole number in 1..5000"),
+        ({"copies": {}}, "copies: no tilt"),
+        ({"copies": {10: -1}}, r"copies\[10\]=-1: must be a whole number"),
+        ({"copies": {"10": 1}}, "copies: '10': must be a tilt in deg"),
+        ({"copies": {math.nan: 1}}, "tilt_deg = nan: must be"),
+        ({"copies": {10: 1}, "tilt": [5]}, "copies: names the tilts: leave tilt out"),
+        ({"max_parts": 0}, "max_parts=0: must be a whole number"),
+        ({"weights": "../nope.csv"}, r"\.\./nope.csv"),
+        ({"measured": "nope.csv"}, "nope.csv"),
+    ],
+)
+def test_a_family_refuses_what_the_command_would(tmp_path, words, told):
+    with pytest.raises(WalkergenError, match=told) as caught:
+        wg.family(PAPER, tmp_path / "no", pictures=False, **words)
+    assert "\n" not in str(caught.value)
+    assert not (tmp_path / "no").exists()
+
+
+@pytest.mark.parametrize("sample", ["sobol:8", "latin:5"])
+def test_a_sweep_of_samples_is_the_commands(run, tmp_path, sample):
+    words = ("--set", "scene.drive.gamma=1.5,1.8", "--set", "legs.tilt_deg=2:40")
+    run("sweep", "koumakis2016", *words, "--sample", sample, "--seed", "7", "--no-pictures",
+        "--out", "told")  # fmt: skip
+    lines = (tmp_path / "told" / "table.csv").read_text().splitlines()
+    told = [dict(zip(lines[0].split(","), line.split(","), strict=True)) for line in lines[1:]]
+    found = wg.sweep(
+        PAPER, LANE, {"scene.drive.gamma": [1.5, 1.8]}, between={"legs.tilt_deg": (2, 40)},
+        sample=sample, seed=7,
+    )  # fmt: skip
+    assert len(found) == 2 * int(sample.partition(":")[2])
+    for name in ("scene.drive.gamma", "legs.tilt_deg", "speed_mm_s"):
+        assert found[name].tolist() == [float(row[name]) for row in told]
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        ({"between": {"legs.tilt_deg": (2, 40)}}, "give sample='sobol:256' or 'latin:99' with it"),
+        ({"sample": "sobol:8"}, "sample='sobol:8': no key to sample"),
+        ({"between": {"legs.tilt_deg": (40, 2)}, "sample": "sobol:8"}, "must lie below the second"),
+        ({"between": {"legs.tilt_deg": (2, math.inf)}, "sample": "sobol:8"}, "inf is no end"),
+        ({"between": {"legs.tilt_deg": 7}, "sample": "sobol:8"}, "7: must be two numbers"),
+        ({"between": {"legs.nope": (1, 2)}, "sample": "sobol:8"}, "legs.nope: unknown key"),
+        ({"between": {"legs.tilt_deg": (2, 40)}, "sample": "sobol:0"}, "write sobol:N or latin:N"),
+        ({"between": {"legs.tilt_deg": (2, 40)}, "sample": "latin:4", "seed": -1}, "seed=-1: must"),
+        ({"between": {"legs.tilt_deg": (2, 40)}, "sample": "latin:4",
+          "values": {"legs.tilt_deg": [5]}}, "legs.tilt_deg: is in values too"),
+    ],
+)  # fmt: skip
+def test_samples_that_are_none_are_refused(words, told):
+    with pytest.raises(InputError, match=told) as caught:
+        wg.sweep(PAPER, LANE, **words)
+    assert "\n" not in str(caught.value)
 
 
 def test_tables_escape_count_and_need_pandas(monkeypatch):

@@ -174,6 +174,27 @@ def test_letters_count_on_and_the_picture_names_those_of_its_plate(monkeypatch):
     assert second.get_xlabel().splitlines()[1] == "O: d14"
 
 
+@pytest.mark.parametrize("copies", [1, 40], ids=["a part of the bed", "all of it"])
+@pytest.mark.parametrize("name", ["b", "a-name-as-long-as-names-may-be" + "-x" * 17])
+def test_no_word_around_a_map_is_cut_off(monkeypatch, copies, name):
+    drawn = []
+    monkeypatch.setattr(plate_map.figures, "png", lambda figure, dpi: drawn.append(figure) or b"")
+    members = [PAPER.model_copy(update={"name": one}) for one in ("a", "c", name)]
+    layout = plates.arrange(members, [solids.build(PAPER)] * 3, [copies] * 3, PRINTER)
+    plate_map.png(PRINTER, members, layout.meshes, layout.plates[0], "orders_prusa-mk3s_1")
+    (figure,) = drawn
+    figure.draw_without_rendering()
+    (axes,) = figure.axes
+    words = [axes.xaxis.label, axes.yaxis.label, axes.title, *axes.get_yticklabels(),
+             *figure.legends, *(one.title for one in axes.child_axes)]  # fmt: skip
+    for one in words:
+        box = one.get_window_extent()
+        assert 0.0 <= box.x0 <= box.x1 <= figure.bbox.x1, one
+        assert 0.0 <= box.y0 <= box.y1 <= figure.bbox.y1, one
+    assert axes.xaxis.label.get_text().endswith(f"C: {name}")
+    assert bool(axes.child_axes) is (copies == 1)
+
+
 @pytest.mark.parametrize(("copies", "whole"), [(1, False), (20, False), (100, True)])
 def test_the_map_fills_its_frame_with_parts(monkeypatch, copies, whole):
     drawn = []

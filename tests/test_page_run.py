@@ -72,12 +72,11 @@ def test_the_part_stands_where_the_run_has_it(run, truth):
 
 
 def test_corners_are_those_of_the_part(run, found):
-    mesh = next(
-        part["corners"]
-        for part in (page._part(one) for one in page.members.of(found))
-        if part["name"] == "walker_t35.0_flexible_s0.40"
-    )
-    points = floats(mesh, 3)
+    (points,) = [
+        one.corners.reshape(-1, 3)
+        for one in page.members.of(found)
+        if one.name == "walker_t35.0_flexible_s0.40"
+    ]
     half = 0.2 / np.cos(np.radians(35.0))  # of a flat foot's width
     for corner in run["corners"]:
         assert np.linalg.norm(points - corner, axis=1).min() == pytest.approx(half, abs=0.05)

@@ -4,7 +4,7 @@ import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
 import { build } from 'esbuild';
 
-const TARGET = '../walkergen/jobs/page/assets/viewer.min.js';
+const TARGET = '../walkergen/files/assets/viewer.min.js';
 
 const source = readFileSync('viewer.js');
 const three = JSON.parse(readFileSync('node_modules/three/package.json', 'utf8'));

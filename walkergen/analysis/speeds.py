@@ -70,6 +70,14 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     )
 
 
+def on_plate(path: Path, kind: Kind, plate_speed: float) -> Measured:
+    """Read the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE.
+
+    `kind` and `plate_speed` stand in where the file has none. Raises InputError.
+    """
+    return at_plate_speed(read(path, kind, plate_speed), plate_speed)
+
+
 def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
     """Select the speeds measured on a plate with this peak speed (mm/s), within SAME_PLATE."""
     same = np.abs(measured.plate_speed / plate_speed - 1.0) <= SAME_PLATE

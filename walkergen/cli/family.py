@@ -95,8 +95,7 @@ def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured 
         return None
     from walkergen.analysis import speeds
 
-    plate_speed = scene.drive.peak_speed
-    found = speeds.at_plate_speed(speeds.read(path, design.kind, plate_speed), plate_speed)
+    found = speeds.on_plate(path, design.kind, scene.drive.peak_speed)
     if found.bad:
         print(f"{path}: {found.bad}", file=sys.stderr)
     return found

@@ -1,10 +1,14 @@
 """Families in a folder and single files, as the commands `family` and `export` make them."""
 
+import numbers
 import os
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Any
 
+from walkergen.analysis import speeds
 from walkergen.errors import InputError
+from walkergen.files import viewer
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.family import make as families
 from walkergen.jobs.orders import make as batch
@@ -21,7 +25,12 @@ from walkergen.notebook.predicting import SCENE
 from walkergen.notebook.table import Result, Table
 from walkergen.printing import checks
 from walkergen.printing.checks import Finding
+from walkergen.printing.packing import MOST_PARTS
+from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
+from walkergen.walker import view
+from walkergen.walker import weights as balance
+from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
 
 PRINTER = "prusa-mk3s"
@@ -32,21 +41,23 @@ class Family(Result):
     """Family that was made: its folder, its members and what the printer makes of them."""
 
     def __init__(
-        self, folder: Path, members: Sequence[families.Member], findings: Sequence[Finding]
-    ) -> None:
+        self, folder: Path, members: Sequence[families.Member], findings: Sequence[Finding],
+        left_out: Sequence[str] = (),
+    ) -> None:  # fmt: skip
         self.folder = folder
         self.members = tuple(members)
-        self.warnings = tuple(
-            checks.line(one) for one in checks.grouped(findings) if one.level == "warning"
-        )
-        """Warnings of the printability checks, a line each."""
+        found = [checks.line(one) for one in checks.grouped(findings) if one.level == "warning"]
+        self.warnings = (*found, *left_out)
+        """Warnings of the printability checks, and on rows left out of files, a line each."""
 
     @property
     def table(self) -> Table:
-        """Rows of family.csv: masses and speeds, predicted and, where asked for, simulated."""
+        """Rows of family.csv: masses and speeds, predicted and, where asked for, simulated; of
+        walkers that were weighed the masses beside those of the mesh.
+        """
         (rows, simulated), names = families.rows_of(self.members), [m.name for m in self.members]
         every: dict[str, list[object]] = {"name": list(names)}
-        for part in (rows, simulated):
+        for part in (rows, simulated, families.weighed_of(self.members)):
             for field in part[0]._fields if part else ():
                 every[field] = [getattr(row, field) for row in part]
         return Table(every, f"{len(names)} walkers in {self.folder}", self.warnings)
@@ -60,28 +71,95 @@ class Family(Result):
             yield "warning", warning
 
     def _repr_html_(self) -> str:
-        return self.table._repr_html_()
+        parts = [view.part_of(one.design, one.mesh) for one in self.members]
+        return viewer.frame(parts, str(self.folder)) + self.table._repr_html_()
 
 
 def family(
     design: Walker, folder: str | os.PathLike[str], *, tilt: Iterable[float] | None = None,
     legs: Kind | Iterable[Kind] | None = None, scene: Ground = SCENE, printer: Machine = PRINTER,
     mode: Mode = "coulomb", simulate: bool = False, pictures: bool = True, strict: bool = False,
-    progress: Progress | None = None,
+    copies: int | Mapping[float, int] | None = None, max_parts: int = MOST_PARTS,
+    weights: str | os.PathLike[str] | None = None, measured: str | os.PathLike[str] | None = None,
+    prusaslicer: bool = False, progress: Progress | None = None,
 ) -> Family:  # fmt: skip
     """Make a family of walkers in a folder: STL files, plates, predicted speeds, pictures.
 
-    Tilts (deg) and kinds of legs are by default those of the design's [family]. Raises InputError
-    for parts that cannot be built or printed, OutputError for a file that cannot be written.
+    Tilts (deg) and kinds of legs are by default those of the design's [family]. `copies` is that of
+    each walker on the plates, or copies by tilt, {10: 20, 15: 40}, which then names the tilts;
+    `max_parts` the most on a plate. `weights` is a filled in weights.csv: masses from a balance, g;
+    `measured` a CSV file of measured speeds, mm/s, for speed.png. `prusaslicer` spares PrusaSlicer
+    slicing every copy anew. Raises InputError for parts that cannot be built or printed and for
+    files that are not as they should be, OutputError for a file that cannot be written.
     """
     ground, chosen = scene_of(scene), walker_of(design)
-    members = members_of(chosen, tilt, legs, whole=True)
+    members, counts = _copied(chosen, tilt, legs, copies)
+    weighed, unused = _weighed(weights, members)
+    seen, bad = _measured(measured, chosen, ground)
     findings: list[Finding] = []
     job = families.Job(
-        chosen, members, ground, printer_of(printer), mode, pictures, simulate, strict=strict
-    )
+        chosen, members, ground, printer_of(printer), mode, pictures, simulate, counts,
+        _whole(max_parts, MOST_PARTS, "max_parts"), prusaslicer, weighed, strict, seen,
+    )  # fmt: skip
     made = families.make(job, Path(folder), progress or silent, findings.extend)
-    return Family(Path(folder), made, findings)
+    return Family(Path(folder), made, findings, [*unused, *bad])
+
+
+def _copied(
+    design: Design, tilt: Iterable[float] | None, legs: Kind | Iterable[Kind] | None,
+    copies: int | Mapping[float, int] | None,
+) -> tuple[list[Design], list[int]]:  # fmt: skip
+    """Members of a family and the number of copies of each. Raises InputError."""
+    if not isinstance(copies, Mapping):
+        members = members_of(design, tilt, legs, whole=True)
+        count = 1 if copies is None else _whole(copies, MOST_PARTS, "copies")
+        return members, [count] * len(members)
+    if tilt is not None:
+        raise InputError("copies: names the tilts: leave tilt out")
+    if not copies:
+        raise InputError("copies: no tilt: write copies by tilt, {10: 20, 15: 40}")
+    counts = {
+        _tilt(one): _whole(count, MOST_PARTS, f"copies[{one!r}]") for one, count in copies.items()
+    }
+    members = members_of(design, counts, legs, whole=True)
+    return members, [counts[member.tilt_deg] for member in members]
+
+
+def _tilt(value: Any) -> float:
+    """Tilt that copies are of, deg; its range is the design's. Raises InputError."""
+    if isinstance(value, bool) or not isinstance(value, numbers.Real):
+        raise InputError(f"copies: {value!r}: must be a tilt in deg, as in {{10: 20, 15: 40}}")
+    return float(value) + 0.0
+
+
+def _whole(value: Any, most: int, name: str) -> int:
+    """Number of copies or parts. Raises InputError."""
+    whole = isinstance(value, numbers.Integral) and not isinstance(value, bool)
+    if not whole or not 1 <= value <= most:
+        raise InputError(f"{name}={value!r}: must be a whole number in 1..{most}")
+    return int(value)
+
+
+def _weighed(
+    path: str | os.PathLike[str] | None, members: Sequence[Design]
+) -> tuple[dict[str, balance.Weighings], list[str]]:
+    """Masses from a balance by names of members, and what is said of other walkers' rows."""
+    if path is None:
+        return {}, []
+    found, unused = balance.read(Path(path), members), balance.unused(Path(path), members)
+    few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
+    told = [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
+    return found, told
+
+
+def _measured(
+    path: str | os.PathLike[str] | None, design: Design, scene: Scene
+) -> tuple[speeds.Measured | None, list[str]]:
+    """Speeds measured on the scene's plate, and what is said of rows left out."""
+    if path is None:
+        return None, []
+    found = speeds.on_plate(Path(path), design.kind, scene.drive.peak_speed)
+    return found, [f"{path}: {found.bad}"] if found.bad else []
 
 
 def export(design: Walker, path: str | os.PathLike[str]) -> Path:

@@ -1,5 +1,6 @@
 """Maps of speed over any keys, as the command `sweep` makes them."""
 
+import numbers
 import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, nullcontext
@@ -10,11 +11,11 @@ import numpy as np
 
 from walkergen.errors import InputError, WalkergenError
 from walkergen.exploring import axes, crew, run, wanted
-from walkergen.exploring.axes import Space
+from walkergen.exploring.axes import Sample, Space, Span
 from walkergen.exploring.point import STATUS, THEORY
 from walkergen.exploring.store import Store
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.sweep import make
+from walkergen.jobs.sweep import ask, make
 from walkergen.jobs.sweep import table as tables
 from walkergen.jobs.sweep.ask import Ask
 from walkergen.notebook.loading import Ground, Machine, Walker, printer_of, scene_of, walker_of
@@ -53,20 +54,27 @@ class Sweep(Table):
 
 def sweep(
     design: Walker, scene: Ground = SCENE, values: Mapping[str, Any] | None = None, *,
-    model: str = THEORY, error: str | None = None, keep: Sequence[str] = ("speed",),
+    between: Mapping[str, tuple[float, float]] | None = None, sample: str | None = None,
+    seed: int = 1, model: str = THEORY, error: str | None = None, keep: Sequence[str] = ("speed",),
     printer: Machine | None = None, workers: int | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
 ) -> Sweep:  # fmt: skip
     """Map speeds over all combinations of the `values` of any keys, the last key fastest.
 
     Keys are dotted, those of the scene begin with "scene.": {"legs.tilt_deg": [5, 10],
-    "scene.drive.gamma": np.arange(1.5, 2.5, 0.1)}. `model` is "theory" or one to simulate, within
+    "scene.drive.gamma": np.arange(1.5, 2.5, 0.1)}. Keys `between` two bounds, {"legs.tilt_deg":
+    (2, 40)}, are sampled: `sample` is "sobol:256" or "latin:99", with a `seed`; every combination
+    of the values has every sample. `model` is "theory" or one to simulate, within
     `error`, "5%" by default. Points that were evaluated before are not evaluated again. With
     `workers` that many processes share the points (a script then needs `if __name__ ==
     "__main__":`), by default they are evaluated here. With a `folder` table, pictures and manifest
     are written there. Raises InputError.
     """
-    space = Space(tuple(_axis(key, one) for key, one in (values or {}).items()))
+    listed = tuple(_axis(key, one) for key, one in (values or {}).items())
+    space = Space(listed, _sample(between or {}, sample, seed))
+    for key in between or ():
+        if key in (values or {}):
+            raise InputError(f"between: {key}: is in values too: leave one of them out")
     told = None if error is None else wanted.parse(error)
     machine = None if printer is None else printer_of(printer)
     asked = Ask(walker_of(design), None, scene_of(scene), machine, space, (), model, told, keep)
@@ -86,6 +94,29 @@ def sweep(
                 columns[name].append(done.record.get(name))
             tell("points", number, space.points)
     return Sweep(columns, space.keys, asked.title())
+
+
+def _sample(between: Mapping[str, Any], sample: str | None, seed: int) -> Sample | None:
+    """Samples between bounds; None without any. Raises InputError."""
+    if sample is None:
+        for key in between:
+            raise InputError(f"between={key!r}: give sample='sobol:256' or 'latin:99' with it")
+        return None
+    if not between:
+        raise InputError(f"sample={sample!r}: no key to sample: between={{KEY: (LOW, HIGH)}}")
+    if not isinstance(seed, numbers.Integral) or isinstance(seed, bool) or seed < 0:
+        raise InputError(f"seed={seed!r}: must be a whole number >= 0")
+    spans = tuple(_span(key, bounds) for key, bounds in between.items())
+    return ask.sample_of(str(sample), spans, int(seed), f"sample={sample!r}")
+
+
+def _span(key: str, bounds: Any) -> Span:
+    """Bounds between which a key is sampled. Raises InputError."""
+    try:
+        low, high = (float(one) for one in bounds)
+    except (TypeError, ValueError):
+        raise InputError(f"between: {key}: {bounds!r}: must be two numbers, (LOW, HIGH)") from None
+    return axes.span(key, low, high, f"between: {key}")
 
 
 def _axis(key: str, values: Any) -> axes.Axis:

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
+from walkergen.files.tables import as_html
 
 Column = npt.NDArray[Any]
 
@@ -88,11 +89,7 @@ class Result:
         return "\n".join(f"{name}: {value}" for name, value in self.rows())
 
     def _repr_html_(self) -> str:
-        cells = (
-            f"<tr><th>{escape(name)}</th><td>{escape(value)}</td></tr>"
-            for name, value in self.rows()
-        )
-        return f"<table><tbody>{''.join(cells)}</tbody></table>"
+        return as_html(self.rows())
 
     def to_dataframe(self) -> Any:
         """Frame of pandas of `table`. Raises InputError where pandas is missing."""

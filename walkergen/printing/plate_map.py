@@ -30,8 +30,24 @@ FULL = 0.6
 """Share of the bed from which on the map shows all of it."""
 KEY = 0.12
 """Width of the small picture of the bed over that of the map."""
-LINE_INCHES = 0.22
+LINE_INCHES = 0.175
 """Height of a line of words below the picture, inches."""
+WORDS = 10.0
+"""Size of the words around a map, points."""
+
+
+class Around(NamedTuple):
+    """Room around a map, inches: for numbers and name of each axis, heading and legend."""
+
+    left: float
+    right: float
+    """Beside that of the small picture of the bed."""
+    below: float
+    """Without the names of designs."""
+    above: float
+
+
+AROUND = Around(0.7, 0.4, 0.6, 0.65)
 MOST_LISTED = 12
 """Most designs whose names stand below a map; the print sheet names all."""
 LEGS_SHADE = 0.6
@@ -53,24 +69,43 @@ def png(
     letters = names.letters(members)
     used = [members[part].name for part in sorted({placed.part for placed in one.placements})]
     named = _named({name: letters[name] for name in used if letters})
-    figure = Figure(layout="constrained")
-    axes = figure.add_subplot()
+    figure = Figure()
+    axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
     _draw_parts(axes, printer, members, meshes, one)
     shown = _window(axes, printer)
     scale = INCHES / max(shown.width, shown.height)
-    below = LINE_INCHES * len(named)
-    figure.set_size_inches(scale * shown.width + 0.8, scale * shown.height + 0.9 + below)
-    _show(axes, shown, printer)
-    _label_parts(axes, members, meshes, one, scale)
-    axes.set_xlabel("\n".join(("x (mm), front", *named)))
-    if named:  # the room that is left over belongs to the names below
-        axes.set_anchor("N")
-    axes.set_ylabel("y (mm)")
     told = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
     count = f"{len(one.placements)} part{'s' if len(one.placements) > 1 else ''}"
-    axes.set_title(f"{title}: {count}; {told}", fontsize=10)
-    figure.legend(loc="outside upper right", ncols=2, frameon=False, fontsize=9)
+    heading = f"{title}: {count}; {told}"
+    key = 0.0 if shown.x0 < 0.0 else KEY * scale * shown.width
+    _place(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
+    _show(axes, shown, printer)
+    _label_parts(axes, members, meshes, one, scale)
+    axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=WORDS)
+    axes.set_ylabel("y (mm)", fontsize=WORDS)
+    axes.set_title(heading, fontsize=WORDS)
+    figure.legend(loc="upper right", ncols=2, frameon=False, fontsize=9, borderaxespad=0.2)
     return figures.png(figure, 130)
+
+
+def _place(
+    figure: Figure, axes: Axes, size: tuple[float, float], key: float, lines: Sequence[str]
+) -> None:
+    """Give a map its size (inches), and the figure room for everything around it.
+
+    `key` is the width of the small picture beside the map; `lines` are the heading, then the names
+    of designs, which stand below it; all are centred on the map. The room is reckoned here, as the
+    map's shape is given: a layout that matplotlib finds by itself takes the map's own free room for
+    that of the names, and cuts the last one off.
+    """
+    width, height = size
+    beside = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
+    left = max(AROUND.left, beside)
+    right = max(AROUND.right + key, beside)
+    below = AROUND.below + LINE_INCHES * (len(lines) - 1)
+    whole = left + width + right, below + height + AROUND.above
+    figure.set_size_inches(*whole)
+    axes.set_position((left / whole[0], below / whole[1], width / whole[0], height / whole[1]))
 
 
 def _window(axes: Axes, printer: Printer) -> Bbox:

@@ -294,6 +294,7 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "design": job.design.model_dump(mode="json"),
         "body": sheet.body_facts(job.design),
         "members": [names.part(member) for member in job.members],
+        "legs_up": [names.part(member) for member in job.members if not solids.on_side(member)],
         "copies": list(job.copies),
         "weighed": {
             name: {what: one and one._asdict() for what, one in found._asdict().items()}

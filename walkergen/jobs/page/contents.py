@@ -28,6 +28,8 @@ class Manifest(BaseModel):
     design: dict[str, Any]
     scene: dict[str, Any]
     members: list[str]
+    legs_up: list[str]
+    """Members whose STL file has them upside down, as they print: its z points to the plate."""
     versions: dict[str, str]
     files: dict[str, Digest]
 

@@ -5,7 +5,6 @@ lets only the page's own scripts run and nothing be fetched.
 """
 
 import base64
-import hashlib
 from collections.abc import Iterator, Mapping, Sequence
 from functools import cache
 from itertools import pairwise
@@ -16,6 +15,7 @@ import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
+from walkergen.files import viewer
 from walkergen.files.columns import number
 from walkergen.jobs.page import chart, members, references, theory
 from walkergen.jobs.page.contents import Contents
@@ -97,7 +97,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "version": version,
         "contents": contents,
         "members": made,
-        "parts": [_part(member) for member in made],
+        "parts": [_part(member, manifest.legs_up) for member in made],
         "table": table(made),
         "chart": chart.speeds(made, theory.of(contents)),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
@@ -112,7 +112,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
         "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
         "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
-        "settings": settings(manifest.model_dump(exclude={"members", "files"})),
+        "settings": settings(manifest.model_dump(exclude={"members", "legs_up", "files"})),
         "references": references.cited(
             {member.row["law"] for member in made},
             {method for member in made if (method := member.row.get("sim_method"))},
@@ -121,11 +121,11 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         ),
         "run": run,
     }
-    scripts = {name: _asset(f"{name}.js") for name in ("viewer.min", "page")}
+    scripts = {"viewer": viewer.script(), "page": _asset("page.js")}
     values |= {
         "style": markupsafe.Markup(_asset("page.css")),
         "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
-        "script_hashes": [_hash(text) for text in scripts.values()],
+        "script_hashes": [viewer.hashed(text) for text in scripts.values()],
     }
     return _template().render(values).encode()
 
@@ -210,10 +210,15 @@ def _minus(text: str) -> str:
     return text.replace("-", "−")
 
 
-def _part(member: Member) -> dict[str, Any]:
-    """Data of a member for the viewer, which takes its mesh from the download of its STL file."""
+def _part(member: Member, legs_up: Sequence[str]) -> dict[str, Any]:
+    """Data of a member for the viewer, which takes its mesh from the download of its STL file.
+
+    The file has members as they print; the viewer, whose y is up, stands them on their feet.
+    """
     seen = member.corners is not None
-    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen}
+    up = member.name in legs_up
+    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen,
+            "legs_up": up}  # fmt: skip
 
 
 def _offered(name: str) -> bool:
@@ -253,11 +258,6 @@ def _told(value: Any) -> str:
     if isinstance(value, bool):
         return "yes" if value else "no"
     return ", ".join(map(_told, value)) if isinstance(value, list) else str(value)
-
-
-def _hash(script: str) -> str:
-    """Hash of a script as a content security policy names it."""
-    return "sha256-" + base64.b64encode(hashlib.sha256(script.encode()).digest()).decode()
 
 
 def _asset(name: str) -> str:

@@ -56,10 +56,22 @@ def simulate(
         raise InputError(f"--run {scene.name}: the run ended at once ({found.outcome.value})")
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
+    O[1] -= _lowered(design)
     return _packed(found, O) | {
         "member": manifest.members.index(name),
         "words": _words(found, scene, name),
     }
+
+
+def _lowered(design: Design) -> float:
+    """Distance by which the viewer's mesh lies lower than the design's, mm.
+
+    A part that prints with its legs up has its upper side at z = 0 of its file, hence at y = 0 once
+    the viewer has turned it onto its feet.
+    """
+    if solids.on_side(design):
+        return 0.0
+    return float(solids.build(design).walker.vertices[:, 1].max())
 
 
 def _packed(found: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741

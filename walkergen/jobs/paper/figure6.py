@@ -141,6 +141,6 @@ def _densities(axes: Axes, shown: Sequence[Runs], name: str) -> None:
             color=colour, alpha=0.2, linewidth=0,
         )  # fmt: skip
     way = {"parallel": "along", "orthogonal": "across"}[name]
-    axes.set_xlabel(f"{way} the heading (mm)")
+    axes.set_xlabel(f"{way} heading (mm)")  # as wide as the panel, at most
     axes.set_ylabel("density over 40 ms (1/mm)")
     axes.set_ylim(bottom=0.0)

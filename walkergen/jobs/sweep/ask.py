@@ -115,14 +115,19 @@ def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space
                 "--sample sobol:256 to sample between the two"
             )
         return Space(varied), fixed
-    method, _, count = sample.partition(":")
+    found = sample_of(sample, spans, seed, f"--sample {sample[:30]!r}")
+    if not spans:
+        raise InputError(f"--sample {sample}: no key to sample: --set KEY=LOW:HIGH")
+    return Space(varied, found), fixed
+
+
+def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
+    """Samples of spans as sobol:N or latin:N asks for them. Raises InputError."""
+    method, _, count = text.partition(":")
     samples = columns.whole(count, axes.MOST_VALUES)
     if method not in get_args(Method) or samples is None:
         raise InputError(
-            f"--sample {sample[:30]!r}: write sobol:N or latin:N, N a whole number in "
-            f"1..{axes.MOST_VALUES}"
+            f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}"
         )
-    if not spans:
-        raise InputError(f"--sample {sample}: no key to sample: --set KEY=LOW:HIGH")
     known: Method = "sobol" if method == "sobol" else "latin"
-    return Space(varied, Sample(spans, samples, known, seed)), fixed
+    return Sample(spans, samples, known, seed)

@@ -23,6 +23,13 @@
   // Link that holds the STL file of a member.
   const linkOf = (member) => document.querySelectorAll('[data-stl]')[shown.indexOf(member)];
 
+  // Corners of a part that prints upside down, z up, turned onto its feet, y up.
+  function stood(found) {
+    for (let k = 0; k < found.length; k += 3)
+      [found[k + 1], found[k + 2]] = [-found[k + 2], found[k + 1]];
+    return found;
+  }
+
   // Corners of a binary STL file: an 84 byte header, then 50 bytes a triangle, 12 of them its normal.
   function corners(member) {
     const bytes = bytesOf(linkOf(member).href.split(',')[1]);
@@ -31,7 +38,7 @@
     const found = new Float32Array(9 * count);
     for (let i = 0; i < count; i += 1)
       for (let k = 0; k < 9; k += 1) found[9 * i + k] = view.getFloat32(96 + 50 * i + 4 * k, true);
-    return found;
+    return parts[member].legs_up ? stood(found) : found;
   }
 
   // Members of a kind that have a mesh, by tilt: what the slider runs over.

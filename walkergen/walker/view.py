@@ -1,0 +1,47 @@
+"""A walker as a notebook shows it: on its feet in 3D, and what it is in a table."""
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+from walkergen.errors import WalkergenError
+from walkergen.files import viewer
+from walkergen.files.tables import as_html
+from walkergen.walker import names, solids
+from walkergen.walker.mass import Mesh
+
+if TYPE_CHECKING:
+    from walkergen.walker.design import Design
+
+
+def html(design: "Design") -> str:
+    """Frame with the walker, and a table of its sizes and masses below it.
+
+    A walker that cannot be built, or cannot stand, says why instead.
+    """
+    rows, shown = list(_rows(design)), ""
+    try:
+        built = solids.build(design)
+        shown = viewer.frame([part_of(design, built.walker)], design.name)
+        mass = solids.weigh(design, built)
+        rows.append(("mass (g)", f"{float(mass.total):.4g}"))
+    except WalkergenError as error:
+        rows.append(("cannot be shown" if not shown else "mass unknown", str(error)))
+    return shown + as_html(rows)
+
+
+def part_of(design: "Design", mesh: Mesh) -> viewer.Part:
+    """Part of the viewer: a walker's mesh as it stands."""
+    return viewer.Part(names.part(design), design.kind, mesh.vertices, mesh.triangles)
+
+
+def _rows(design: "Design") -> Iterator[tuple[str, str]]:
+    size, legs = design.size, len(design.limbs)
+    yield "walker", design.name
+    if design.description:
+        yield "description", design.description
+    yield "legs", f"{legs}, {design.kind}"
+    yield "tilt (deg)", f"{design.tilt_deg:g}"
+    yield "body (mm)", f"{size.length:g} x {size.depth:g} x {size.thickness:g}"
+    material = design.material
+    told = f"{material.density_g_cm3:g} g/cm³, {material.youngs_modulus_gpa:g} GPa"
+    yield "material", told
