@@ -340,7 +340,7 @@ def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
 ):
     for name in ("files.figures.png", "files.figures.pdf", "jobs.family.preview.preview_figure"):
         monkeypatch.setattr(f"walkergen.{name}", lambda *_: b"undrawn")  # which takes long
-    names = ["walker_t5.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
+    names = ["walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
     Path("weights.csv").write_text(
         f"part,body_g,leg_g\n{names[0]},0.81,0.012\nwalker_t30.0_flexible_s0.40,0.8,\n"
     )
