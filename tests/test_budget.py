@@ -69,6 +69,16 @@ def test_what_one_leaves_over_the_others_get():
     assert purse.grant("c", {"c": 1.0}) == 0.0
 
 
+def test_a_patient_purse_counts_what_an_idle_machine_would_take():
+    busy, patient = Purse(10.0, 2), Purse(10.0, 2, patient=True)
+    for purse in (busy, patient):
+        purse.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
+    assert busy.spent_s == pytest.approx(1.2)
+    assert busy.slowness == pytest.approx(3.0)
+    assert patient.spent_s == pytest.approx(0.4)
+    assert patient.slowness == pytest.approx(1.0)
+
+
 def test_runs_are_fewer_before_they_are_too_short():
     purse = Purse(10.0, 1)
     afforded = [purse.affords(wall, 0.1, 1.0, BY_STEPS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
@@ -160,7 +170,9 @@ def test_a_record_that_tells_too_little_is_measured_anew(tmp_path, monkeypatch):
 
     def measure(self, setting, progress):
         measured.append((setting, self.purse.budget_s))
-        return Measured(setting, 100.0, 0.3, 16, 5.0, 1.0, 50.0, None, "16 ok")
+        longest = self.purse.budget_s == choose.PILOTS_S[-1]
+        se, seconds, cpu_s = (0.3, 5.0, 50.0) if longest else (3.0, 1.0, 1.0)
+        return Measured(setting, 100.0, se, 16, seconds, 1.0, cpu_s, None, "16 ok")
 
     monkeypatch.setattr(Survey, "_measured", measure)
     wanted = choose.Wanted(0.05, True)
@@ -168,9 +180,9 @@ def test_a_record_that_tells_too_little_is_measured_anew(tmp_path, monkeypatch):
     choice, on_record = choose._informed(fresh, wanted, silent)
     assert not on_record
     assert choice.bias_bound < 5.0
-    assert {budget for _, budget in measured} == {choose.PILOTS_S[-1]}
+    assert [budget for _, budget in measured[:: len(fresh.steps)]] == [*choose.PILOTS_S]
     assert {setting for setting, _ in measured} == {*fresh.steps}
     again, on_record = choose._informed(survey_of(choose.PILOTS_S[0]), wanted, silent)
     assert on_record
     assert again == choice
-    assert len(measured) == len(fresh.steps)
+    assert len(measured) == 2 * len(fresh.steps)

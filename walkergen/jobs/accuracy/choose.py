@@ -196,34 +196,41 @@ def _up(seconds: float) -> float:
 def _informed(survey: Survey, wanted: Wanted, progress: Progress) -> tuple[Choice, bool]:
     """Choice by the ladders on record, or by those measured for it and kept; True: all on record.
 
-    Short ladders are measured anew, for longer, where they do not tell enough, or where so little
-    is known that the runs to come would be dearer than to know more.
-    Raises InputError when not even the longer ones tell enough.
+    Ladders are measured anew, for longer and longer, where they do not tell enough, or where so
+    little is known that the runs to come would be dearer than to know more.
+    Raises InputError when not even the longest tell enough.
     """
     survey.asked = settings(survey)
+    survey.purse = Purse(PILOTS_S[0], survey.cores, patient=True)
     kept.recall(survey)
     on_record = not survey.due
+    found = _tried(survey, wanted, progress)
+    for pilot_s in PILOTS_S:
+        dear = isinstance(found, Choice) and found.cpu_s > 2.0 * pilot_s * survey.cores
+        if _thin(survey, pilot_s) and (dear or not isinstance(found, Choice)):
+            on_record = False
+            survey.known.clear()
+            survey.purse = Purse(pilot_s, survey.cores, patient=True)
+            found = _tried(survey, wanted, progress)
+    if isinstance(found, UncertainError):
+        raise found
+    return found, on_record
+
+
+def _tried(survey: Survey, wanted: Wanted, progress: Progress) -> Choice | UncertainError:
+    """Choice by what the survey knows or measures, which is kept; or why there is none."""
     try:
-        choice: Choice | None = choose(survey, wanted, progress)
-    except UncertainError:
-        if not _thin(survey):
-            raise
-        choice = None
-    kept.remember(survey)
-    dear = choice is not None and choice.cpu_s > PILOTS_S[-1] * survey.cores and _thin(survey)
-    if choice is not None and not dear:
-        return choice, on_record
-    survey.known.clear()
-    survey.purse = Purse(PILOTS_S[-1], survey.cores)
-    choice = choose(survey, wanted, progress)
-    kept.remember(survey)
-    return choice, False
+        return choose(survey, wanted, progress)
+    except UncertainError as refused:
+        return refused
+    finally:
+        kept.remember(survey)
 
 
-def _thin(survey: Survey) -> bool:
-    """Whether the known ladders took much less than the longest pilot."""
+def _thin(survey: Survey, pilot_s: float) -> bool:
+    """Whether the known ladders took much less than a survey of `pilot_s` s would."""
     spent = sum(survey.known[one].cpu_s for one in settings(survey) if one in survey.known)
-    return spent < 0.5 * PILOTS_S[-1] * survey.cores
+    return spent < 0.5 * pilot_s * survey.cores
 
 
 def meet(

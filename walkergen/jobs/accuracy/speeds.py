@@ -8,12 +8,12 @@ from collections.abc import Hashable, Sequence
 from functools import cached_property
 
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress, part
+from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.accuracy import observed
-from walkergen.jobs.accuracy.purse import BY_EVENTS, BY_STEPS, Purse, Runs, widened
+from walkergen.jobs.accuracy.purse import BY_EVENTS, BY_STEPS, STEP_RUNS, Purse, Runs, widened
 from walkergen.jobs.accuracy.setting import PLANAR, PLANAR_METHODS, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import points, resolution
+from walkergen.simulation import ensemble, points, resolution
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.ensemble import listed
@@ -21,7 +21,7 @@ from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Point
-from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels, simulate
+from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -36,7 +36,7 @@ CERTIFYING_SHARE, FINEST_SHARE = 0.3, 0.15
 next to the finest, and the finest step. In space the two change places: the finest costs most."""
 
 PILOT = 0.25
-"""Simulated time, s, of the run that tells what a setting costs."""
+"""Simulated time, s, of each run that tells what a setting costs."""
 
 
 CLEAR = 10.0
@@ -148,16 +148,23 @@ class Survey:
         return other
 
     def rate(self, setting: Setting) -> float:
-        """CPU seconds per simulated second of a setting, by a short run; compiles its kernels."""
+        """CPU seconds per simulated second of a setting, by short runs; compiles its kernels.
+
+        They are one a core, at once: what else runs on the machine is learnt with them.
+        """
         if setting in self.known:
             return self.known[setting].cpu_per_s
         if setting not in self._rates:
-            plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0)
+            runs = min(self.cores, STEP_RUNS)
+            plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
             compile_kernels(plan)
             started = time.perf_counter()
-            pilot = simulate(plan, 0)
-            self.purse.pay_turns(pilot.cpu_s, time.perf_counter() - started)
-            self._rates[setting] = max(pilot.cpu_s / max(pilot.measured_s, 1e-3), 1e-6)
+            pilots = ensemble.run(plan, silent)
+            took = time.perf_counter() - started
+            cpu_s = sum(one.cpu_s for one in pilots) / runs
+            simulated_s = sum(one.measured_s for one in pilots) / runs
+            self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
+            self.purse.pay_turns(cpu_s, took)
         return self._rates[setting]
 
     def granted(self, what: Hashable) -> float:
