@@ -1,5 +1,6 @@
 """The command `accuracy`."""
 
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -8,6 +9,7 @@ import typer
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
 from walkergen.cli.times import parse_time
+from walkergen.files import words
 
 if TYPE_CHECKING:
     from walkergen.jobs.accuracy.make import Study
@@ -29,7 +31,8 @@ def accuracy(
         str, typer.Option("--only", metavar="LADDERS", help="Comma-separated ladders to measure.")
     ] = "models,steps,statistics,shape",
     budget: Annotated[
-        str, typer.Option("--budget", metavar="TIME", help="Time for simulating: 60s, 5min, 1h.")
+        str,
+        typer.Option("--budget", metavar="TIME", help="Time of all simulations: 10s, 5min, 1h."),
     ] = "60s",
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -55,11 +58,20 @@ def accuracy(
                     for ladder in found.ladders
                 },
                 "answers": [answer._asdict() for answer in found.answers],
+                "simulated_s": found.simulated_s,
+                "least_budget_s": found.least_s,
                 "folder": str(folder),
             }
         )
     elif not quiet:
         _show_study(found, folder)
+    if found.least_s is not None:
+        least = words.budget(found.least_s)
+        print(
+            f"--budget {budget}: too short for {only}, which were given {least}, the least that "
+            "gives error bars here; --only takes fewer",
+            file=sys.stderr,
+        )
 
 
 def _show_study(found: "Study", folder: Path) -> None:

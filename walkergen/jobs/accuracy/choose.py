@@ -8,9 +8,10 @@ from walkergen.errors import InputError
 from walkergen.exploring.wanted import Wanted
 from walkergen.files import words
 from walkergen.files.progress import Progress
-from walkergen.jobs.accuracy import kept, observed
+from walkergen.jobs.accuracy import elastic, kept, observed
+from walkergen.jobs.accuracy.purse import SHORTEST, STEP_RUNS, Purse
 from walkergen.jobs.accuracy.setting import Measured, Setting
-from walkergen.jobs.accuracy.speeds import FINEST_SHARE, STEP_RUNS, Survey, complete
+from walkergen.jobs.accuracy.speeds import Survey, complete
 from walkergen.numerics.statistics import Mean
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
@@ -22,11 +23,9 @@ from walkergen.walker.mass import MassProperties
 SLACK = 1.2
 """Factor by which more time is bought than the estimated error needs, since it fluctuates."""
 
-SHORTEST = 0.5
-"""Shortest run, s: a still shorter run is mostly its discarded start."""
-
-PILOT_S = 30.0
-"""Wall time in which the ladders are measured when nothing is on record, s."""
+PILOTS_S = (8.0, 30.0)
+"""Wall times in which the ladders are measured when nothing on record will do, s: the longer one
+only where the shorter leaves the biases too uncertain, or the runs to come dearer than itself."""
 
 MARGIN = 1.9
 """Ratio of steps on a ladder that counts as two."""
@@ -72,6 +71,10 @@ class Met(NamedTuple):
     """Name of the observable."""
 
 
+class UncertainError(InputError):
+    """Error that cannot be promised with what is known, but perhaps with longer measurements."""
+
+
 def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     """Allowed error in the observable's unit. Raises InputError for a share of what may be zero."""
     if not wanted.relative:
@@ -84,8 +87,8 @@ def allowed(wanted: Wanted, survey: Survey, reference: Measured) -> float:
     known = f"{words.number(reference.value, 2)} ± {words.number(reference.se, 2)}"
     told = f"--error {wanted}: {survey.title}, {known}"
     if survey.of == SPEED:
-        raise InputError(f"{told} mm/s, may be zero; give the error in mm/s: --error 1mm/s")
-    raise InputError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
+        raise UncertainError(f"{told} mm/s, may be zero; give the error in mm/s: --error 1mm/s")
+    raise UncertainError(f"{told}, is not known well enough: walkergen accuracy ... --budget 5min")
 
 
 def check(wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassProperties) -> None:
@@ -103,7 +106,12 @@ def candidates(survey: Survey, progress: Progress) -> list[Measured]:
 
     Where a simpler model has the same mean speed, errors of opposite signs happen to cancel.
     """
-    return survey.measure([*survey.events, *survey.steps], progress)
+    return survey.measure(settings(survey), progress)
+
+
+def settings(survey: Survey) -> list[Setting]:
+    """Settings of the complete model, of which one is chosen."""
+    return [*survey.events, *survey.steps]
 
 
 def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
@@ -124,7 +132,7 @@ def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
     )
     choices = [offer for offer in offers if offer is not None]
     if not choices:
-        raise InputError(_too_fine(wanted, error, survey, reference))
+        raise UncertainError(_too_fine(wanted, error, survey, reference))
     return min(choices, key=lambda choice: choice.cpu_s)
 
 
@@ -132,7 +140,9 @@ def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured)
     """Advice on the budget that would give the reference's mean speed to a third of the error."""
     assert reference.se is not None
     known = 2.0 * reference.se
-    spent = reference.cpu_s / FINEST_SHARE / survey.cores
+    weights = [*map(survey.share, settings(survey)), *elastic.WEIGHTS.values()]
+    share = survey.share(reference.setting) / sum(weights)
+    spent = reference.cpu_s / share / survey.cores
     needed = spent * max(3.0 * known / error, 1.0) ** 2
     told = (
         f"--error {wanted}: the most accurate setting is itself known to "
@@ -183,6 +193,46 @@ def _up(seconds: float) -> float:
     return float(f"{math.ceil(seconds / digit - 1e-9) * digit:.2g}")
 
 
+def _informed(survey: Survey, wanted: Wanted, progress: Progress) -> tuple[Choice, bool]:
+    """Choice by the ladders on record, or by those measured for it and kept; True: all on record.
+
+    Ladders are measured anew, for longer and longer, where they do not tell enough, or where so
+    little is known that the runs to come would be dearer than to know more.
+    Raises InputError when not even the longest tell enough.
+    """
+    survey.asked = settings(survey)
+    survey.purse = Purse(PILOTS_S[0], survey.cores, patient=True)
+    kept.recall(survey)
+    on_record = not survey.due
+    found = _tried(survey, wanted, progress)
+    for pilot_s in PILOTS_S:
+        dear = isinstance(found, Choice) and found.cpu_s > 2.0 * pilot_s * survey.cores
+        if _thin(survey, pilot_s) and (dear or not isinstance(found, Choice)):
+            on_record = False
+            survey.known.clear()
+            survey.purse = Purse(pilot_s, survey.cores, patient=True)
+            found = _tried(survey, wanted, progress)
+    if isinstance(found, UncertainError):
+        raise found
+    return found, on_record
+
+
+def _tried(survey: Survey, wanted: Wanted, progress: Progress) -> Choice | UncertainError:
+    """Choice by what the survey knows or measures, which is kept; or why there is none."""
+    try:
+        return choose(survey, wanted, progress)
+    except UncertainError as refused:
+        return refused
+    finally:
+        kept.remember(survey)
+
+
+def _thin(survey: Survey, pilot_s: float) -> bool:
+    """Whether the known ladders took much less than a survey of `pilot_s` s would."""
+    spent = sum(survey.known[one].cpu_s for one in settings(survey) if one in survey.known)
+    return spent < 0.5 * pilot_s * survey.cores
+
+
 def meet(
     scene: Scene,
     design: Design,
@@ -196,10 +246,8 @@ def meet(
     Ladders not on record are measured first, and kept. Raises InputError when no setting can do.
     """
     check(wanted, of, scene, design, mass)
-    survey = Survey(scene, design, mass, PILOT_S, of)
-    on_record = kept.recall(survey) > 0
-    choice = choose(survey, wanted, progress)
-    kept.remember(survey)
+    survey = Survey(scene, design, mass, PILOTS_S[0], of)
+    choice, on_record = _informed(survey, wanted, progress)
     error = allowed(wanted, survey, survey.reference(progress))
     for _ in range(ATTEMPTS):
         chosen = survey.scene_of(choice.setting, seconds=choice.seconds, runs=choice.runs)

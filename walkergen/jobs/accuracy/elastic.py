@@ -1,5 +1,6 @@
 """The ladders of steps in space: short scenes, and the length of frozen frames."""
 
+import time
 from collections.abc import Sequence
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
+from walkergen.jobs.accuracy.purse import BY_STEPS, widened
 from walkergen.jobs.accuracy.setting import Setting
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble, record
@@ -29,8 +31,17 @@ EXACT = 1.0 / 32.0
 FRAMES = (4, 12, 24, 48)
 """Steps for which pose and contact directions are frozen."""
 
+FEWEST_FRAMES = (4, 12)
+"""Those that are measured where the budget does not allow all: longer ones may not end well."""
+
 DROPS = 32
-"""Landings over which the mean error is taken."""
+"""Landings over which the mean error is taken, where the budget allows."""
+
+FEWEST_DROPS = 8
+"""Landings that still average the instants inside a step: the error bar is twice as long."""
+
+PASSES = 1.0 / EXACT + 6.0 * sum(1.0 / share for share in SHARES)
+"""Cost of the landings over that of simulating them once: six times each step, to time them."""
 
 SETTLED_S, SLIDE_S = 0.02, 0.005
 """Time (s) in which a walker settles on a slope, and time of its slide that is compared."""
@@ -38,8 +49,8 @@ SETTLED_S, SLIDE_S = 0.02, 0.005
 STEEP_DEG = 10.0
 """Slope of the sliding scene beyond the angle of friction, deg."""
 
-FRAME_RUNS, FRAME_SHARE = 16, 0.1
-"""Runs for each length of frames, and share of the survey's CPU budget for it."""
+WEIGHTS = {"steps-short": 0.05, "frames": 0.3}
+"""Weights of the ladders in the survey's budget, where all settings together have 1."""
 
 
 class Short(NamedTuple):
@@ -61,10 +72,12 @@ def short(survey: Survey, progress: Progress) -> Ladder:
     """
     rungs: list[Rung] = []
     notes = []
-    scenes = [_sliding(survey), _landings(survey)]
+    granted = survey.take("steps-short")
+    drops = min(max(int(granted / _landing_s(survey)), FEWEST_DROPS), DROPS)
+    scenes = [_sliding(survey), _landings(survey, drops)]
     for number, scene in enumerate(scenes):
         progress(scene.name, number, len(scenes))
-        true = _ends(survey, scene, EXACT)
+        true = _ends(survey, scene, _stepped(survey, scene.plan, EXACT))
         series = [_rung(survey, scene, share, true) for share in SHARES]
         errors = [rung.error or np.nan for rung in series]
         slope, se = order(SHARES, errors)
@@ -90,19 +103,24 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     unit = survey.unit(reference)
     assert reference.value is not None
     assert reference.se is not None
-    plan, (own,) = survey.plan(survey.own), survey.measure([survey.own], progress)
-    seconds = max(FRAME_SHARE * survey.budget_s / own.cpu_per_s / FRAME_RUNS, 1.0)
-    plan = plan.lasting(seconds=round(seconds, 1), runs=FRAME_RUNS)
+    discard, rate = survey.scene.run.discard_seconds, survey.rate(survey.own)
+    granted = survey.take("frames")
+    several = granted > len(FRAMES) * survey.least(survey.own)
+    lengths = FRAMES if several else FEWEST_FRAMES
+    runs = survey.purse.affords(granted / len(lengths), rate, discard, BY_STEPS)
+    plan = survey.plan(survey.own).lasting(seconds=runs.seconds, runs=runs.number)
     rungs = []
-    for number, frame in enumerate(FRAMES):
+    for number, frame in enumerate(lengths):
         world = plan.world._replace(options=plan.world.options._replace(frame=frame))
-        told = part(progress, number, len(FRAMES))
+        told = part(progress, number, len(lengths))
         found, _ = ensemble.measure(plan._replace(world=world), told)
+        survey.purse.pay_runs(runs, rate, discard, found.wall_s)
         good = set(found.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         error = se = None
         if good and found.speed_mm_s is not None and found.speed_se_mm_s is not None:
             error = abs(found.speed_mm_s - reference.value) / unit.size
-            se = float(np.hypot(found.speed_se_mm_s, reference.se)) / unit.size
+            own = widened(runs.number) * found.speed_se_mm_s
+            se = float(np.hypot(own, reference.se)) / unit.size
         details: dict[str, float | str | None] = {
             "steps_in_a_frame": float(frame),
             "frame_us": 1e6 * frame * plan.world.options.step,
@@ -126,6 +144,21 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     )
 
 
+def least_of_frames(survey: Survey) -> float:
+    """Wall time of the fewest and shortest runs for the fewest lengths of frames, s."""
+    return len(FEWEST_FRAMES) * survey.least(survey.own)
+
+
+def least_of_short(survey: Survey) -> float:
+    """Wall time of the short scenes with the fewest drops, s."""
+    return FEWEST_DROPS * _landing_s(survey)
+
+
+def _landing_s(survey: Survey) -> float:
+    """Time of one landing at all steps, s."""
+    return PASSES * 0.5 / survey.scene.drive.frequency * survey.rate(survey.own)
+
+
 def _sliding(survey: Survey) -> Short:
     """Slide down a slope from rest, on a plate too calm to throw the walker."""
     scene = survey.scene_of(Setting("space", "step", None))
@@ -139,7 +172,7 @@ def _sliding(survey: Survey) -> Short:
     return Short("sliding", plan, (state,), SLIDE_S, "2: nothing begins or ends in a step")
 
 
-def _landings(survey: Survey) -> Short:
+def _landings(survey: Survey, drops: int) -> Short:
     """Drop the walker over half a period, from many heights, pitches, rolls and phases."""
     plan = survey.plan(Setting("space", "step", None))
     drive, rng = plan.world.drive, np.random.default_rng(1)
@@ -150,7 +183,7 @@ def _landings(survey: Survey) -> Short:
             rng.uniform(3.5, 4.5),
             FIRST_TURN * rng.normal(),
         )
-        for _ in range(DROPS)
+        for _ in range(drops)
     ]
     return Short("landings", plan, starts, 0.5 * drive.period, "1: contacts close inside a step")
 
@@ -162,10 +195,9 @@ def _stepped(survey: Survey, plan: Plan, share: float) -> Plan:
     return prepare(scene, survey.design, survey.mass)
 
 
-def _ends(survey: Survey, scene: Short, share: float) -> Array:
+def _ends(survey: Survey, scene: Short, plan: Plan) -> Array:
     """Place, height and pitch (mm at the feet) at the ends of a scene, shape (starts, 3)."""
-    plan = _stepped(survey, scene.plan, share)
-    ends = []
+    ends, started = [], time.perf_counter()
     for start in scene.starts:
         state = start.copy()
         status = plan.advance(state, scene.seconds, record.new(len(state)))
@@ -173,18 +205,20 @@ def _ends(survey: Survey, scene: Short, share: float) -> Array:
             ended = ENDS[status].value
             raise InputError(f"the short scene {scene.name!r} ends as {ended}: try a weaker drive")
         ends.append(state[[SHOWN_X, HEIGHT, PITCH]])
+    survey.purse.pay(time.perf_counter() - started)
     reach = np.array([1.0, 1.0, 0.5 * survey.design.foot_span])
     return np.asarray(np.array(ends) * reach)
 
 
 def _rung(survey: Survey, scene: Short, share: float, true: Array) -> Rung:
     amplitude = scene.plan.world.drive.amplitude
-    off = (_ends(survey, scene, share) - true) / amplitude
+    plan = _stepped(survey, scene.plan, share)
+    off = (_ends(survey, scene, plan) - true) / amplitude
     worst = int(np.abs(off.mean(axis=0)).argmax())
     several = len(off) > 1
     se = float(off[:, worst].std(ddof=1) / np.sqrt(len(off))) if several else None
     step = share * survey.resolving_us
-    seconds = cpu_time(lambda: _ends(survey, scene, share), repeats=3)
+    seconds = cpu_time(lambda: _ends(survey, scene, plan), repeats=3)
     details: dict[str, float | str | None] = {
         "value": step,
         "each": float(np.sqrt((off**2).mean(axis=0)).max()),

@@ -40,7 +40,7 @@ class Job(NamedTuple):
     only: Sequence[str]
     """Names of the LADDERS to measure, in this order."""
     budget_s: float
-    """Wall time for the simulations of the complete model, s."""
+    """Wall time for all simulations, s; solids, compilation, tables and figures come on top."""
 
 
 class Study(NamedTuple):
@@ -48,6 +48,10 @@ class Study(NamedTuple):
 
     ladders: list[Ladder]
     answers: list[Answer]
+    simulated_s: float
+    """Wall time that the simulations took, s."""
+    least_s: float | None
+    """Least budget of these ladders, s, taken in place of a smaller one; None: that was enough."""
 
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
@@ -56,6 +60,16 @@ LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
+
+LEAST: dict[str, Callable[[Survey], float]] = {
+    "steps-short": elastic.least_of_short,
+    "frames": elastic.least_of_frames,
+    "statistics": statistics.least,
+}
+"""Least wall time of what is simulated besides the settings, s."""
+
+ANSWERING = {"models", "steps"}
+"""Ladders whose measurements answer what to run for which error."""
 
 
 def make(job: Job, folder: Path, progress: Progress) -> Study:
@@ -68,6 +82,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     parts = solids.build(job.design)
     mass = solids.weigh(job.design, parts)
     survey = Survey(job.scene, job.design, mass, job.budget_s)
+    least = _share_out(survey, job.only, progress)
     done: list[Ladder] = []
     for place, name in enumerate(job.only):
         for measure in LADDERS[name]:
@@ -77,8 +92,35 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
             _write(done[-1], folder)
         if survey.known:
             kept.remember(survey)
-    answers = _answers(job, survey, folder, progress) if survey.known else []
-    return Study(done, answers)
+    answers = _answers(job, survey, folder, progress) if {*job.only} & ANSWERING else []
+    return Study(done, answers, survey.purse.spent_s, least)
+
+
+def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
+    """Promise each ladder its share of the budget; the least budget where that is too small, s.
+
+    The least is what the fewest and shortest runs take that mean something, and it is then spent:
+    shorter ones would give numbers without error bars.
+    """
+    wanted = [*choose.settings(survey), survey.own] if {*only} & ANSWERING else []
+    wanted += survey.simpler if "models" in only else []
+    least = 0.0
+    if "statistics" in only:
+        wanted += [survey.steps[0], survey.own]
+        survey.others["statistics"] = statistics.WEIGHT
+    if "steps" in only and survey.complete == "space":
+        survey.others |= elastic.WEIGHTS
+    survey.asked = list(dict.fromkeys(wanted))
+    for place, setting in enumerate(survey.asked):
+        progress(f"{setting.label}: compiling", place, len(survey.asked))
+        least += survey.least(setting)
+    for name in survey.others:
+        least += LEAST[name](survey)
+    least += survey.purse.spent_s
+    if least <= survey.purse.budget_s:
+        return None
+    survey.purse.budget_s = least
+    return least
 
 
 def check(names: str) -> list[str]:

@@ -78,7 +78,7 @@ def _tessellated(rounded: Design, scene: Scene) -> Iterator[Rung]:
 
     true = weighed(EXACT_SEGMENTS)
     for segments in SEGMENTS:
-        seconds = cpu_time(partial(weighed, segments))
+        seconds = cpu_time(partial(weighed, segments), repeats=3)
         setting = f"{segments} edges"
         yield _rung("round foot", setting, weighed(segments), true, rounded, scene, seconds)
 
@@ -99,7 +99,7 @@ def _far(design: Design, scene: Scene) -> Iterator[Rung]:
     for series, form in (("double precision", _as_is), ("through STL (float32)", _through_stl)):
         for distance in DISTANCES:
             weighed = partial(_weighed_far, design, built, distance, form)
-            seconds = cpu_time(weighed)
+            seconds = cpu_time(weighed, repeats=3)
             setting = f"{distance:g} mm away"
             yield _rung(series, setting, weighed(), true, design, scene, seconds)
 

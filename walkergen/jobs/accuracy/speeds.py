@@ -1,16 +1,19 @@
 """Speeds and all else by every model, method and step: measured once each, with their costs."""
 
+import copy
 import math
 import os
-from collections.abc import Sequence
+import time
+from collections.abc import Hashable, Sequence
 from functools import cached_property
 
 from walkergen.errors import InputError
-from walkergen.files.progress import Progress, part
+from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.accuracy import observed
+from walkergen.jobs.accuracy.purse import BY_EVENTS, BY_STEPS, STEP_RUNS, Purse, Runs, widened
 from walkergen.jobs.accuracy.setting import PLANAR, PLANAR_METHODS, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import points, resolution
+from walkergen.simulation import ensemble, points, resolution
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.ensemble import listed
@@ -18,7 +21,7 @@ from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Point
-from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels, simulate
+from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -32,8 +35,8 @@ CERTIFYING_SHARE, FINEST_SHARE = 0.3, 0.15
 """Shares of the CPU budget for the two settings that certify the reference: events, or the step
 next to the finest, and the finest step. In space the two change places: the finest costs most."""
 
-EVENT_RUNS, STEP_RUNS = 8, 16
-"""Independent runs of a measurement, by events and by steps: few, because each start is dear."""
+PILOT = 0.25
+"""Simulated time, s, of each run that tells what a setting costs."""
 
 
 CLEAR = 10.0
@@ -46,12 +49,17 @@ class Survey:
     def __init__(
         self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED
     ) -> None:
-        """Survey of an observable; `budget_s`: wall time for settings of the complete model."""
+        """Survey of an observable; `budget_s`: wall time of all its simulations, s."""
         self.of = of
         self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1
-        self.budget_s = budget_s * self.cores
+        self.purse = Purse(budget_s, self.cores)
+        self.others: dict[str, float] = {}
+        """Weights of what else is to be simulated within the budget; all settings together: 1."""
+        self.asked: list[Setting] | None = None
+        """Settings that are to be measured within the budget; None: all."""
         self.known: dict[Setting, Measured] = {}
+        self._rates: dict[Setting, float] = {}
         self.complete = complete(scene, design, mass)
 
     @property
@@ -126,18 +134,63 @@ class Survey:
         return [self.known[setting].seen(self.of) for setting in settings]
 
     def ensemble(
-        self, setting: Setting, runs: int, seconds: float, progress: Progress
+        self, setting: Setting, runs: Runs, progress: Progress
     ) -> tuple[Sequence[RunResult], float]:
         """The runs of a setting one by one, and CPU seconds per simulated second."""
-        point = self._run(setting, runs, seconds, progress)
-        simulated = runs * (seconds + self.scene.run.discard_seconds)
+        point = self._run(setting, runs, progress)
+        simulated = runs.number * (runs.seconds + self.scene.run.discard_seconds)
         return point.results, point.summary.cpu_s / simulated
 
     def showing(self, of: str) -> "Survey":
         """The same survey, with the same measurements, of another observable."""
-        other = Survey(self.scene, self.design, self.mass, 0.0, of)
-        other.budget_s, other.known = self.budget_s, self.known
+        other = copy.copy(self)
+        other.of = of
         return other
+
+    def rate(self, setting: Setting) -> float:
+        """CPU seconds per simulated second of a setting, by short runs; compiles its kernels.
+
+        They are one a core, at once: what else runs on the machine is learnt with them.
+        """
+        if setting in self.known:
+            return self.known[setting].cpu_per_s
+        if setting not in self._rates:
+            runs = min(self.cores, STEP_RUNS)
+            plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
+            compile_kernels(plan)
+            started = time.perf_counter()
+            pilots = ensemble.run(plan, silent)
+            took = time.perf_counter() - started
+            cpu_s = sum(one.cpu_s for one in pilots) / runs
+            simulated_s = sum(one.measured_s for one in pilots) / runs
+            self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
+            self.purse.pay_turns(cpu_s, took)
+        return self._rates[setting]
+
+    def granted(self, what: Hashable) -> float:
+        """Wall time for a setting or for one of `others`, s, of what is left of the budget."""
+        due: dict[Hashable, float] = {one: self.share(one) for one in self.due}
+        if isinstance(what, Setting):
+            due[what] = self.share(what)
+        due.update(self.others)
+        return self.purse.grant(what, due)
+
+    def take(self, name: str) -> float:
+        """Wall time granted to one of `others`, s, which is then no longer due."""
+        granted = self.granted(name)
+        del self.others[name]
+        return granted
+
+    @property
+    def due(self) -> list[Setting]:
+        """Settings that are still to be measured."""
+        asked = [*self.events, *self.steps, *self.simpler] if self.asked is None else self.asked
+        return [one for one in dict.fromkeys(asked) if one not in self.known]
+
+    def least(self, setting: Setting) -> float:
+        """Wall time (s) of the least measurement of a setting that means something."""
+        runs = _kinds(setting)[-1]
+        return self.purse.cost(runs, self.rate(setting), self.scene.run.discard_seconds)
 
     def reference(self, progress: Progress) -> Measured:
         """Measure the setting that counts as true: the finest step of the complete model.
@@ -204,7 +257,8 @@ class Survey:
         sizes = (math.inf if bias is None else bias.certain for bias in biases)
         return max(sizes, default=0.0)
 
-    def _share(self, setting: Setting) -> float:
+    def share(self, setting: Setting) -> float:
+        """Weight of a setting in the budget; of all settings together: 1."""
         shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
         if self.complete == "space":
             shares = {self.certifying: FINEST_SHARE, self.steps[0]: CERTIFYING_SHARE}
@@ -215,41 +269,42 @@ class Survey:
         """Scene with a setting, and with other values of its [run]."""
         return _as(self.scene, setting, **run)
 
-    def _run(self, setting: Setting, runs: int, seconds: float, progress: Progress) -> Point:
-        scene = self.scene_of(setting, seconds=seconds, runs=runs)
+    def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Point:
+        scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
         asked = points.Asked(scene, self.design, self.mass)
         (point,) = points.each([asked], [setting.label], progress, None)
+        took, discard = point.summary.wall_s, scene.run.discard_seconds
+        self.purse.pay_runs(runs, self.rate(setting), discard, took)
         return point
 
     def _measured(self, setting: Setting, progress: Progress) -> Measured:
-        """Simulate for as many seconds as the setting's share of the budget allows.
+        """Simulate for as long as the setting's share of the budget allows.
 
-        The length is rounded down to 1, 2 or 5 x 10^n, so that it, and the speed with it, does not
-        follow every fluctuation of the machine's speed.
+        Errors of few runs are widened, so that twice them means 95 % confidence as ever.
         """
-        plan = self.plan(setting).lasting(seconds=0.5, discard_seconds=0.0)
-        runs = EVENT_RUNS if setting.method == "event" else STEP_RUNS
-        discard = self.scene.run.discard_seconds
-        compile_kernels(plan)
-        pilot = simulate(plan, 0)
-        per_run = self.budget_s * self._share(setting) / runs
-        cpu_per_s = pilot.cpu_s / max(pilot.measured_s, 1e-3)
-        seconds = max(_one_two_five(per_run / max(cpu_per_s, 1e-6) - discard), 1.0)
-        point = self._run(setting, runs, seconds, progress)
-        summary = point.summary
+        discard, rate = self.scene.run.discard_seconds, self.rate(setting)
+        runs = self.purse.affords(self.granted(setting), rate, discard, _kinds(setting))
+        point = self._run(setting, runs, progress)
+        summary, wider = point.summary, widened(runs.number)
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
+        se = summary.speed_se_mm_s
+        seen = observed.values(point, self.scene_of(setting)).items()
         return Measured(
             setting,
             summary.speed_mm_s if complete else None,
-            summary.speed_se_mm_s if complete else None,
-            runs,
-            seconds,
+            wider * se if complete and se is not None else None,
+            runs.number,
+            runs.seconds,
             discard,
             summary.cpu_s,
             summary.correlation_time_s,
             listed(summary.outcomes),
-            observed.values(point, self.scene_of(setting)),
+            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in seen},
         )
+
+
+def _kinds(setting: Setting) -> Sequence[Runs]:
+    return BY_EVENTS if setting.method == "event" else BY_STEPS
 
 
 def complete(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
@@ -294,11 +349,3 @@ def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
 def _round(value: float) -> float:
     """Round to two significant digits."""
     return float(f"{value:.2g}")
-
-
-def _one_two_five(value: float) -> float:
-    """Largest of 1, 2, 5 x 10^n that is not above a positive value; else 0."""
-    if value <= 0:
-        return 0.0
-    power = 10.0 ** math.floor(math.log10(value))
-    return float(max(digit for digit in (1, 2, 5) if digit * power <= value * (1 + 1e-9)) * power)

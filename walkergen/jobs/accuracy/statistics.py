@@ -8,12 +8,20 @@ import numpy as np
 
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.accuracy.purse import Runs
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble
 from walkergen.simulation.run import RunResult
 
-RUNS, SECONDS = 32, 50.0
-"""Number and length (s) of the runs whose parts are compared, unless the budget allows less."""
+KINDS = (Runs(32, 4.0), Runs(16, 2.0), Runs(8, 1.0))
+"""Numbers of runs whose parts are compared, each with the time from which it is worth it: of two
+runs that are too short the fewer are taken, as the budget allows."""
+
+LONGEST = 50.0
+"""Longest run that is compared, s."""
+
+WEIGHT = 0.4
+"""Weight of the ladder in the survey's budget, where all settings together have 1."""
 
 RUN_COUNTS = (4, 8, 16)
 LENGTHS = (0.5, 1.0, 2.0, 5.0, 10.0, 25.0, 50.0)
@@ -30,15 +38,16 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     unit = survey.unit(reference)
     (own,) = survey.measure([survey.own], progress)
     bias = survey.bias(own, reference)
-    seconds = _affordable(survey, own.cpu_per_s)
-    results, cpu_per_s = survey.ensemble(survey.own, RUNS, seconds, progress)
+    wanted = _affordable(survey)
+    results, cpu_per_s = survey.ensemble(survey.own, wanted, progress)
     correlation = ensemble.correlation_time(results)
     rungs = []
-    for runs in RUN_COUNTS:
-        for length in (length for length in LENGTHS if length <= 0.5 * seconds):
+    for runs in (runs for runs in RUN_COUNTS if 2 * runs <= wanted.number):
+        for length in (length for length in LENGTHS if 2.0 * length <= wanted.seconds):
             parts = _parts(results, runs, length)
             rungs.append(_rung(parts, results, unit.size, cpu_per_s, own.discard_seconds))
     told = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    told_runs = f"{wanted.number} runs of {wanted.seconds:g} s"
     notes = [f"Correlation time of the speed: {told}."]
     if bias is not None:
         share = bias.bound / unit.size
@@ -51,16 +60,22 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         "Standard error of the mean speed against simulated time",
         f"standard error actually made, {unit.name}",
         "CPU time, s",
-        f"mean of the whole ensemble, {RUNS} runs of {seconds:g} s by {survey.own.label}",
+        f"mean of the whole ensemble, {told_runs} by {survey.own.label}",
         rungs,
         notes,
     )
 
 
-def _affordable(survey: Survey, cpu_per_s: float) -> float:
-    """Length of each run, s: for a third of the survey's budget, but 4 s at least."""
-    affordable = survey.budget_s / 3.0 / (RUNS * cpu_per_s) - survey.scene.run.discard_seconds
-    return min(max(affordable, 4.0), SECONDS)
+def least(survey: Survey) -> float:
+    """Wall time of the least ensemble whose parts can be compared, s."""
+    return survey.purse.cost(KINDS[-1], survey.rate(survey.own), survey.scene.run.discard_seconds)
+
+
+def _affordable(survey: Survey) -> Runs:
+    """Runs within the ladder's share of the budget, which it takes."""
+    granted, rate = survey.take("statistics"), survey.rate(survey.own)
+    runs = survey.purse.affords(granted, rate, survey.scene.run.discard_seconds, KINDS)
+    return runs._replace(seconds=min(runs.seconds, LONGEST))
 
 
 def _parts(results: Sequence[RunResult], runs: int, length: float) -> list[list[RunResult]]:

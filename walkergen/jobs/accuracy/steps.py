@@ -1,5 +1,6 @@
 """The ladders of steps and tolerances: short deterministic scenes, and long-run mean speeds."""
 
+import time
 from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
@@ -52,6 +53,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
     """Measure the error of the final state against step and tolerance, before chaos sets in."""
     if survey.complete == "space":
         return elastic.short(survey, progress)
+    started = time.perf_counter()
     rungs: list[Rung] = []
     certified = []
     for number, scene in enumerate(SHORTS):
@@ -65,6 +67,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
         finest = stepped[-1]
         told = f"{finest.error:.1e} of it at {finest.setting}" if finest.error else "equal"
         certified.append(f"{scene.name}: steps approach it to {told}")
+    survey.purse.pay(time.perf_counter() - started)
     return Ladder(
         "steps-short",
         "Error of the final state of short scenes against step and tolerance",

@@ -1,0 +1,188 @@
+"""The budget of a study: shared out, kept, and raised where it means nothing."""
+
+import math
+
+import numpy as np
+import pytest
+
+from walkergen.jobs.accuracy import choose, elastic, kept, make, statistics
+from walkergen.jobs.accuracy.purse import BY_STEPS, Purse, Runs, rounded_down, widened
+from walkergen.jobs.accuracy.setting import Measured
+from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.scene import Scene
+from walkergen.simulation.run import RunResult
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+
+def silent(*told):
+    """No progress."""
+
+
+def survey_of(budget_s, **tables):
+    return Survey(Scene.model_validate(tables), Design(), solids.mass_of(Design()), budget_s)
+
+
+def rated(survey, cpu_per_s=0.1):
+    """Give every setting a made-up cost: 1/step in space, next to nothing for planar models."""
+    for one in [*survey.events, *survey.steps, survey.own, *survey.simpler]:
+        dear = cpu_per_s / one.step_us if one.step_us and one.model == "space" else 1e-4
+        survey._rates[one] = dear
+    return survey
+
+
+@pytest.mark.parametrize("slowness", [1.0, 2.5])
+@pytest.mark.parametrize("budget", [3.0, 10.0, 60.0])
+def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slowness):
+    """Made-up runs that take `slowness` times what their CPU time says; only the clock is false."""
+    survey = rated(survey_of(budget))
+    survey.purse.cores = 2
+    least = make._share_out(survey, ("models", "steps", "statistics", "shape"), silent)
+    assert least is None
+    for setting in [*survey.steps, *survey.simpler]:
+        kinds = BY_STEPS
+        rate = survey.rate(setting)
+        runs = survey.purse.affords(survey.granted(setting), rate, 1.0, kinds)
+        idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
+        survey.purse.pay_runs(runs, rate, 1.0, slowness * idle)
+        cost = runs.number * rate * (runs.seconds + 1.0)
+        survey.known[setting] = Measured(setting, 1.0, 0.1, *runs, 1.0, cost, None, "ok")
+    survey.purse.pay(survey.take("steps-short"))
+    for name, kinds in (("frames", BY_STEPS), ("statistics", statistics.KINDS)):
+        rate = survey.rate(survey.own)
+        parts = len(elastic.FRAMES) if name == "frames" else 1
+        runs = survey.purse.affords(survey.take(name) / parts, rate, 1.0, kinds)
+        idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
+        survey.purse.pay_runs(runs, rate, 1.0, parts * slowness * idle)
+    assert not survey.due
+    assert not survey.others
+    assert survey.purse.spent_s == pytest.approx(budget, rel=0.3)
+
+
+def test_what_one_leaves_over_the_others_get():
+    purse = Purse(10.0, 2)
+    due = {"a": 1.0, "b": 3.0, "c": 1.0}
+    assert purse.grant("a", due) == pytest.approx(2.0)
+    purse.pay(1.0)
+    assert purse.grant("b", {"b": 3.0, "c": 1.0}) == pytest.approx(9.0 * 0.75)
+    purse.pay(20.0)
+    assert purse.grant("c", {"c": 1.0}) == 0.0
+
+
+def test_a_patient_purse_counts_what_an_idle_machine_would_take():
+    busy, patient = Purse(10.0, 2), Purse(10.0, 2, patient=True)
+    for purse in (busy, patient):
+        purse.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
+    assert busy.spent_s == pytest.approx(1.2)
+    assert busy.slowness == pytest.approx(3.0)
+    assert patient.spent_s == pytest.approx(0.4)
+    assert patient.slowness == pytest.approx(1.0)
+
+
+def test_runs_are_fewer_before_they_are_too_short():
+    purse = Purse(10.0, 1)
+    afforded = [purse.affords(wall, 0.1, 1.0, BY_STEPS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
+    # 16 runs of 61.5 s; 16 of 1.06; 8 of 1.5; 4 of 1.5; and the least
+    assert afforded == [Runs(16, 60.0), Runs(16, 1.0), Runs(8, 1.5), Runs(4, 1.5), Runs(4, 0.5)]
+    crowd = Purse(10.0, 64)  # no run is split: 16 runs keep 16 of 64 cores busy
+    assert crowd.affords(1.0, 0.1, 1.0, BY_STEPS) == Runs(16, 8.0)
+    assert crowd.cost(Runs(16, 8.0), 0.1, 1.0) == pytest.approx(0.9)
+
+
+def test_lengths_are_round_and_lose_little():
+    rng = np.random.default_rng(3)
+    for value in 10.0 ** rng.uniform(-2.0, 3.0, 200):
+        found = rounded_down(value)
+        assert 0.74 * value <= found <= value * (1 + 1e-9)
+    assert rounded_down(0.0) == rounded_down(-1.0) == 0.0
+    assert rounded_down(0.5) == 0.5
+
+
+def test_few_runs_have_bars_as_sure_as_many():
+    """Twice the widened error holds the true mean as often for 4 runs as twice that of 16."""
+    rng = np.random.default_rng(7)
+    inside = {}
+    for runs in (4, 8, 16):
+        values = rng.normal(size=(40_000, runs))
+        se = values.std(axis=1, ddof=1) / math.sqrt(runs) * widened(runs)
+        inside[runs] = float(np.mean(np.abs(values.mean(axis=1)) < 2.131 * se))
+    assert inside == pytest.approx(dict.fromkeys(inside, 0.95), abs=0.005)
+    assert widened(16) == widened(32) == 1.0
+
+
+def test_the_least_budget_is_named_and_taken():
+    survey = rated(survey_of(1.0), cpu_per_s=1.0)
+    least = make._share_out(survey, ("models", "steps", "statistics"), silent)
+    assert least is not None
+    assert survey.purse.budget_s == least
+    alone = rated(survey_of(1.0), cpu_per_s=1.0)
+    fewer = make._share_out(alone, ("statistics",), silent)
+    assert fewer is not None
+    assert fewer < 0.7 * least
+    assert survey.least(survey.own) == pytest.approx(
+        math.ceil(4 / survey.cores) * 1.5 * survey.rate(survey.own)
+    )
+    assert make._share_out(rated(survey_of(1.0), 1.0), ("shape",), silent) is None
+
+
+def test_one_ladder_alone_has_the_whole_budget():
+    alone, all_of_them = rated(survey_of(60.0)), rated(survey_of(60.0))
+    make._share_out(alone, ("steps",), silent)
+    make._share_out(all_of_them, ("models", "steps", "statistics"), silent)
+    own = alone.steps[0]
+    assert alone.granted(own) > 1.2 * all_of_them.granted(own)
+    assert all(one in alone.steps for one in alone.due)
+
+
+def test_parts_of_eight_runs_still_give_a_rung(monkeypatch):
+    survey = rated(survey_of(1.0))
+    reference = survey.steps[0]
+    for one in {reference, survey.own}:
+        survey.known[one] = Measured(one, 10.0, 0.5, 4, 0.5, 1.0, 1.0, None, "4 ok")
+    survey.others["statistics"] = statistics.WEIGHT
+    survey.purse.budget_s = 1e-6
+
+    def made(setting, runs, progress):
+        assert runs == Runs(8, 1.0)
+        blocks = np.random.default_rng(1).normal(10.0, 2.0, (8, 20))
+        return [
+            RunResult(k, None, 1.0, b.mean(), 0.05, b, None, 0.0, None, 0.0)
+            for k, b in enumerate(blocks)
+        ], 0.1
+
+    monkeypatch.setattr(survey, "ensemble", made)
+    (rung,) = statistics.ladder(survey, silent).rungs
+    assert rung.details["parts"] == 4
+    assert rung.error > 0
+
+
+def thin(survey, value, cpu_s):
+    for one in survey.steps:
+        survey.known[one] = Measured(one, value, 3.0, 4, 0.5, 1.0, cpu_s, None, "4 ok")
+
+
+def test_a_record_that_tells_too_little_is_measured_anew(tmp_path, monkeypatch):
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
+    short = survey_of(1.0)
+    thin(short, 100.0, 0.1)
+    kept.remember(short)
+    measured = []
+
+    def measure(self, setting, progress):
+        measured.append((setting, self.purse.budget_s))
+        longest = self.purse.budget_s == choose.PILOTS_S[-1]
+        se, seconds, cpu_s = (0.3, 5.0, 50.0) if longest else (3.0, 1.0, 1.0)
+        return Measured(setting, 100.0, se, 16, seconds, 1.0, cpu_s, None, "16 ok")
+
+    monkeypatch.setattr(Survey, "_measured", measure)
+    wanted = choose.Wanted(0.05, True)
+    fresh = survey_of(choose.PILOTS_S[0])
+    choice, on_record = choose._informed(fresh, wanted, silent)
+    assert not on_record
+    assert choice.bias_bound < 5.0
+    assert [budget for _, budget in measured[:: len(fresh.steps)]] == [*choose.PILOTS_S]
+    assert {setting for setting, _ in measured} == {*fresh.steps}
+    again, on_record = choose._informed(survey_of(choose.PILOTS_S[0]), wanted, silent)
+    assert on_record
+    assert again == choice
+    assert len(measured) == 2 * len(fresh.steps)
