@@ -1,4 +1,7 @@
-"""Every hard case over every model and method to which it applies, from the one list."""
+"""Every hard case over every model and method to which it applies, from the one list.
+
+By day `walkergen selftest`, in the README's tour, runs them all; here each is told apart.
+"""
 
 import pytest
 
@@ -7,6 +10,7 @@ from walkergen.jobs.selftest.catalogue import CASES
 JOBS = [(case, *pair) for case in CASES for pair in case.runs_on]
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("case", "model", "method"), JOBS, ids=[f"{c.section} {c.name}-{a}-{b}" for c, a, b in JOBS]
 )
