@@ -34,8 +34,6 @@ def test_the_tour_runs_as_shown(tmp_path):
     tour = [line for line in commands() if line.startswith("walkergen")]
     assert len(tour) == 29
     for line in tour:
-        if line.startswith("walkergen reproduce"):  # minutes: test_reproduce runs it as shown
-            continue
         words = [sys.executable, "-m", *shlex.split(line)]
         result = subprocess.run(words, cwd=tmp_path, capture_output=True, text=True, check=False)
         assert result.returncode == 0, (line, result.stderr, result.stdout[-2000:])

@@ -2,8 +2,6 @@
 
 import csv
 import json
-import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -75,15 +73,10 @@ def table(path):
 
 FAST = ("--tilt", "5,10,20", "--gamma", "1.6,2", "--seconds", "0.2")
 
-README = (Path(__file__).parent.parent / "README.md").read_text(encoding="utf-8")
-(SHOWN,) = re.findall(r"^walkergen (reproduce .*?) +#", README, flags=re.MULTILINE)
-"""The one line of the README's tour that runs here and not there."""
-
 
 @pytest.mark.slow
-def test_the_run_that_the_readme_shows_makes_every_file(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(app, [*SHOWN.split(), "--json"], catch_exceptions=True)
+def test_a_fast_run_makes_every_file(run, tmp_path):
+    result = run(*FAST, "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
     folder = tmp_path / found["folder"]
