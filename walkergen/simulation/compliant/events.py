@@ -79,7 +79,8 @@ REST = 1e-8
 """Sliding speed (mm/s) below which a foot on the plate is at rest."""
 
 SHORTEST = 1e-10
-"""Step (s) taken over an event that lasts no time, such as friction exactly at its limit."""
+"""Step (s) taken over an event that lasts no time, such as friction exactly at its limit, unless
+legs are so fast that it would be a long one (`_shortest`)."""
 
 INSTANT, REPEATED = 1e-15, 10
 """Time (s) that counts as zero after `REPEATED` steps in a row without more progress."""
@@ -93,8 +94,7 @@ BRIEF = 1e-7
 friction has slowed them: it ends within a hundredth of the contact time of a real foot."""
 
 STALLED = 10_000
-"""Number of steps in a row no longer than SHORTEST after which a run has failed."""
-
+"""Number of steps in a row no longer than the shortest after which a run has failed."""
 
 ABOVE_FED = 2.0
 """Least speed at which feet rebound, over that which a foot gains by falling as deep as `level_of`:
@@ -125,6 +125,18 @@ def coarser(world: World, factor: float) -> World:
 def resting(world: World) -> float:
     """Speed (mm/s) below which a foot does not rebound."""
     return float(world.options.snap)
+
+
+@kernel
+def _shortest(legs, swing):
+    """SHORTEST, or a hundredth of the time in which the fastest leg swings or is damped, s."""
+    if legs is None:
+        return SHORTEST
+    fastest = 0.0
+    for leg in legs:
+        mobility = max(swing.mobility_1, swing.mobility_2)
+        fastest = max(fastest, leg.damping * mobility, math.sqrt(leg.stiffness * mobility))
+    return SHORTEST if fastest * SHORTEST <= 1e-2 else 1e-2 / fastest
 
 
 @kernel
@@ -354,6 +366,7 @@ def advance(world, state, duration, tally):
         scales_of(world, state),
     )
     begin, t, stalled, length, blows = sums[record.ELAPSED], 0.0, 0, 1e-6, 0.0
+    shortest = _shortest(world.walker.legs, world.walker.swing)
     decide(world, state, tally, work.rows, blows)
     while t < duration:
         sums[record.ELAPSED] = begin + t
@@ -372,9 +385,9 @@ def advance(world, state, duration, tally):
         length = max(grown, 1e-9)
         at_once = event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED))
         if at_once and not _jammed(world, state):  # a step over a jam has no bound
-            passed = min(SHORTEST, until)
+            passed = min(shortest, until)
             shoot(world, work, passed)
-        stalled = stalled + 1 if passed <= SHORTEST else 0
+        stalled = stalled + 1 if passed <= shortest else 0
         _accept(world, state, work, passed, sums)
         t = duration if duration - t - passed < 1e-15 else t + passed
         sums[record.ELAPSED] = begin + t
