@@ -49,7 +49,7 @@ def _far_apart(model: str, method: str) -> Iterator[Check]:
         most = max(most, int(tally.counts[0]))
         lost = max(lost, energy_error(plan, before, state, tally))
     yield exactly("stands on both feet after 0.1 s", stand)
-    yield Check("impacts", most, 3000.0, "some series of 100 (e = 0.9); a million where one was fed")
+    yield Check("impacts", most, 3000.0, "series of 100 (e = 0.9); a million where fed")
     yield Check("energy unaccounted for", lost, 1e-9, "rounding; the flow's error on springs")
 
 
