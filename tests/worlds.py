@@ -50,9 +50,9 @@ def hinged_state(walker, clearance, pitch=0.0, phase=0.0, drive=SHAKEN):
     return hinged.start(world_of(walker, drive), clearance, pitch, phase)
 
 
-def relaxed_walker(tilt=0.0, flexible=False):
+def relaxed_walker(tilt=0.0, flexible=False, **keys):
     """A box on two thin legs: relaxed ones, or braced ones without mass."""
-    design = Design().variant(tilt_deg=tilt, kind="flexible" if flexible else "braced")
+    design = Design().variant(tilt_deg=tilt, kind="flexible" if flexible else "braced", **keys)
     return relaxed.walker_of(design, masses(design))
 
 

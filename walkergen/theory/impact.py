@@ -19,6 +19,9 @@ POISSON, NEWTON, STRONGE = range(3)
 NONE, TYPE_I, TYPE_II, TYPE_III, TYPE_IV, FROM_REST = range(6)
 II_MIRRORED, III_MIRRORED = -TYPE_II, -TYPE_III
 
+# Speed (mm/s) below which, and above whose inverse, an impact is scaled: works are quadratic.
+SMALL = 1e-100
+
 
 class Law(IntEnum):
     """Law of restitution: what ends the impact after the compression phase."""
@@ -114,7 +117,28 @@ def impact(
     """
     if v_y >= 0.0:
         return Impact(0.0, 0.0, v_x, v_y, NONE, False)
+    size = max(abs(v_x), -v_y)
+    if SMALL < size < 1.0 / SMALL:
+        return _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction, law)
+    _, n = math.frexp(size)  # a power of two: scaling by it loses no digit
+    v_x, v_y = math.ldexp(v_x, -n), math.ldexp(v_y, -n)
+    hit = _follow(H_xx, H_xy, H_yy, v_x, v_y, restitution, friction, law)
+    F_x, F_y = math.ldexp(hit.F_x, n), math.ldexp(hit.F_y, n)
+    return Impact(F_x, F_y, math.ldexp(hit.v_x, n), math.ldexp(hit.v_y, n), hit.kind, hit.sticks)
 
+
+@kernel
+def _follow(
+    H_xx: float,
+    H_xy: float,
+    H_yy: float,
+    v_x: float,
+    v_y: float,
+    restitution: float,
+    friction: float,
+    law: int,
+) -> Impact:
+    """Impact of a foot that approaches at a speed whose square neither under- nor overflows."""
     # After a stop: stick if friction can hold the foot, else slide on along H_xy. Ratio = F_x/F_y.
     sticks = abs(H_xy) <= friction * H_xx
     if sticks:

@@ -6,6 +6,7 @@ from walkergen.jobs.selftest import (
     extremes,
     friction,
     geometry,
+    hammering,
     impacts,
     landings,
     space,
@@ -23,7 +24,7 @@ def _place(case: Case) -> tuple[int, ...]:
 
 
 _MODULES = (
-    impacts, friction, bounces, landings, symmetries, extremes,
+    impacts, friction, bounces, hammering, landings, symmetries, extremes,
     space, space_contact, space_rest, any_walker, geometry,
 )  # fmt: skip
 

@@ -310,7 +310,21 @@ def _closed_form(model: str, method: str) -> Iterator[Check]:
     yield Check("held by friction: -H^-1 v, g mm/s", held, 1e-9, "an approach cut at 1e-13")
 
 
+def _any_speed(model: str, method: str) -> Iterator[Check]:
+    """Check that an impact scales with its speed to the last digit, where works underflow too."""
+    for law in Law:
+        same = 0
+        for H, v, e, mu in _random_impacts(40, seed=8):
+            out = resolve(H, v, e, mu, law)
+            for n in (-990, -600, -300, 300, 600, 990):
+                slow = resolve(H, (math.ldexp(v[0], n), math.ldexp(v[1], n)), e, mu, law)
+                grown = (math.ldexp(component, -n) for component in slow[:4])
+                same += (*grown, *slow[4:]) == tuple(out)
+        yield exactly(f"{law.name.lower()}: 240 impacts of 1e-298 to 1e298 mm/s", same == 240)
+
+
 CASES = [
+    Case("one impact at any speed", "6.3", IMPACT_LAW, _any_speed),
     Case("upright walker: closed-form speeds", "6.1", IMPACT_LAW, _upright_factors),
     Case("no friction: one impact", "6.2", IMPACT_LAW, _no_friction),
     Case("jamming: one impact", "6.2", IMPACT_LAW, _jamming),

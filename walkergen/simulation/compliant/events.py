@@ -79,14 +79,22 @@ REST = 1e-8
 """Sliding speed (mm/s) below which a foot on the plate is at rest."""
 
 SHORTEST = 1e-10
-"""Step (s) taken over an event that lasts no time, such as friction exactly at its limit."""
+"""Step (s) taken over an event that lasts no time, such as friction exactly at its limit, unless
+legs are so fast that it would be a long one (`_shortest`)."""
 
 INSTANT, REPEATED = 1e-15, 10
 """Time (s) that counts as zero after `REPEATED` steps in a row without more progress."""
 
-STALLED = 10_000
-"""Number of steps in a row no longer than SHORTEST after which a run has failed."""
+PACE, HAMMERING, DOUBLES = 1e-6, 50.0, 10.0
+"""Time (s) in which one event is forgotten; number of events, so counted, from which on feet
+hammer; number of further ones with which the rebounds that do not count last twice as long."""
 
+BRIEF = 1e-7
+"""Longest rebound (s) that does not count where feet hammer, as they do at restitution 1 until all
+friction has slowed them: it ends within a hundredth of the contact time of a real foot."""
+
+STALLED = 10_000
+"""Number of steps in a row no longer than the shortest after which a run has failed."""
 
 ABOVE_FED = 2.0
 """Least speed at which feet rebound, over that which a foot gains by falling as deep as `level_of`:
@@ -117,6 +125,18 @@ def coarser(world: World, factor: float) -> World:
 def resting(world: World) -> float:
     """Speed (mm/s) below which a foot does not rebound."""
     return float(world.options.snap)
+
+
+@kernel
+def _shortest(legs, swing):
+    """SHORTEST, or a hundredth of the time in which the fastest leg swings or is damped, s."""
+    if legs is None:
+        return SHORTEST
+    fastest = 0.0
+    for leg in legs:
+        mobility = max(swing.mobility_1, swing.mobility_2)
+        fastest = max(fastest, leg.damping * mobility, math.sqrt(leg.stiffness * mobility))
+    return SHORTEST if fastest * SHORTEST <= 1e-2 else 1e-2 / fastest
 
 
 @kernel
@@ -221,17 +241,22 @@ def _stop_jam(world, state, now, closed, sliding):
 
 
 @kernel
-def _resting(world, state, chain):
-    """Speed (mm/s) below which a foot does not rebound at this instant.
+def _resting(world, state, chain, blows):
+    """Speeds (mm/s) below which the back and the front foot do not rebound at this instant.
 
     A foot lands at a depth of `level_of`, having left from none: its acceleration a over that depth
     would feed an endless sequence of alternating feet (docs/physics.md section 5, trap 2). And a
     rebound that ends within `SHORTEST` is none: at restitution 1 a damped leg makes any number.
+    Where feet hammer, with more than HAMMERING `blows`, neither is a longer one, up to BRIEF.
     """
     _, free = accelerations(world, state, chain)
     a = max(abs(free[1]), abs(free[3]))
     fed = math.sqrt(2.0 * a * level_of(world.drive, state))
-    return max(world.options.snap, ABOVE_FED * fed, 0.5 * a * SHORTEST)
+    rest = max(world.options.snap, ABOVE_FED * fed, 0.5 * a * SHORTEST)
+    if blows <= HAMMERING:
+        return rest, rest
+    brief = min(BRIEF, SHORTEST * 2.0 ** ((blows - HAMMERING) / DOUBLES))
+    return max(rest, 0.5 * abs(free[1]) * brief), max(rest, 0.5 * abs(free[3]) * brief)
 
 
 @kernel
@@ -243,23 +268,26 @@ def _jammed(world, state):
 
 
 @kernel
-def decide(world, state, tally, rows):
-    """Resolve the impacts of this instant, then choose the modes of feet that stay; in place."""
+def decide(world, state, tally, rows, blows):
+    """Resolve the impacts of this instant, then choose the modes of feet that stay; in place.
+
+    `blows` (`_resting`): number of events that came close upon each other before this one.
+    """
     friction = frictions(world)
     chain = chain_of(world.walker, state, LOOSE)
     gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
-    touch, rest = TOUCH * level_of(world.drive, state), _resting(world, state, chain)
+    touch, rest = TOUCH * level_of(world.drive, state), _resting(world, state, chain, blows)
     was = (int(state[MODE_BACK]), int(state[MODE_FRONT]))
     touching = (
-        was[0] != OPEN or (gap[0] <= touch and u[1] <= rest),
-        was[1] != OPEN or (gap[1] <= touch and u[3] <= rest),
+        was[0] != OPEN or (gap[0] <= touch and u[1] <= rest[0]),
+        was[1] != OPEN or (gap[1] <= touch and u[3] <= rest[1]),
     )
     # Stopping a jam pushes the other foot into the plate or off it, and that one may slide on.
     for jams in range(1 + JAMS):
         now = Instant(chain, mobility_of(chain), rows, tally)
-        collide(world, restitutions(world), state, now, touching, (rest, rest))
+        collide(world, restitutions(world), state, now, touching, rest)
         u = feet_velocities(world, state, chain)
-        closed = (touching[0] and u[1] <= rest, touching[1] and u[3] <= rest)
+        closed = (touching[0] and u[1] <= rest[0], touching[1] and u[3] <= rest[1])
         guess = (was[0] if closed[0] else OPEN, was[1] if closed[1] else OPEN)
         state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
         if not (closed[0] or closed[1]):
@@ -337,8 +365,9 @@ def advance(world, state, duration, tally):
         np.empty((4, 5)),
         scales_of(world, state),
     )
-    begin, t, stalled, length = sums[record.ELAPSED], 0.0, 0, 1e-6
-    decide(world, state, tally, work.rows)
+    begin, t, stalled, length, blows = sums[record.ELAPSED], 0.0, 0, 1e-6, 0.0
+    shortest = _shortest(world.walker.legs, world.walker.swing)
+    decide(world, state, tally, work.rows, blows)
     while t < duration:
         sums[record.ELAPSED] = begin + t
         if begin + t >= next_sample(tally.samples) - 1e-12:
@@ -356,12 +385,14 @@ def advance(world, state, duration, tally):
         length = max(grown, 1e-9)
         at_once = event and (passed == 0.0 or (passed < INSTANT and stalled > REPEATED))
         if at_once and not _jammed(world, state):  # a step over a jam has no bound
-            passed = min(SHORTEST, until)
+            passed = min(shortest, until)
             shoot(world, work, passed)
-        stalled = stalled + 1 if passed <= SHORTEST else 0
+        stalled = stalled + 1 if passed <= shortest else 0
         _accept(world, state, work, passed, sums)
         t = duration if duration - t - passed < 1e-15 else t + passed
         sums[record.ELAPSED] = begin + t
+        blows = max(0.0, blows - passed / PACE)
         if event:
-            decide(world, state, tally, work.rows)
+            decide(world, state, tally, work.rows, blows)
+            blows += 1.0
     return OK

@@ -135,10 +135,14 @@ def choose_modes(world, state, near_back, near_front):
     Returns NO_JAM, or the foot (0 back, 1 front) that jams: its mode is set after its stop.
     """
     back, front = levers(world.walker, state[PITCH])
-    v_y, Omega = state[V_Y] - velocity(world.drive, state[PHASE]), state[SPIN]
     pull = across(world.acting) + acceleration(world.drive, state[PHASE])
-    hold_back = near_back and abs(v_y + Omega * back[0]) <= world.options.snap_speed
-    hold_front = near_front and abs(v_y + Omega * front[0]) <= world.options.snap_speed
+    hold_back, hold_front = _held(world, state, back, front, near_back, near_front)
+    if near_back and near_front and hold_back != hold_front:
+        if hold_back:
+            _stop_approach(world, state, back, front, world.contacts[1].friction)
+        else:
+            _stop_approach(world, state, front, back, world.contacts[0].friction)
+        hold_back, hold_front = _held(world, state, back, front, True, True)
     state[MODE_BACK], state[MODE_FRONT] = OPEN, OPEN
     if hold_back and hold_front:
         state[PITCH], state[SPIN] = _level_pitch(world.walker), 0.0
@@ -175,6 +179,29 @@ def choose_modes(world, state, near_back, near_front):
     if mode == STICK:
         state[V_X] = state[SPIN] * r[1]
     return NO_JAM
+
+
+@kernel
+def _held(world, state, back, front, near_back, near_front):
+    """True for each foot that is near the plate and slow enough to stay on it."""
+    v_y, snap = state[V_Y] - velocity(world.drive, state[PHASE]), world.options.snap_speed
+    hold_back = near_back and abs(v_y + state[SPIN] * back[0]) <= snap
+    return hold_back, near_front and abs(v_y + state[SPIN] * front[0]) <= snap
+
+
+@kernel
+def _stop_approach(world, state, r, other, friction):
+    """Stop by the plate's impulse a foot at r that the blows at the other foot throw down.
+
+    To lift the body instead (`_press`) would lift the other foot by the same speed, and its next
+    blow would throw this foot down again: an endless sequence (docs/physics.md, trap 2).
+    """
+    M, J = world.walker.mass, world.walker.inertia
+    v_y = state[V_Y] - velocity(world.drive, state[PHASE]) + state[SPIN] * r[0]
+    if v_y < 0.0 and 1.0 / M + r[0] * other[0] / J < friction * abs(r[0] * other[1]) / J:
+        F_y = -v_y / rigid_tensor(world.walker, r).yy
+        state[V_Y] += F_y / M
+        state[SPIN] += r[0] * F_y / J
 
 
 @kernel
