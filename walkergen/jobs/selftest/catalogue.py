@@ -11,6 +11,7 @@ from walkergen.jobs.selftest import (
     space,
     space_contact,
     space_rest,
+    steps,
     symmetries,
 )
 from walkergen.jobs.selftest.case import Case
@@ -23,7 +24,7 @@ def _place(case: Case) -> tuple[int, ...]:
 
 
 _MODULES = (
-    impacts, friction, bounces, landings, symmetries, extremes,
+    impacts, friction, bounces, landings, steps, symmetries, extremes,
     space, space_contact, space_rest, any_walker, geometry,
 )  # fmt: skip
 
