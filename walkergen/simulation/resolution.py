@@ -40,8 +40,8 @@ SHARES = {
 }  # fmt: skip
 """The same for shares of types, by impulse and by number, as differences of shares."""
 
+SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
 IN_A_PLANE = {
-    observables.SPEED: (0.01, 0.015),
     observables.CONTACT: 0.012,
     observables.POWERS: 0.01,
     observables.BY_IMPULSE: 0.015,
@@ -124,8 +124,8 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
     if part > 1.0 + 1e-9:
         return Verdict(None, COARSE.format(own=_down(1e6 * own)))
     if name == observables.SPEED:
-        share, floor = IN_A_PLANE[name]
-        return Verdict(part * (share * abs(values[name]) + floor * plan.scene.drive.peak_speed))
+        floor = SPEED_FLOOR * plan.scene.drive.peak_speed
+        return Verdict(part * (SPEED_SHARE * abs(values[name]) + floor))
     share = part * IN_A_PLANE[name.partition(".")[0]]
     if name.startswith(f"{observables.POWERS}."):
         return Verdict(share * abs(values[f"{observables.POWERS}.from_plate"]))

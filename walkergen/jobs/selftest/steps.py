@@ -11,6 +11,8 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL, Outcome, simulate
 from walkergen.walker.design import Design
 
+Sinking = tuple[float, float, float, float, dict[str, float], float, float, float]
+
 SWIFT = (
     ({"tilt_deg": 20.0, "flexible_thickness_mm": 0.8}, 0.8),
     ({"tilt_deg": 25.0, "flexible_thickness_mm": 0.4}, 0.9),
@@ -18,7 +20,7 @@ SWIFT = (
 """Legs, and restitutions, of walkers that lost half their speed and its sign while rebounds of less
 than two steps were absorbed: 9.5 in place of 20.3 mm/s, and 0.4 in place of -6.4."""
 
-SINKING = (
+SINKING: tuple[Sinking, ...] = (
     (25.0, 1.0, 7.5, 13.0, {}, 0.8, 0.25, 10.0),
     (-26.0, 0.99, 5.49, 14.9, {"length_mm": 24.1, "thickness_mm": 5.4}, 1.0, 0.25, 2.0),
     (31.3, 0.266, 4.14, 36.0, {"length_mm": 59.7, "thickness_mm": 5.17}, 0.272, 0.1, 0.626),
