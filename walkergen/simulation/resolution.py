@@ -41,11 +41,7 @@ SHARES = {
 """The same for shares of types, by impulse and by number, as differences of shares."""
 
 SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
-IN_A_PLANE = {
-    observables.CONTACT: 0.012,
-    observables.POWERS: 0.01,
-    observables.BY_IMPULSE: 0.015,
-}
+IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}
 """Largest errors in a plane at the walker's own step: of the speed, as shares of itself and of the
 plate's peak speed, which add; of the contact fraction; of powers, as shares of the plate's; of
 shares of types by impulse. From 13 settings (tilts of -15 to 35 deg, legs of 0.3 to 1.5 mm,
