@@ -101,7 +101,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
         if half <= most or found.speed_mm_s is None:
             break
-        own = float(plan.world.options.step) if plan.resolved.model == "space" else None
+        own = float(plan.world.options.step) if plan.resolved.method == "step" else None
         finer = _refined(scene, half, most, step or 0.0, own)
         if finer is None:
             break
@@ -124,7 +124,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
 def _refined(
     scene: Scene, half: float, most: float, step: float, own: float | None
 ) -> Scene | None:
-    """Scene with more runs, or in space half the step, for half-widths (mm/s) that exceed `most`.
+    """Scene with more runs, or half the step, for half-widths (mm/s) that exceed `most`.
 
     `step` is the step's own part (mm/s), `own` a step that may be halved (s). None where neither
     would help.

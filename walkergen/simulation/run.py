@@ -43,6 +43,7 @@ class Outcome(Enum):
     ENERGY = "energy error"
     """More energy unaccounted for than scene.run.energy_tolerance allows."""
     FAILED = "no convergence"
+    INSIDE = "foot below the plate"
     TOO_FEW = "too few data for an error bar"
     STOPPED = "stopped"
 
@@ -52,11 +53,11 @@ ENDED_WELL = (Outcome.OK, Outcome.STUCK)
 
 ENDS = {
     TOPPLED: Outcome.TOPPLED, FAILED: Outcome.FAILED, FOLDED: Outcome.FOLDED,
-    INSIDE: Outcome.FAILED, RUNAWAY: Outcome.RUNAWAY,
+    INSIDE: Outcome.INSIDE, RUNAWAY: Outcome.RUNAWAY,
 }  # fmt: skip
 """Outcome of each status of `world` other than OK."""
 
-UNFINISHED = {Outcome.FAILED, Outcome.STOPPED, Outcome.RUNAWAY}
+UNFINISHED = {Outcome.FAILED, Outcome.INSIDE, Outcome.STOPPED, Outcome.RUNAWAY}
 """Outcomes whose energy need not balance; that of a fall or a folded leg must."""
 
 

@@ -24,8 +24,8 @@ OPEN, STICK, FORWARD, BACKWARD = range(4)
 
 OK, TOPPLED, FAILED, FOLDED, INSIDE, RUNAWAY = range(6)
 """Statuses of a model's `advance`: ran to the end; a corner of the body touched the plate; no
-progress; a leg turned by 90 deg against the body; started with a foot inside the plate; impacts
-gained energy without bound, as those of relaxed legs can."""
+progress; a leg turned by 90 deg against the body; a foot inside the plate, at the start or
+deeper than a step explains; impacts gained energy without bound, as those of relaxed legs can."""
 
 RIGID_COLUMNS = (
     "x_mm", "y_mm", "pitch_rad", "v_x_mm_s", "v_y_mm_s", "pitch_rate_rad_s", "phase_rad",

@@ -11,7 +11,7 @@ from walkergen.jobs.paper.plane import LONGER, Runs
 from walkergen.jobs.paper.sweeps import NOISE_RATIO, QUIET, SHORTER, Point, Value
 from walkergen.jobs.paper.tables import name, number, to_table
 from walkergen.published import FACTS, judge
-from walkergen.simulation.compliant.model import STEP_US
+from walkergen.simulation.compliant.lengths import MOST
 
 
 def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
@@ -26,9 +26,9 @@ printed geometry ({design}) on a plate shaken at {drive.frequency:g} Hz with {dr
 ({drive.peak_speed:.1f} mm/s). Each simulated number: {run.runs} runs of {run.seconds:g} s, in space
 of {SHORTER * run.seconds:g} s ({LONGER * run.seconds:g} s for figure 6), after
 {run.discard_seconds:g} s discarded; seed {run.seed}; in a plane Poisson's law of restitution, with
-compliant legs in steps of {run.step_us or STEP_US:g} µs. In space walkers run on elastic feet
-({scene.feet.damping}), of whose damping e is the label, freely on an open plane, with speeds along
-their heading: this stands for a lane without walls.
+compliant legs in steps of at most {run.step_us or 1e6 * MOST:g} µs. In space walkers run on elastic
+feet ({scene.feet.damping}), of whose damping e is the label, freely on an open plane, with speeds
+along their heading: this stands for a lane without walls.
 
 ## What comes out
 

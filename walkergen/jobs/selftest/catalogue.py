@@ -12,6 +12,7 @@ from walkergen.jobs.selftest import (
     space,
     space_contact,
     space_rest,
+    steps,
     symmetries,
 )
 from walkergen.jobs.selftest.case import Case
@@ -24,7 +25,7 @@ def _place(case: Case) -> tuple[int, ...]:
 
 
 _MODULES = (
-    impacts, friction, bounces, hammering, landings, symmetries, extremes,
+    impacts, friction, bounces, hammering, landings, steps, symmetries, extremes,
     space, space_contact, space_rest, any_walker, geometry,
 )  # fmt: skip
 

@@ -179,7 +179,7 @@ def _starts(model: str, method: str) -> Iterator[Check]:
     )
     if (model, method) in THREE_COORDINATES:
         outcome, _ = advance(plan, plan.start(-0.1, 0.0, 0.0), 0.1)
-        yield exactly("0.1 mm inside: refused", outcome is Outcome.FAILED)
+        yield exactly("0.1 mm inside: refused", outcome is Outcome.INSIDE)
 
 
 CASES = [

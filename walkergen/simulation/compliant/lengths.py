@@ -1,6 +1,7 @@
 """Lengths of time steps: how far a walker on legs may go in one, and what legs do within it."""
 
 import math
+from typing import Any
 
 from walkergen.numerics.kernels import inlined, kernel
 from walkergen.simulation.compliant.chain import LOOSE, angle
@@ -16,6 +17,9 @@ PUMPED = 0.01
 DAMPED = 1.6
 """Decay times of a leg's damper in which its foot, hit at restitution 1, is back: the root of
 2 (1 - exp(-x)) = x."""
+
+MOST, OWN = 3e-5, 0.4
+"""Own step of a walker: its most (s), and its share of the longest: ten in a period of the legs."""
 
 SLIVER = 0.1
 """Part of h below which a step does not end at a foot's stop, nor does a step after one: the error
@@ -59,6 +63,19 @@ def slower_mode(leg, swing):
         math.sqrt(leg.stiffness * slower),
         leg.damping * (1.0 + swing.excess * (part * part)) * slower,
     )
+
+
+def longest_step(walker: Any) -> float:
+    """Step (s) beyond which legs that are hit swing back within two, so that no foot rebounds."""
+    if walker.legs is None:
+        return math.inf
+    rate, decay = slower_mode(walker.legs[0], walker.swing)
+    return 0.5 * min(math.pi / rate, DAMPED / decay if decay > 0.0 else math.inf)
+
+
+def own_step(walker: Any) -> float:
+    """Step (s) of a walker unless its scene gives one: it resolves the swing of the legs."""
+    return min(MOST, OWN * longest_step(walker))
 
 
 @inlined

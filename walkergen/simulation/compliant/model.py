@@ -3,6 +3,7 @@
 import numpy as np
 
 from walkergen.simulation.compliant import chain, events, steps
+from walkergen.simulation.compliant.lengths import own_step
 from walkergen.simulation.compliant.state import Walker, start, walker_of
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects.effect import Case
@@ -19,9 +20,6 @@ from walkergen.simulation.world import (
     X,
     pose,
 )
-
-STEP_US = 30.0
-"""Step, us, unless the scene gives one: ten in an oscillation of a leg balance its energy."""
 
 
 def feet(world: World, state: State) -> Array:
@@ -71,5 +69,6 @@ def of(
     model = STEPS if stepped else EVENTS
     if walker.legs is None:
         model = model._replace(columns=RIGID_COLUMNS)
-    step = 1e-6 * (case.scene.run.step_us or STEP_US)
+    given = case.scene.run.step_us
+    step = own_step(walker) if given is None else 1e-6 * given
     return model, walker, steps.Options(step) if stepped else events.Options()

@@ -4,9 +4,9 @@ While a foot lies on the plate, steps have a fixed length h: trapezoidal rule (s
 contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
 of modes. In the air, flight is in closed form, in long steps when no foot can reach the plate and
 the walker does not turn fast. A landing is located inside its step and resolved there by the law of
-impact; rebounds too short for steps (less than 2 h) are absorbed, and so is every rebound off a leg
-that swings back within that time. Second order in h while h resolves the legs' swing
-(docs/physics.md section 5, accuracy); a foot may sink by part of what it travels in a step.
+impact; rebounds far too short for steps are absorbed, and so is every rebound off a leg that swings
+back within 2 h. Second order in h while h resolves the legs' swing (docs/physics.md section 5,
+accuracy); a foot may sink by part of what it travels in a step.
 """
 
 import math
@@ -27,6 +27,7 @@ from walkergen.simulation.compliant.chain import (
     feet_velocities,
     free_acceleration,
     gaps,
+    longest_leg,
     mobility_of,
     power_lost,
     push,
@@ -61,6 +62,7 @@ from walkergen.simulation.world import (
     FAILED,
     FOLDED,
     FORWARD,
+    INSIDE,
     MODE_BACK,
     MODE_FRONT,
     OK,
@@ -87,6 +89,13 @@ INSTANT = 1e-12
 
 TOGETHER = 1e-9
 """Part of a step within which two landings count as simultaneous."""
+
+ABSORBED = 0.03
+"""Rebounds that last less than 2 h times this are absorbed. What they lose took half of the speed
+of some walkers at 1, and at a tenth of this nothing changes (docs/physics.md section 5)."""
+
+SUNK = 1e-3
+"""Depth of a rising foot, over the longer leg's length, that no step explains: a run has failed."""
 
 STALLED = 200
 """Number of steps in a row that take no time after which a run has failed."""
@@ -118,8 +127,8 @@ def coarser(world: World, factor: float) -> World:
 
 
 def resting(world: World) -> float:
-    """Speed (mm/s) below which a foot does not rebound: what gravity gives it in a step."""
-    return float(world.options.step * world.acting.gravity.size)
+    """Speed (mm/s) below which a foot does not rebound: what gravity gives it in part of a step."""
+    return float(ABSORBED * world.options.step * world.acting.gravity.size)
 
 
 @kernel
@@ -283,21 +292,18 @@ def _step_to_landing(world, state, t, stops, gap_0, u_0, sums, work):
 
 
 @kernel
-def _surface(world, state, gap, u, landed, rows):
-    """Shift feet that land deeper than what they and the plate travel in a step onto the plate.
+def _surface(world, state, gap, landed, rows):
+    """Shift feet that land below the plate onto it.
 
-    A foot never gets so deep in one step, but could sink a little in every bounce that is lost in
-    a step: where it has landed and rebounds it is open, and `settle` leaves it where it is.
+    A foot could sink a little in every bounce that is lost in a step: where it has landed and
+    rebounds it is open, and `settle` leaves it where it is.
     """
-    step, legs = world.options.step, world.walker.legs
-    most = step * derivative_bound(world.drive, 1)
-    back = landed[0] and gap[0] < -most - step * abs(u[1])
-    front = landed[1] and gap[1] < -most - step * abs(u[3])
+    back, front = landed[0] and gap[0] < -REACH, landed[1] and gap[1] < -REACH
     if back or front:
         modes = state[MODE_BACK], state[MODE_FRONT]
         state[MODE_BACK] = FORWARD if back else modes[0]
         state[MODE_FRONT] = FORWARD if front else modes[1]
-        settle(world, state, stiffening(legs, step), rows)
+        settle(world, state, stiffening(world.walker.legs, world.options.step), rows)
         state[MODE_BACK], state[MODE_FRONT] = modes
     return back or front
 
@@ -307,7 +313,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
     """Impacts of the feet that land, of those on the plate and of those in reach of it, which the
     other's impact may throw onto it; sets the modes of all of these.
     """
-    step = world.options.step
+    short = ABSORBED * world.options.step
     touching = (
         landed[0] or state[MODE_BACK] != OPEN or gap[0] <= REACH,
         landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
@@ -315,18 +321,28 @@ def _land(world, state, chain, gap, landed, tally, rows):
     d = feet_changes(chain, free_acceleration(world, state, chain))
     turning = feet_turning(world.walker, state, chain)
     lift = acceleration(world.drive, state[PHASE])
-    least = step * across(world.acting)
+    least = short * across(world.acting)
     rest = (
-        max(step * (lift - d[1] - turning[1]), least),
-        max(step * (lift - d[3] - turning[3]), least),
+        max(short * (lift - d[1] - turning[1]), least),
+        max(short * (lift - d[3] - turning[3]), least),
     )
-    e = PLASTIC if swings_back(world.walker, 2.0 * step) else restitutions(world)
+    swung = swings_back(world.walker, 2.0 * world.options.step)
+    e = PLASTIC if swung else restitutions(world)
     collide(world, e, state, Instant(chain, mobility_of(chain), rows, tally), touching, rest)
     u = feet_velocities(world, state, chain)
     if touching[0]:
         state[MODE_BACK] = OPEN if u[1] > rest[0] else max(state[MODE_BACK], STICK)
     if touching[1]:
         state[MODE_FRONT] = OPEN if u[3] > rest[1] else max(state[MODE_FRONT], STICK)
+
+
+@kernel
+def _sunk(world, state, gap, u):
+    """True when an open foot lies deeper than a step explains: it would never be lifted."""
+    step, deep = world.options.step, SUNK * longest_leg(world.walker)
+    deep += step * derivative_bound(world.drive, 1)
+    back = state[MODE_BACK] == OPEN and gap[0] < -deep - step * abs(u[1])
+    return back or (state[MODE_FRONT] == OPEN and gap[1] < -deep - step * abs(u[3]))
 
 
 @kernel
@@ -349,11 +365,13 @@ def advance(world, state, duration, tally):
         back = back or (state[MODE_BACK] == OPEN and gap[0] <= REACH and u[1] <= 0.0)
         front = front or (state[MODE_FRONT] == OPEN and gap[1] <= REACH and u[3] <= 0.0)
         if back or front:
-            if _surface(world, state, gap, u, (back, front), work.rows):
+            if _surface(world, state, gap, (back, front), work.rows):
                 chain = chain_of(world.walker, state, LOOSE)
                 gap = gaps(world.drive, state, chain)
             _land(world, state, chain, gap, (back, front), tally, work.rows)
             u = feet_velocities(world, state, chain)
+        if _sunk(world, state, gap, u):
+            return INSIDE
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if closed:
             length = longest_contact(legs, state, h)
