@@ -8,6 +8,7 @@ ratios only.
 
 import difflib
 import math
+import os
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -68,9 +69,9 @@ def template(parts: Iterable[str]) -> str:
 
 def filled(path: Path) -> bool:
     """True for a file that is not byte for byte a `template`: work to keep. Raises InputError."""
-    if not path.exists():
+    if not os.path.lexists(path):
         return False
-    data = reading.content(path)
+    data = reading.content(path, MOST_BYTES)
     rows = data.decode("utf-8", "replace").splitlines()[1:]
     return data != template(row.partition(",")[0] for row in rows).encode()
 
