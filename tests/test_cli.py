@@ -149,7 +149,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
         (("predict", "none.toml"), "no such file"),
         (("predict", "../../etc/passwd"), "no such file"),
         (("predict", "x" * 300), "no such template"),
-        (("predict", "a\0b.toml"), "cannot be read"),
+        (("predict", "a\0b.toml"), "control characters"),
         (("predict", "--tilt", "nan"), "-85..85"),
         (("predict", "--tilt", "inf"), "-85..85"),
         (("predict", "--tilt", "1e300"), "-85..85"),

@@ -45,7 +45,7 @@ HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
         ("10,60,2\n", ("--model", "space", "--predict", "0:39:0.5"), "at most 40 together"),
         ("10,60,2\n", ("--model", "space", "--law", "newton"), "elastic feet"),
         ("10,60,2\n", ("--model", "compliant", "--scene", "plane-90hz"), "cannot turn"),
-        ("10,60,0\n", ("--model", "space"), "speed_se_mm_s must be > 0"),
+        ("10,60,0\n", ("--model", "space"), "speed_se_mm_s must be >= 1e-06"),
         ("10,60,\n", ("--model", "space"), "no column speed_se_mm_s"),
         ("10,nan,2\n", ("--model", "space"), "speed_mm_s"),
         ("80,60,2\n", ("--model", "space"), "tilt up to"),

@@ -19,6 +19,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files import reading
+from walkergen.files import words as words_of
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -27,8 +28,6 @@ FORMAT = "a CSV file"
 MOST_ROWS, MOST_COLUMNS, MOST_BAD = 20_000_000, 1000, 1_000_000
 LARGEST, SMALLEST = 1e12, 1e-12
 """Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
-
-NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 CHUNK = 100_000
 """Lines that are parsed at once."""
 NAMED = 5
@@ -133,12 +132,6 @@ def read(
     return Columns(dict(zip(places, joined, strict=True)), np.concatenate(lines), bad)
 
 
-def number(text: str) -> float | None:
-    """Finite number that a text stands for, in plain digits, or None; zero has no sign."""
-    value = float(text) if NUMBER.fullmatch(text.strip()) else math.nan
-    return value + 0.0 if math.isfinite(value) else None
-
-
 def whole(text: str, most: int) -> int | None:
     """Whole number in 1..most that a text stands for, in plain digits, or None."""
     value = int(text) if re.fullmatch(r"\s*[0-9]{1,9}\s*", text) else 0
@@ -227,7 +220,7 @@ def _number(row: list[str], place: int, optional: bool, known: Sequence[str]) ->
     text = row[place].strip() if place < len(row) else ""
     if known and text:
         return float(known.index(text)) if text in known else _UNREADABLE
-    value = number(text)
+    value = words_of.value(text)
     if value is not None:
         return value
     return math.nan if optional and text.lower() in ("", "nan") else _UNREADABLE

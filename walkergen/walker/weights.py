@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import columns, output, reading
+from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
 from walkergen.walker.design import Design, Weighed
@@ -27,6 +27,8 @@ from walkergen.walker.solids import Solids
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
 MOST_BYTES = 10_000_000
+LIGHTEST, HEAVIEST = 1e-6, 1e6
+"""Limits of masses that were weighed, g."""
 FACTOR = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
 
@@ -183,9 +185,12 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
     found = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
-            value = columns.number(cell)
-            if value is None or value <= 0.0:
-                raise InputError(f"{quantity} = {cell[:30]!r}: must be a number > 0, in grams")
+            value = words.value(cell)
+            if value is None or not LIGHTEST <= value <= HEAVIEST:
+                raise InputError(
+                    f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, "
+                    "in grams"
+                )
             found[quantity] = value
     return found
 
