@@ -40,7 +40,7 @@ HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
         ("10,60,2\n", ("--model", "space", "--mode", "paper"), "a mode of the theory"),
         ("10,60,2\n", ("--model", "space", "--fix", "impact_speed_factor=1"), "one of restitution"),
         ("10,60,2\n", ("--model", "space", "--fix", "restitution=0"), "0.02..1 (model space)"),
-        ("10,60,2\n", ("--model", "space", "--fix", "friction=nan"), "must lie in"),
+        ("10,60,2\n", ("--model", "space", "--fix", "friction=nan"), "is not a number"),
         ("10,60,2\n", ("--model", "space", "--predict", "80"), "tilt up to"),
         ("10,60,2\n", ("--model", "space", "--predict", "0:39:0.5"), "at most 40 together"),
         ("10,60,2\n", ("--model", "space", "--law", "newton"), "elastic feet"),

@@ -283,7 +283,7 @@ def unknown(location: tuple[str, ...], model: type[Section], prefix: str = "") -
 def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
     """End of a line on an unknown key: the known key most like it, or all of its table."""
     table = _model_at(location[:-1], model)
-    known = [".".join(path) for path in _keys(model)]
+    known = [".".join(path) for path in keys(model)]
     if table and any("[" in key for key in location):
         known = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
@@ -293,14 +293,14 @@ def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str)
     return f"; known here: {', '.join(names)}"
 
 
-def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+def keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Keys of a table and of all tables in it, each as the path that leads to it."""
     found: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         found.append((*prefix, name))
         inner = _section_of(field.annotation)
         if inner:
-            found += _keys(inner, (*prefix, name))
+            found += keys(inner, (*prefix, name))
     return found
 
 
