@@ -181,7 +181,8 @@ BLOBS = (
     b"\x1b[2J",
     b"a,b\n1", b"," * 100_000, b"a" + b".a" * 100_000 + b"=1", b"{}", b"[]", b"<svg/>", b"solid\n",
 
-       b"<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm'><path d='M0 0L1 0L1 1Z'/></svg>",
+    b"<svg xmlns='http://www.w3.org/2000/svg' width='1mm' height='1mm'>"
+    b"<path d='M0 0L1 0L1 1Z'/></svg>",
 )  # fmt: skip
 
 
@@ -392,9 +393,8 @@ SOLIDS: Mapping[str, bytes] = {
     "b.obj": b"v 0 0 0\nv 9 0 0\nv 0 9 0\nv 0 0 9\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n",
     "b.off": b"OFF\n4 4 6\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
     "b.ply": b"ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
-
-                         b"property float z\nelement face 4\nproperty list uchar int vertex_indices\nend_header\n"
-             b"0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
+             b"property float z\nelement face 4\nproperty list uchar int vertex_indices\n"
+             b"end_header\n0 0 0\n9 0 0\n0 9 0\n0 0 9\n3 0 2 1\n3 0 1 3\n3 0 3 2\n3 1 2 3\n",
     "d.svg": BLOBS[-1],
     "d.dxf": b"0\nSECTION\n2\nHEADER\n9\n$INSUNITS\n70\n4\n0\nENDSEC\n0\nSECTION\n2\nENTITIES\n"
              b"0\nCIRCLE\n8\n0\n10\n0\n20\n0\n40\n9\n0\nENDSEC\n0\nEOF\n",
