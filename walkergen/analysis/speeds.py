@@ -60,6 +60,8 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         blank = np.isnan(table.values["speed_se_mm_s"])
         if not blank.all():
             table = table.without(blank, "speed_se_mm_s is blank, unlike in other rows")
+    if not len(table.lines):
+        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
     unknown = np.full(len(table.lines), np.nan)
     plate = table.values.get("plate_speed_mm_s", unknown)
     se = table.values.get("speed_se_mm_s")

@@ -6,6 +6,7 @@ by cubic curves, 3e-4 of the radius beside them.
 
 import io
 import itertools
+import tempfile
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -77,7 +78,7 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
     `scale_mm` is None, or holds open or branching lines, or anything else than plane curves.
     """
     data = reading.content(path, MOST_BYTES)
-    document = _document(path, source)
+    document = _document(data, source)
     scale = _scale(document, data, source) if scale_mm is None else scale_mm
     entities = list(_entities(document, source))
     if not entities:
@@ -87,11 +88,15 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
     return [Shape([scale * one for one in _joined(curves, GAP * size, source)], nonzero=False)]
 
 
-def _document(path: Path, source: str) -> "Drawing":
+def _document(data: bytes, source: str) -> "Drawing":
+    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names."""
     import ezdxf
 
     try:
-        return ezdxf.readfile(path)
+        with tempfile.TemporaryDirectory() as folder:
+            copy = Path(folder) / "drawing.dxf"
+            copy.write_bytes(data)
+            return ezdxf.readfile(copy)
     except (OSError, ezdxf.DXFError, ValueError, LookupError, TypeError, AttributeError) as error:
         raise InputError(f"{source}: is no sound DXF file: {str(error)[:120]}") from None
 

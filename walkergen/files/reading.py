@@ -40,6 +40,8 @@ def content(path: Path, most_bytes: int = MOST_BYTES, format: str = "a file") ->
     """
     with _opened(path, format, most_bytes) as stream:
         data = stream.read(most_bytes + 1)
+        if data is None:  # what the kernel shows as a file, and fills as it likes
+            raise InputError(f"{path}: waits for more to come; give {format} that lies on a disk")
     if len(data) > most_bytes:  # it grew, or is of a system that tells no sizes
         raise _too_large(path, len(data), most_bytes)
     return data
@@ -51,7 +53,9 @@ def json_of(path: Path, most_bytes: int = MOST_BYTES) -> Any:
     Raises InputError when it cannot be read, exceeds `most_bytes` or is not JSON.
     """
     try:
-        return json.loads(content(path, most_bytes, "a JSON file"))
+        found = json.loads(content(path, most_bytes, "a JSON file"))
+        json.dumps(found, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
+        return found
     except (ValueError, RecursionError) as error:
         told = "nested too deeply" if isinstance(error, RecursionError) else str(error)
         raise InputError(f"{path}: not valid JSON: {told}") from None
