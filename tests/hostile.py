@@ -44,7 +44,8 @@ class Seen(NamedTuple):
 def faults(one: Try, seen: Seen) -> list[str]:
     """What is wrong with the outcome of a try: nothing, where it is sound."""
     found = []
-    if seen.code not in (0, 2):
+    unwritten = seen.code == 1 and "cannot be written" in seen.err  # the answer for outputs
+    if seen.code not in (0, 2) and not unwritten:
         found.append(f"exit code {seen.code}")
     if "Traceback" in seen.err or "Warning" in seen.err:
         found.append("traceback or warning of a library")
@@ -77,6 +78,22 @@ def _hidden(letter: str) -> bool:
 
 
 # --- running -------------------------------------------------------------------------------------
+
+
+def warm() -> None:
+    """Import what commands import, so that processes forked from this one need not."""
+    import importlib
+
+    for name in (
+        "cli", "cli.uncertain", "prediction", "printing.checks", "printing.export",
+        "jobs.analyse.make", "jobs.fit.make", "jobs.page.make", "jobs.orders.make",
+        "jobs.sweep.make", "jobs.calibration.make", "jobs.track.make", "jobs.family.make",
+        "jobs.weigh.make", "jobs.selftest.make", "walker.own_mesh", "walker.outlines",
+        "simulation.points",
+    ):  # fmt: skip
+        importlib.import_module(f"walkergen.{name}")
+    for name in ("trimesh", "ezdxf", "svgelements", "scipy.optimize", "scipy.stats", "rich.table"):
+        importlib.import_module(name)
 
 
 def run(one: Try, folder: Path, seconds: int = SECONDS) -> Seen:

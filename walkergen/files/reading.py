@@ -7,15 +7,17 @@ as "a CSV file", stands in what a person is told to give instead.
 
 import io
 import json
+import logging
 import os
 import re
 import stat
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, BinaryIO
 
-from walkergen.errors import InputError
+from walkergen.errors import InputError, WalkergenError
 
 MOST_BYTES = 1_000_000_000
 """Largest file that is read, unless its reader allows less."""
@@ -66,6 +68,28 @@ def check(path: Path, format: str) -> None:
     with _opened(path, format, None) as stream:
         if not stream.read(1):
             raise InputError(f"{path}: is empty; give {format}")
+
+
+@contextmanager
+def by_library(source: str, kind: str) -> Iterator[None]:
+    """Guard of the reading of a stranger's file by somebody's library, which may raise anything.
+
+    That is an InputError, which begins with `source`, that the file is no sound one of its kind;
+    what the library warns of, or logs, is not shown.
+    """
+    disabled = logging.root.manager.disable
+    logging.disable(logging.CRITICAL)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")
+            yield
+    except WalkergenError:
+        raise
+    except Exception as error:
+        told = " ".join(str(error).split())[:100] or type(error).__name__
+        raise InputError(f"{source}: is no sound {kind} file: {told}") from None
+    finally:
+        logging.disable(disabled)
 
 
 def lines(path: Path, format: str, most_bytes: int = MOST_BYTES) -> Iterator[str]:

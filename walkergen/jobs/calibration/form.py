@@ -6,6 +6,7 @@ one part and quantity are tries, and may be as many as one likes.
 """
 
 import math
+import os
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -115,7 +116,7 @@ def template(air: Mapping[str, float]) -> str:
 
 def filled(path: Path) -> bool:
     """True when a file exists that holds any reading of a person: work to keep."""
-    if not path.is_file():
+    if not os.path.lexists(path):
         return False
     try:
         return any(row["reading"].strip() and row["measured"].strip() != AIR
