@@ -16,6 +16,7 @@ import sys
 import traceback
 import warnings
 from collections.abc import Callable, Iterator, Mapping
+from itertools import pairwise
 from pathlib import Path
 from typing import NamedTuple
 
@@ -246,7 +247,7 @@ KINDS: Mapping[str, Callable[[Path], None]] = {
 
 READERS: Mapping[str, tuple[str, ...]] = {
     "x.toml": ("predict", "{}"), "s.toml": ("predict", "--scene", "{}"),
-    "p.toml": ("check", "--printer", "{}"), "w.toml": ("sweep", "{}", "--out", "out"),
+    "p.toml": ("check", "--printer", "{}"), "w.toml": ("sweep", "--file", "{}", "--out", "out"),
     "t.csv": ("analyse", "{}", "--fps", "25", "--mm-per-px", "1", "--out", "out", "--no-pictures"),
     "f.csv": ("fit", "{}", "--no-pictures", "--out", "out"),
     "m.csv": ("family", "--tilt", "10", "--legs", "braced", "--measured", "{}", "--out", "out"),
@@ -287,6 +288,46 @@ def keys(rng: random.Random) -> Try:
         text += "bed_width_mm = 200\nbed_depth_mm = 200\nheight_mm = 100\n"
     words = (command, "x.toml") if not flag else (command, flag, "x.toml")
     return Try("key", words, {"x.toml": text.encode("utf-8", "surrogatepass")})
+
+
+def sweeps(rng: random.Random) -> Try:
+    """A sweep's file with hostile values, ranges and bounds."""
+    ends = [rng.choice((*NUMBERS[:20], "0", "5", "10")) for _ in range(3)]
+    odd = (
+        f'"{":".join(ends)}"',
+        f'"{ends[0]}:{ends[1]}"',
+        f"[{ends[0]}, {ends[1]}]",
+        f'"{ends[0]}"',
+    )
+    value = rng.choice((*odd, *odd, *OTHERS, *TEXTS, *NUMBERS))
+    name = rng.choice(("legs.tilt_deg", "scene.drive.gamma", "scene.run.seed", "name", "nope"))
+    text = rng.choice((
+        f'[grid]\n"{name}" = {value}\n', f"[grid]\n{name} = {value}\n",
+        f'[sample]\npoints = 4\n[sample.between]\n"{name}" = {value}\n',
+        f'[sample]\npoints = {value}\n[sample.between]\n"legs.tilt_deg" = [5, 10]\n',
+        f'[set]\n"{name}" = {value}\n[grid]\n"legs.length_mm" = "7:8:1"\n',
+        f'error = {value}\nseed = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
+        f'keep = {value}\nmodel = {value}\n[grid]\n"legs.tilt_deg" = "5:10:5"\n',
+    ))  # fmt: skip
+    words = ("sweep", "--file", "w.toml", "--no-pictures", "--out", "out")
+    return Try("sweep", words, {"w.toml": text.encode("utf-8", "surrogatepass")})
+
+
+def limits(rng: random.Random) -> Try:
+    """Some numbers at the very ends of what is allowed."""
+    from walkergen.files import config
+    from walkergen.scene import Scene
+    from walkergen.walker.design import Design
+
+    words: list[str] = []
+    for _ in range(rng.choice((1, 1, 2, 4))):
+        prefix, model = rng.choice((("", Design), ("scene.", Scene), ("scene.", Scene)))
+        path = rng.choice(config.keys(model))
+        told = config.allowed(path, model).split()
+        ends = [word for sign, word in pairwise(told) if sign in (">=", "<=")]
+        if ends:
+            words += ["--set", f"{prefix}{'.'.join(path)}={rng.choice(ends)}"]
+    return Try("limits", ("predict", *words))
 
 
 def names(rng: random.Random) -> Try:
@@ -356,8 +397,19 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
     "check": ((), {}), "track": (("film.mp4",), {"film.mp4": b"no film"}),
     "report": (("fam",), {}), "weigh": (("b.stl",), {}), "templates": ((), {}),
+    "export": (("--out", "out"), {}), "plate": (("--tilt", "10", "--out", "out"), {}),
+    "calibrate": (("c.csv", "--out", "out"), {"c.csv": TABLES["c.csv"][0].encode()}),
+    "family": (("--tilt", "10", "--legs", "braced", "--no-pictures", "--out", "out"), {}),
+    "sweep": (("--set", "legs.tilt_deg=5,10", "--out", "out"), {}),
+    "simulate": (("--seconds", "0.05", "--runs", "1", "--model", "rigid", "--out", "out"), {}),
+    "design": (("--speed", "40", "--model", "theory", "--out", "out"), {}),
+    "movie": (("--fps", "3", "--model", "rigid", "--out", "out"), {}),
+    "accuracy": (("--budget", "0s", "--out", "out"), {}),
+    "reproduce": (("--tilt", "99", "--out", "out"), {}),
+    "validate": (("--only", "nothing", "--out", "out"), {}),
+    "explain": (("--model", "rigid"), {}),
 }  # fmt: skip
-"""Commands that end soon whatever their flags, with what they need."""
+"""Commands that end soon whatever flag is added, with what they need."""
 
 
 def flags(rng: random.Random) -> Try:
@@ -518,8 +570,8 @@ def _key(rng: random.Random) -> str:
 
 
 CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
-    (keys, 10), (names, 2), (kinds, 6), (blobs, 4), (paths, 4), (cells, 6), (flags, 8),
-    (commands, 2), (shapes, 4), (family, 5),
+    (keys, 10), (limits, 4), (sweeps, 3), (names, 2), (kinds, 6), (blobs, 4), (paths, 4),
+    (cells, 6), (flags, 8), (commands, 2), (shapes, 4), (family, 5),
 )  # fmt: skip
 """Makers of tries, and how often each is drawn."""
 

@@ -195,7 +195,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    told = FORMS.get(mistake["type"]) or _allowed(location, model) or mistake["msg"]
+    told = FORMS.get(mistake["type"]) or allowed(location, model) or mistake["msg"]
     return f"{place}: {key}{seen}: {told}"
 
 
@@ -328,7 +328,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
     return _section_of(field.annotation, listed="[" in location[-1]) if field else None
 
 
-def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
+def allowed(location: tuple[str, ...], model: type[Section]) -> str:
     """Values that a key may hold, in words, from the model's constraints; '' when it has none."""
     field = _field_at(location, model)
     if field is None:
