@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import columns
+from walkergen.files import columns, plain
 from walkergen.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
@@ -130,7 +130,7 @@ def read(path: Path, units: Units) -> Tracks:
         return _film(path, names, units)
     if "time" in names and "x" in names:
         return _timed(path, names, units, POGOTRACK, not units.lane)
-    seen = ", ".join(name for name in names if name)[:200]
+    seen = plain.line(", ".join(name for name in names if name))
     raise InputError(
         f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
         f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {seen}"

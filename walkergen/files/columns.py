@@ -18,7 +18,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import plain, reading
 from walkergen.files import words as words_of
 
 Array = npt.NDArray[np.float64]
@@ -104,7 +104,7 @@ def read(
     names = _names(stream, str(path))
     missing = [name for name in required if name not in names]
     if missing:
-        seen = ", ".join(name for name in names if name)[:200]
+        seen = plain.line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}

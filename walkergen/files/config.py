@@ -16,7 +16,7 @@ from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_v
 from pydantic.fields import FieldInfo
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import reading
+from walkergen.files import plain, reading
 
 MOST_BYTES, DEEPEST, MOST_MISTAKES = 1_000_000, 32, 20
 """Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
@@ -183,7 +183,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
     location = _path_of(mistake["loc"], model)
     place = where(location, source, text)
-    key = prefix + ".".join(location) or "file"
+    key = plain.line(prefix + ".".join(location) or "file")
     if mistake["type"] == "extra_forbidden":
         return f"{place}: {_cut(key)}: unknown key{_spelling_hint(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words

@@ -10,7 +10,7 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from walkergen.errors import InputError
-from walkergen.files import columns, reading
+from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Records
 from walkergen.files.output import MANIFEST
 
@@ -92,7 +92,7 @@ def _manifest(folder: Path) -> Manifest:
         return Manifest.model_validate(reading.json_of(path, LARGEST_MANIFEST_BYTES))
     except ValidationError as error:
         mistake = error.errors()[0]
-        where = ".".join(map(str, mistake["loc"])) or "its contents"
+        where = plain.line(".".join(map(str, mistake["loc"])) or "its contents")
         raise InputError(f"{path}: {where}: {mistake['msg']}; {advice}") from None
     except InputError as error:
         raise InputError(f"{error}; {advice}") from None
