@@ -23,8 +23,8 @@ LEAST_LABEL = 0.02
 """Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
 need a damping ratio above 3.5, hysteretic feet above 2500 times the stiffness to unload."""
 
-LEAST_DRIVE, LARGEST_DRIVE = 1e-9, 1e12
-"""Limits of the numbers of a drive that follow from others, each in its unit."""
+LARGEST_DRIVE = 1e12
+"""Limit of the numbers of a drive that follow from others, each in its unit."""
 
 Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 
@@ -66,10 +66,9 @@ class Drive(Section):
                     f"{implied[key]:.5g}; remove one of them"
                 )
         for key, value in implied.items():
-            if not LEAST_DRIVE <= value <= LARGEST_DRIVE:
+            if not value <= LARGEST_DRIVE:
                 raise ValueError(
-                    f"{' and '.join(given)} give {key} = {value:.3g}: must lie in "
-                    f"{LEAST_DRIVE:g}..{LARGEST_DRIVE:g}"
+                    f"{' and '.join(given)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}"
                 )
         return self
 
@@ -110,6 +109,16 @@ class Drive(Section):
     def peak_gamma(self) -> float:
         """Largest acceleration of the plate's fundamental vibration over g."""
         return self.peak_speed * self.omega / GRAVITY
+
+
+AT_REST = 1e-30
+"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
+"""
+
+
+def at_rest(frequency_hz: float) -> Drive:
+    """Drive of a plate at rest; not validated, since no person may write so small a number."""
+    return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)
 
 
 class Contact(Section):
