@@ -76,8 +76,8 @@ def test_a_drop_is_filmed(run, tmp_path):
     [
         (("drop", "--measured", "0.8"), "--measured 0.8: needs --measured-sd"),
         (("drop", "--measured-sd", "0.1"), "--measured-sd 0.1: needs --measured"),
-        (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be > 0 and <= 1"),
-        (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be > 0"),
+        (("drop", "--measured", "1.2", "--measured-sd", "0.1"), "must be >= 1e-09 and <= 1"),
+        (("slide", "--measured", "14", "--measured-sd", "0"), "--measured-sd 0: must be >= 1e-09"),
         (("drop", "--height-mm", "-1"), "--height-mm -1: must lie in 0.01..1000"),
         (("drop", "--height-mm", "nan"), "--height-mm nan: must lie in"),
         (("drop", "--roll-deg", "90"), "--roll-deg 90: must lie in 0..20"),

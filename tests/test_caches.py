@@ -84,3 +84,61 @@ def test_a_cache_home_that_is_no_full_path_is_not_used(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", "beside")
     caches.folder("points")
     assert not list(tmp_path.iterdir())
+
+
+@pytest.fixture
+def kernels(tmp_path):
+    """Cache files of a kernel, as numba makes them, and what an entry of it is found by."""
+    from numba.core import caching
+
+    def opened(stamp=(1.0, 2)):
+        plain = caching.IndexDataCacheFile
+        if plain.__name__ == "Checked":  # as in a process that has made kernels
+            plain = plain.__mro__[1]
+        return caches.checked_files(plain)(str(tmp_path), "f-1.py311", stamp)
+
+    opened().save("int", {"code": b"\x01" * 1000})
+    return opened
+
+
+SPOILT = {
+    "emptied": lambda path: path.write_bytes(b""),
+    "cut short": lambda path: path.write_bytes(path.read_bytes()[: -caches.TAIL - 1]),
+    "half": lambda path: path.write_bytes(path.read_bytes()[: path.stat().st_size // 2]),
+    "a bit": lambda path: path.write_bytes(
+        bytes(byte ^ (at == 40) for at, byte in enumerate(path.read_bytes()))
+    ),
+    "text": lambda path: path.write_text("no pickle"),
+    "of others": lambda path: path.write_bytes(b"\x80\x04cnosuchmodule\nx\n."),
+    "a folder": lambda path: (path.unlink(), path.mkdir(), (path / "x").touch()),
+    "gone": Path.unlink,
+    "a pipe": lambda path: (path.unlink(), os.mkfifo(path)),
+    "a loop": lambda path: (path.unlink(), path.symlink_to(path)),
+}  # fmt: skip
+
+
+@POSIX
+@pytest.mark.parametrize("end", ["nbi", "nbc"])
+@pytest.mark.parametrize("spoil", SPOILT.values(), ids=SPOILT)
+def test_a_spoilt_entry_of_a_kernel_is_made_anew(kernels, tmp_path, end, spoil):
+    (path,) = tmp_path.glob(f"*.{end}")
+    spoil(path)
+    assert kernels().load("int") is None
+    kernels().save("int", "anew")
+    assert kernels().load("int") == "anew"
+
+
+def test_a_sound_entry_of_a_kernel_is_read_also_one_without_a_sum(kernels, tmp_path):
+    assert kernels().load("int") == {"code": b"\x01" * 1000}
+    assert kernels().load("float") is None
+    assert kernels((3.0, 2)).load("int") is None  # of another source
+    for path in tmp_path.iterdir():
+        path.write_bytes(path.read_bytes()[: -caches.TAIL])
+    assert kernels().load("int") == {"code": b"\x01" * 1000}
+
+
+@POSIX
+def test_a_kernel_that_cannot_be_kept_stops_nobody(kernels, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "replace", lambda *_: (_ for _ in ()).throw(OSError(28, "full")))
+    kernels().save("float", "code")
+    assert kernels().load("float") is None

@@ -244,7 +244,7 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
         (HEADER + "koumakis2017,10,,1\n", ":2: 'koumakis2017': no such template; known walkers"),
         (HEADER + "../nosuch.toml,10,,1\n", "nosuch.toml: no such file"),
         (HEADER + "../,10,,1\n", "is a folder"),
-        (HEADER + "a\0b/c,10,,1\n", "cannot be read"),
+        (HEADER + "a\0b/c,10,,1\n", "control characters"),
         (HEADER + "/etc/passwd,10,,1\n", "not valid TOML"),
         *(
             (HEADER + f"koumakis2016,10,,{copies}\n", ":2: copies = ")

@@ -24,7 +24,8 @@ def test_a_byte_order_mark_and_foreign_line_ends_are_forgiven(tmp_path):
         ("latin.csv", "not a CSV file in UTF-8: byte 0xe9; save it as UTF-8"),
         ("large.csv", "11 bytes, more than 10: is it the right file?"),
         ("x" * 300, "cannot be read: File name too long"),
-        ("a\0b", "cannot be read: embedded null byte"),
+        ("a\0b", "its name holds control characters, or bytes that are not UTF-8: rename it"),
+        ("a\udc80b", "or bytes that are not UTF-8: rename it"),
     ],
 )
 def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypatch, name, told):
@@ -34,7 +35,7 @@ def test_what_cannot_be_read_is_one_line_that_names_the_file(tmp_path, monkeypat
     with pytest.raises(InputError) as caught:
         list(reading.lines(Path(name), "a CSV file", 10))
     assert str(caught.value).endswith(told)
-    assert name[:60] in str(caught.value).replace("\\x00", "\0")
+    assert name[:60] in str(caught.value).replace("\\x00", "\0").replace("\\udc80", "\udc80")
     assert "\n" not in str(caught.value)
 
 

@@ -161,7 +161,7 @@ def test_a_walker_that_the_design_does_not_have_is_refused(read, name):
             ":3: part 'zzz' is not among those of --tilt and --legs; known: walker_t05.0",
         ),
         (f"part,grams\n{FIVE}-0,1", ":2: part"),
-        (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number > 0"),
+        (f"part,grams\n{FIVE},0", ":2: grams = '0': must be a number in"),
         (f"part,grams\n{FIVE},nan", ":2: grams = 'nan'"),
         (f"part,grams\n{FIVE},inf", ":2: grams = 'inf'"),
         (f"part,grams\n{FIVE},1e999", ":2: grams = '1e999'"),

@@ -4,15 +4,30 @@ Kernels lie there as code that is run when it is read: a folder that anybody els
 owns, is not used.
 """
 
+import contextlib
+import hashlib
+import io
 import os
 import shutil
 import stat
+import sys
 import tempfile
 import time
+from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 FORGOTTEN_DAYS = 30
 """Days after which what an edited walkergen, or an older one, has left is removed."""
+
+KERNELS = "numba"
+"""Name of the folders of compiled kernels."""
+
+MARK = b"walkergen sha256"
+SUM = hashlib.sha256().digest_size
+TAIL = len(MARK) + SUM
+"""End of a file of the kernels' cache: a mark, and the sum of what stands before it, which other
+readers of pickles do not see."""
 
 
 def home() -> Path:
@@ -51,6 +66,66 @@ def _check(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
+def checked_files(plain: Any) -> Any:
+    """Class of numba's cache files that end in a sum of what they hold, made of its own, `plain`.
+
+    An entry that does not fit its sum, or cannot be read, counts as absent: it is compiled anew,
+    and takes the other's place. One without a sum is of before there were sums. That an entry
+    cannot be written stops nobody.
+    """
+
+    class Checked(plain):  # type: ignore[misc]
+        def save(self, key: Any, data: Any) -> None:
+            with contextlib.suppress(OSError):
+                super().save(key, data)
+
+        def _load_index(self) -> Any:
+            try:
+                return super()._load_index() if _whole(Path(self._index_path)) else {}
+            except Exception:  # what is no pickle raises anything
+                return {}
+
+        def _load_data(self, name: str) -> Any:
+            if _whole(Path(self._data_path(name))):
+                try:
+                    return super()._load_data(name)
+                except Exception:
+                    pass
+            raise FileNotFoundError(name)
+
+        @contextlib.contextmanager
+        def _open_for_write(self, filepath: str) -> Iterator[io.BytesIO]:
+            text = io.BytesIO()
+            yield text
+            if Path(filepath).is_dir():
+                shutil.rmtree(filepath)
+            with super()._open_for_write(filepath) as stream:
+                data = text.getvalue()
+                stream.write(data + MARK + hashlib.sha256(data).digest())
+
+    return Checked
+
+
+def _whole(path: Path) -> bool:
+    """True for a regular file that fits the sum at its end, or has none."""
+    try:
+        if not stat.S_ISREG(path.stat().st_mode):
+            return False
+        data = path.read_bytes()
+    except OSError:
+        return False
+    text, mark, digest = data[:-TAIL], data[-TAIL:-SUM], data[-SUM:]
+    return mark != MARK or hashlib.sha256(text).digest() == digest
+
+
+def _check_kernels(place: Path) -> None:
+    """Import numba with its cache at `place`, where it reads whole entries only."""
+    os.environ["NUMBA_CACHE_DIR"] = str(place)
+    from numba.core import caching
+
+    caching.IndexDataCacheFile = checked_files(caching.IndexDataCacheFile)
+
+
 def versioned(name: str, version: str) -> Path:
     """Writable folder for one version of what is kept; those long unused are removed."""
     found = folder(f"{name}-{version}")
@@ -62,6 +137,8 @@ def versioned(name: str, version: str) -> Path:
                 shutil.rmtree(other, ignore_errors=True)
     except OSError:
         pass  # another process has removed it, or the clock cannot be set: nothing depends on it
+    if name == KERNELS and "numba" not in sys.modules:
+        _check_kernels(found)
     return found
 
 

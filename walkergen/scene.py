@@ -23,7 +23,10 @@ LEAST_LABEL = 0.02
 """Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
 need a damping ratio above 3.5, hysteretic feet above 2500 times the stiffness to unload."""
 
-Positive = Annotated[float, Field(gt=0, le=1e9)]
+LARGEST_DRIVE = 1e12
+"""Limit of the numbers of a drive that follow from others, each in its unit."""
+
+Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
 
 
 class Drive(Section):
@@ -61,6 +64,11 @@ class Drive(Section):
                 raise ValueError(
                     f"{key} = {value:g} contradicts {first} and {second}, which give "
                     f"{implied[key]:.5g}; remove one of them"
+                )
+        for key, value in implied.items():
+            if not value <= LARGEST_DRIVE:
+                raise ValueError(
+                    f"{' and '.join(given)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}"
                 )
         return self
 
@@ -103,6 +111,16 @@ class Drive(Section):
         return self.peak_speed * self.omega / GRAVITY
 
 
+AT_REST = 1e-30
+"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
+"""
+
+
+def at_rest(frequency_hz: float) -> Drive:
+    """Drive of a plate at rest; not validated, since no person may write so small a number."""
+    return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)
+
+
 class Contact(Section):
     """Contact of foot and plate: restitution and friction, with their standard deviations."""
 
@@ -121,11 +139,11 @@ class Plate(Section):
     noise_ratio: Annotated[float, Field(ge=0, le=100)] = 0.0
     """Root mean square of the plate's random velocity over the drive's peak speed."""
     noise_low_hz: Positive = 20.0
-    noise_high_hz: Annotated[float, Field(gt=0, le=5_000)] = 400.0
+    noise_high_hz: Annotated[float, Field(ge=1e-6, le=5_000)] = 400.0
     """Band of the noise, in which its velocity has an even spectrum."""
     roughness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Root mean square height of the plate's bumps."""
-    roughness_length_mm: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    roughness_length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 1.0
     """Wavelength of the bumps."""
 
     @model_validator(mode="after")
@@ -142,12 +160,12 @@ class Arena(Section):
     """Ground on which the walker may run: a lane between walls, or a plane."""
 
     kind: Literal["lane", "plane"] = "lane"
-    length_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    length_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
     """Length of the ground, mm, about the start; a walker beyond its ends has left. None: endless.
     """
-    width_mm: Annotated[float, Field(gt=0, le=1e9)] | None = None
+    width_mm: Annotated[float, Field(ge=1e-3, le=1e9)] | None = None
     """Width of a plane, mm, about the start. None: endless."""
-    gap_mm: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    gap_mm: Annotated[float, Field(ge=1e-3, le=1e6)] | None = None
     """Distance of a lane's walls, mm. None: the walker's depth and half a millimetre."""
     wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
     wall_restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
@@ -177,11 +195,11 @@ class Feet(Section):
     """Elastic feet of the model in space; contact.restitution is the label of their damping."""
 
     damping: Literal["viscous", "hysteretic"] = "viscous"
-    stiffness_ratio: Annotated[float, Field(gt=0, le=1e6)] = 1.0
+    stiffness_ratio: Annotated[float, Field(ge=1e-6, le=1e6)] = 1.0
     """Normal stiffness of a corner over half of its leg's axial stiffness."""
-    tangential_ratio: Annotated[float, Field(gt=0, le=1e3)] = 0.8
+    tangential_ratio: Annotated[float, Field(ge=1e-6, le=1e3)] = 0.8
     """Tangential stiffness of a corner over its normal stiffness."""
-    local_stiffness_ratio: Annotated[float, Field(gt=0, le=1e6)] | None = None
+    local_stiffness_ratio: Annotated[float, Field(ge=1e-6, le=1e6)] | None = None
     """Stiffness of a foot's tip over that of its leg, in series with it. None: rigid tips."""
     unevenness_um: Annotated[float, Field(ge=0, le=1e6)] = 0.0
     """Standard deviation of the corners' heights; every run is another print."""
@@ -192,7 +210,7 @@ class Feet(Section):
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
-    seconds: Annotated[float, Field(gt=0, le=1e7)] = 60.0
+    seconds: Annotated[float, Field(ge=1e-3, le=1e7)] = 60.0
     """Measured time of one run, s, after the discarded start."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
@@ -201,9 +219,9 @@ class Run(Section):
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
     """Step of the time-stepping method, us, while a foot is in contact. None: the model's own, 30
     us in a plane, in space what resolves the feet."""
-    energy_tolerance: Annotated[float, Field(gt=0, le=1)] = 0.05
+    energy_tolerance: Annotated[float, Field(ge=1e-9, le=1)] = 0.05
     """Largest share of the exchanged energy that may remain unaccounted for."""
-    accepted_error: Annotated[float, Field(gt=0, le=10)] = 0.1
+    accepted_error: Annotated[float, Field(ge=1e-6, le=10)] = 0.1
     """Relative error of the mean speed up to which `model = "auto"` may take a simpler model."""
 
 
@@ -228,7 +246,7 @@ class Prediction(Section):
     The default is calibrated on the paper's one stated speed, 60 mm/s at 10 degrees.
     """
 
-    impact_speed_factor: Annotated[float, Field(gt=0, le=1000)] = 0.45
+    impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
     impact_speed_factor_sd: Annotated[float, Field(ge=0, le=1000)] = 0.2
 
 

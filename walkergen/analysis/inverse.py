@@ -14,6 +14,8 @@ Array = npt.NDArray[np.float64]
 FINE = 4001
 """Points at which a curve is read between its own."""
 
+LEAST = 1e-9
+"""Least number that is measured, in whatever unit."""
 
 FAR = 2.0
 """Errors beyond which a number does not belong to a curve."""
@@ -65,7 +67,7 @@ def measured(
 ) -> Measured | None:
     """Measured number as the options `flag` and its -sd give it; None without. Raises InputError.
 
-    Both must be > 0 and at most `most`.
+    Both must be at least LEAST and at most `most`.
     """
     if value is None and sd is None:
         return None
@@ -73,8 +75,8 @@ def measured(
     for (name, one), (other, missing) in (given, given[::-1]):
         if missing is None:
             raise InputError(f"{name} {one:g}: needs {other} as well, the number's standard error")
-        if one is not None and not 0.0 < one <= most:
-            raise InputError(f"{name} {one:g}: must be > 0 and <= {most:g}")
+        if one is not None and not LEAST <= one <= most:
+            raise InputError(f"{name} {one:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
     return Measured(value, sd, tries)

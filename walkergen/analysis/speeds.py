@@ -14,7 +14,10 @@ Array = npt.NDArray[np.float64]
 
 MOST_SPEEDS = 2000
 
-LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5}
+LEAST = 1e-6
+"""Least error, and least speed of a plate, mm/s."""
+
+LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_speed_mm_s": 1e6}
 """Largest sizes that are measurements, not slips of the pen, by column."""
 
 SAME_PLATE = 0.05
@@ -48,7 +51,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
     for name in optional:
         if name in table.values:
-            table = table.without(table.values[name] <= 0, f"{name} must be > 0")
+            table = table.without(table.values[name] < LEAST, f"{name} must be >= {LEAST:g}")
     for name, most in LARGEST.items():
         if name in table.values:
             beyond = np.abs(table.values[name]) > most
@@ -57,6 +60,8 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         blank = np.isnan(table.values["speed_se_mm_s"])
         if not blank.all():
             table = table.without(blank, "speed_se_mm_s is blank, unlike in other rows")
+    if not len(table.lines):
+        raise InputError(f"{path}: nothing to read: {columns.summary(table.bad)}")
     unknown = np.full(len(table.lines), np.nan)
     plate = table.values.get("plate_speed_mm_s", unknown)
     se = table.values.get("speed_se_mm_s")

@@ -18,13 +18,22 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import columns
+from walkergen.files import columns, plain
 from walkergen.files.columns import Columns
 
 Array = npt.NDArray[np.float64]
 
 MOST_FRAMES = 50_000_000
 """Largest number of frames of all tracks together, gaps included."""
+
+LEAST_UNIT, LARGEST_UNIT = 1e-6, 1e9
+"""Limits of frames per second, and of millimetres in a pixel."""
+
+MOST_PARTICLES = 10_000
+"""Largest number of tracks: measuring as many takes about 20 s (3 rows each, two busy cores)."""
+
+MOST_TICKS = 1e15
+"""Largest number of samples from the first to the last, which numbers still tell apart."""
 
 REGULAR = 0.01
 """Share of the interval by which times may lie off the regular grid."""
@@ -121,7 +130,7 @@ def read(path: Path, units: Units) -> Tracks:
         return _film(path, names, units)
     if "time" in names and "x" in names:
         return _timed(path, names, units, POGOTRACK, not units.lane)
-    seen = ", ".join(name for name in names if name)[:200]
+    seen = plain.line(", ".join(name for name in names if name))
     raise InputError(
         f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
         f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {seen}"
@@ -152,6 +161,11 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     times = table.values[form.time]
     interval = _interval(path, times, _particles(table))
     ticks = (times - times.min()) / interval
+    if ticks.max() > MOST_TICKS:
+        raise InputError(
+            f"{path}: {form.time} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
+            f"{MOST_TICKS:g}: is a time mistyped?"
+        )
     steps = np.rint(ticks)
     off = np.abs(ticks - steps) > REGULAR
     if off.any():
@@ -212,8 +226,10 @@ def _film_units(path: Path, units: Units) -> tuple[float, float]:
     ):
         if value is None:
             raise InputError(f"{path}: counts frames and pixels; give {flag}, the {what}")
-        if not (0 < value < 1e9):
-            raise InputError(f"{flag} {value:g}: must be a number > 0 and < 1e9")
+        if not LEAST_UNIT <= value <= LARGEST_UNIT:
+            raise InputError(
+                f"{flag} {value:g}: must be a number in {LEAST_UNIT:g}..{LARGEST_UNIT:g}"
+            )
     assert units.fps is not None
     assert units.mm_per_px is not None
     return units.fps, units.mm_per_px
@@ -245,6 +261,10 @@ def _assemble(
     if not len(order):
         raise InputError(f"{path}: nothing to read: {columns.summary(bad)}")
     names, starts = np.unique(particle[order], return_index=True)
+    if len(names) > MOST_PARTICLES:
+        raise InputError(
+            f"{path}: {len(names)} particles; at most {MOST_PARTICLES}: leave out short tracks"
+        )
     groups = np.split(order, starts[1:])
     stride = int(np.gcd.reduce([np.gcd.reduce(np.diff(steps[g]).astype(np.int64)) for g in groups]))
     stride = max(stride, 1)

@@ -33,6 +33,7 @@ from walkergen.cli import (
 )
 from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
 from walkergen.errors import WalkergenError
+from walkergen.files import plain
 
 COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
@@ -100,6 +101,7 @@ def _show_surroundings() -> None:
 
 def main() -> None:
     """Run the command line; errors meant for the user become one clear message and exit code 2."""
+    plain.guard()
     try:
         app()
     except WalkergenError as error:

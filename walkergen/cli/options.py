@@ -6,9 +6,20 @@ from typing import Annotated
 import typer
 
 from walkergen.cli.layout import names_of
+from walkergen.errors import InputError
 
 PAPER, SCENE, PRINTER = "koumakis2016", "lane-90hz", "prusa-mk3s"
 """Templates of the walker, the scene and the printer that commands use by default."""
+
+
+def _sound(path: Path | None) -> Path | None:
+    """Folder to write to. Raises InputError for a name that could not be read again."""
+    from walkergen.files import reading
+
+    if path is not None and not reading.named_soundly(path):
+        raise InputError(f"--out {str(path)[:80]!r}: holds control characters; give another name")
+    return path
+
 
 DesignName = Annotated[
     str,
@@ -125,7 +136,9 @@ WeightsFile = Annotated[
 ]
 Out = Annotated[
     Path | None,
-    typer.Option("--out", metavar="FOLDER", help="Folder to write to; out/NAME by default."),
+    typer.Option(
+        "--out", metavar="FOLDER", help="Folder to write to; out/NAME by default.", callback=_sound
+    ),
 ]
 AsJson = Annotated[bool, typer.Option("--json", help="Print JSON instead of a table.")]
 Strict = Annotated[bool, typer.Option("--strict", help="Refuse parts that get warnings, too.")]

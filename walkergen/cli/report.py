@@ -1,5 +1,6 @@
 """The command `report`."""
 
+import os
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -48,7 +49,7 @@ def report(
     found = contents.read(folder)
     target = out or folder / "report.html"
     sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
-    if target.resolve() in [path.resolve() for path in sources]:
+    if os.path.realpath(target) in map(os.path.realpath, sources):  # of a loop of links, itself
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     if run is None and not (tilt is None and legs is None):
         raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")

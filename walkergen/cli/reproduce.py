@@ -9,6 +9,7 @@ import typer
 from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
+from walkergen.files import words
 
 if TYPE_CHECKING:
     from walkergen.jobs.paper.compare import Findings
@@ -60,13 +61,13 @@ def reproduce(
 
 def parse_gammas(text: str) -> list[float]:
     """Parse comma-separated peak accelerations over g. Raises InputError outside 0..50."""
-    try:
-        values = [float(word) for word in text.split(",")]
-    except ValueError:
-        raise InputError(f"--gamma {text[:60]!r}: write numbers with commas: 1.2,1.8,2.4") from None
-    if not all(0.0 < value <= 50.0 for value in values):
-        raise InputError(f"--gamma {text[:60]!r}: each must lie in 0..50, above 0")
-    return values
+    values = [words.value(word) for word in text.split(",")]
+    found = [value for value in values if value is not None]
+    if len(found) < len(values):
+        raise InputError(f"--gamma {text[:60]!r}: write numbers with commas: 1.2,1.8,2.4")
+    if not all(0.01 <= value <= 50.0 for value in found):
+        raise InputError(f"--gamma {text[:60]!r}: each must lie in 0.01..50")
+    return found
 
 
 def _comparison_as_json(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:

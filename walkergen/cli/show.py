@@ -7,6 +7,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from walkergen.files import plain
+
 if TYPE_CHECKING:
     from rich.table import Table
 
@@ -55,7 +57,7 @@ def text(line: str) -> None:
     """Print a paragraph, broken between words where the terminal ends."""
     from rich.console import Console
 
-    Console(highlight=False).print(line, markup=False)
+    Console(highlight=False).print(plain.plain(line), markup=False)
 
 
 def predictions(
@@ -134,9 +136,10 @@ def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeRemainingColumn()
     )  # fmt: skip
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task(title)
+        task = bar.add_task(plain.line(title))
 
         def update(what: str, done: int, total: int) -> None:
-            bar.update(task, description=f"{title}: {what}", completed=done, total=total)
+            told = plain.line(f"{title}: {what}")
+            bar.update(task, description=told, completed=done, total=total)
 
         yield update

@@ -1,5 +1,6 @@
 """The command `templates`, with `show` and `copy` below it."""
 
+import os
 from pathlib import Path
 from typing import Annotated
 
@@ -62,7 +63,7 @@ def copy_template(
 
     target = to or Path(f"{name}.toml")
     text = templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
-    if target.exists():
+    if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")
     output.write(target, text.encode())
     print(target)

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING, Any
 
 from walkergen.errors import InputError
+from walkergen.files import words
 
 if TYPE_CHECKING:
     from walkergen.walker.design import Design
@@ -16,7 +17,7 @@ def one_of(design: "Design", tilt: float | None, legs: str | None) -> "Design":
     """Find the single walker that a command line asks for. Raises InputError for two kinds."""
     kind = parse_kinds(legs) if legs is not None else [design.kind]
     if len(kind) != 1:
-        raise InputError(f"--legs {legs!r}: one kind at a time")
+        raise InputError(f"--legs {str(legs)[:60]!r}: one kind at a time")
     (member,) = design.members([design.tilt_deg if tilt is None else tilt], kind)
     return member
 
@@ -75,7 +76,7 @@ def parse_tilts(text: str) -> list[float]:
             first, last, step = numbers
             found += _range(first, last, step, text)
         else:
-            raise InputError(f"--tilt {text!r}: write 10, or 5,10,15, or FIRST:LAST:STEP")
+            raise InputError(f"--tilt {text[:60]!r}: write 10, or 5,10,15, or FIRST:LAST:STEP")
     unique = list(dict.fromkeys(found))
     if len(unique) > MOST_TILTS:
         raise InputError(f"--tilt {text[:60]!r}: {len(unique)} tilts; at most {MOST_TILTS}")
@@ -83,13 +84,12 @@ def parse_tilts(text: str) -> list[float]:
 
 
 def _number(word: str, text: str, option: str = "--tilt") -> float:
-    try:
-        value = float(word)
-    except ValueError:
-        raise InputError(f"{option} {text[:60]!r}: {word[:30]!r} is not a number") from None
+    value = words.value(word)
+    if value is None:
+        raise InputError(f"{option} {text[:60]!r}: {word[:30]!r} is not a number")
     if not -85 <= value <= 85:
         raise InputError(f"{option} {text[:60]!r}: {word[:30]} must lie in -85..85 deg")
-    return value + 0.0
+    return value
 
 
 def _range(first: float, last: float, step: float, text: str) -> list[float]:

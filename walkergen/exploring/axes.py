@@ -10,6 +10,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import assignments
+from walkergen.files.config import LARGEST_WHOLE, SMALLEST
 
 MOST_VALUES = 1_000_000
 """Largest number of values of an axis, and of samples."""
@@ -174,7 +175,12 @@ def _finite(word: str, source: str) -> float:
     value = float(word)
     if not math.isfinite(value):
         raise InputError(f"{source}: {word.strip()} is no end of a range: write finite numbers")
-    return value
+    if value != 0.0 and not SMALLEST <= abs(value) <= LARGEST_WHOLE:
+        raise InputError(
+            f"{source}: {word.strip()[:30]} is no end of a range: write 0, or numbers in "
+            f"±({SMALLEST:g}..{LARGEST_WHOLE:.3g})"
+        )
+    return value + 0.0
 
 
 def _sampled(sample: Sample) -> Any:

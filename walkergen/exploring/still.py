@@ -3,16 +3,11 @@
 import math
 
 from walkergen.errors import InputError
-from walkergen.scene import Arena, Drive, Scene
+from walkergen.scene import Arena, Scene, at_rest
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-
-AT_REST = 1e-30
-"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
-"""
-
 
 FINER = 0.25
 """Steps over those of long runs: a single bounce shows where in a step it landed, by 0.02 of its
@@ -24,7 +19,7 @@ def still(scene: Scene) -> Scene:
     off = {"second_harmonic": None, "plate_noise": None, "plate_slope": None, "lane_walls": None}
     return scene.model_copy(
         update={
-            "drive": Drive(frequency_hz=scene.drive.frequency, gamma=AT_REST),
+            "drive": at_rest(scene.drive.frequency),
             "plate": scene.plate.model_copy(update={"slope_deg": 0.0, "noise_ratio": 0.0}),
             "arena": Arena(kind="plane"),
             "legs": scene.legs.model_copy(update={"model": "space"}),

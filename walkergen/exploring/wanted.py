@@ -1,10 +1,12 @@
 """Errors that a person can bear, as they are written: 5% or 3mm/s."""
 
-import math
-import re
 from typing import NamedTuple
 
 from walkergen.errors import InputError
+from walkergen.files import words
+
+UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
+"""Units of errors, with the least and the largest that can be asked for."""
 
 
 class Wanted(NamedTuple):
@@ -20,14 +22,12 @@ class Wanted(NamedTuple):
 
 def parse(text: str) -> Wanted:
     """Parse "5%" or "3mm/s". Raises InputError."""
-    found = re.fullmatch(r"\s*([0-9.eE+-]+)\s*(%|mm/s)\s*", text)
-    try:
-        value = float(found[1]) if found else math.nan
-    except ValueError:
-        value = math.nan
-    if found is None or not 0 < value < math.inf:
+    unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
+    value = words.value(text.rstrip(" ").removesuffix(unit))
+    if not unit or value is None or value <= 0.0:
         raise InputError(f"--error {text[:30]!r}: write a positive share or speed, 5% or 3mm/s")
-    relative = found[2] == "%"
-    if relative and not value <= 100:
-        raise InputError(f"--error {text[:30]!r}: at most 100 %")
+    relative = unit == "%"
+    low, high = UNITS[unit]
+    if not low <= value <= high:
+        raise InputError(f"--error {text[:30]!r}: must lie in {low:g}..{high:g} {unit}")
     return Wanted(0.01 * value if relative else value, relative)

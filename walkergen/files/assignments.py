@@ -5,7 +5,6 @@ Keys are dotted, entries of lists numbered from 1 as in messages: legs[2].tilt_d
 
 import copy
 import re
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -13,7 +12,7 @@ from typing import Any
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.files.config import Model, Section, contents, unknown, validate
+from walkergen.files.config import Model, Section, contents, toml_of, unknown, validate
 
 STEP = r"[A-Za-z_]\w*(\[[0-9]{1,4}\])?"
 KEY = re.compile(rf"{STEP}(\.{STEP})*")
@@ -42,8 +41,8 @@ def value_of(text: str, option: str = "--set") -> Any:
     Raises InputError for what begins as a list or a table and is none: a shell takes quotes away.
     """
     try:
-        data = tomllib.loads(f"value = {text}")
-    except (ValueError, RecursionError):  # no TOML; a number of more digits than Python reads
+        data = toml_of(f"value = {text}")
+    except ValueError:  # no TOML; a number of more digits than Python reads
         if text.startswith(("[", "{")):
             raise InputError(
                 f"{option} ...={text[:60]!r}: no list or table of TOML, in which words have "

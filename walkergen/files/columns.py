@@ -18,13 +18,16 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import reading
+from walkergen.files import plain, reading
+from walkergen.files import words as words_of
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
 
 FORMAT = "a CSV file"
-MOST_ROWS = 20_000_000
+MOST_ROWS, MOST_COLUMNS, MOST_BAD = 20_000_000, 1000, 1_000_000
+LARGEST, SMALLEST = 1e12, 1e-12
+"""Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
 CHUNK = 100_000
 """Lines that are parsed at once."""
 NAMED = 5
@@ -72,7 +75,7 @@ def records(lines: Iterable[str], source: str) -> Records:
     names = _names(stream, source)
     rows = []
     for at, line in enumerate(stream, start=2):
-        row = _cells(line, source, at)
+        row = cells(line, source, at)
         if not any(cell.strip() for cell in row):
             continue
         if len(row) != len(names):
@@ -101,7 +104,7 @@ def read(
     names = _names(stream, str(path))
     missing = [name for name in required if name not in names]
     if missing:
-        seen = ", ".join(name for name in names if name)[:200]
+        seen = plain.line(", ".join(name for name in names if name))
         raise InputError(f"{path}: no column {missing[0]!r}; columns seen: {seen}")
     wanted = (*required, *optional, *words)
     places = {name: names.index(name) for name in wanted if name in names}
@@ -119,21 +122,14 @@ def read(
         chunks.append([column[usable] for column in values])
         lines.append(numbers[usable])
         bad |= wrong
+        if len(bad) > MOST_BAD:
+            raise InputError(f"{path}: more than {summary(bad)}: is it the right file?")
         first += len(chunk)
     if not any(map(len, lines)):
         reason = summary(bad) or "no rows after the header"
         raise InputError(f"{path}: nothing to read: {reason}")
     joined = map(np.concatenate, zip(*chunks, strict=True))
     return Columns(dict(zip(places, joined, strict=True)), np.concatenate(lines), bad)
-
-
-def number(text: str) -> float | None:
-    """Finite number that a text stands for, or None."""
-    try:
-        value = float(text)
-    except ValueError:
-        return None
-    return value if math.isfinite(value) else None
 
 
 def whole(text: str, most: int) -> int | None:
@@ -153,16 +149,18 @@ def summary(bad: dict[int, str]) -> str:
 
 def _names(stream: Iterator[str], source: str) -> list[str]:
     """Names in the first line of a stream, which is used up; raises InputError."""
-    names = [name.strip() for name in _cells(next(stream, ""), source, 1)]
+    names = [name.strip() for name in cells(next(stream, ""), source, 1)]
     if not any(names):
         raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
+    if len(names) > MOST_COLUMNS:
+        raise InputError(f"{source}:1: {len(names)} columns; at most {MOST_COLUMNS}")
     twice = sorted({name for name in names if name and names.count(name) > 1})
     if twice:
         raise InputError(f"{source}:1: column {twice[0]!r} occurs twice; keep one")
     return names
 
 
-def _cells(line: str, source: str, at: int) -> list[str]:
+def cells(line: str, source: str, at: int) -> list[str]:
     """Cells of a line, of which there are none in an empty one; raises InputError."""
     try:
         return next(csv.reader([line]), [])
@@ -184,26 +182,31 @@ def _parse(
     """
     rows: list[list[str]] = []
     try:  # nearly every chunk is sound, and this is ten times faster than cell by cell
-        if not all(map(str.strip, chunk)):
-            raise ValueError("blank lines, which loadtxt would drop")
+        if words or not all(map(str.strip, chunk)):
+            raise ValueError("words, or blank lines, which loadtxt would drop")
         table = np.loadtxt(
             chunk, delimiter=",", usecols=[*places.values()], comments=None, quotechar='"', ndmin=2
         )
         values = list(table.T)
     except ValueError:
-        rows = [_cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
+        rows = [cells(line, source, at) for line, at in zip(chunk, numbers, strict=True)]
         values = [
             np.array([_number(row, place, n >= required, words.get(name, ())) for row in rows])
             for n, (name, place) in enumerate(places.items())
         ]
     wrong: dict[int, str] = {}
     for n, ((name, place), column) in enumerate(zip(places.items(), values, strict=True)):
-        unusable = ~np.isfinite(column) if n < required else np.isinf(column)
+        column[np.abs(column) < SMALLEST] = 0.0
+        unusable = np.abs(column) > LARGEST
+        if n < required:
+            unusable |= np.isnan(column)
         for index in np.flatnonzero(unusable):
-            row = rows[index] if rows else _cells(chunk[index], source, numbers[index])
+            row = rows[index] if rows else cells(chunk[index], source, numbers[index])
             if row:
                 seen = f"{row[place].strip()[:30]!r}" if place < len(row) else "missing"
+                within = f" within ±{LARGEST:g}" if abs(column[index]) < math.inf else ""
                 expected = f"one of {', '.join(words[name])}" if name in words else "a number"
+                expected += within
                 wrong.setdefault(int(numbers[index]), f"{name} is {seen}, not {expected}")
     return values, wrong
 
@@ -215,7 +218,9 @@ _UNREADABLE = -math.inf
 def _number(row: list[str], place: int, optional: bool, known: Sequence[str]) -> float:
     """Value of a cell: its number or its place among known words; NaN when blank and optional."""
     text = row[place].strip() if place < len(row) else ""
-    try:
-        return float(known.index(text) if known and text else text)
-    except ValueError:
-        return math.nan if optional and not text else _UNREADABLE
+    if known and text:
+        return float(known.index(text)) if text in known else _UNREADABLE
+    value = words_of.value(text)
+    if value is not None:
+        return value
+    return math.nan if optional and text.lower() in ("", "nan") else _UNREADABLE

@@ -5,19 +5,31 @@ A mistake is one line: file and line, key, value seen, what is allowed, and a sp
 
 import difflib
 import re
+import reprlib
 import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
 
-from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_validator
 from pydantic.fields import FieldInfo
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import reading
+from walkergen.files import plain, reading
 
-MOST_BYTES = 1_000_000
+MOST_BYTES, DEEPEST, MOST_MISTAKES = 1_000_000, 32, 20
+"""Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
+
+SMALLEST, LARGEST_WHOLE = 1e-12, 2**63
+"""Size below which no number but 0 means anything in any unit here; largest whole number of TOML.
+"""
+
+DOTTED = re.compile(
+    r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{DEEPEST}}}"
+)
+"""Key of more parts than are read: the time that tomllib takes grows with their square."""
+
 NAME_PATTERN = r"^[A-Za-z0-9][A-Za-z0-9_-]{0,63}$"
 SIGNS = {"gt": ">", "ge": ">=", "lt": "<", "le": "<="}
 """Signs of the limits of a number, by pydantic's names of them."""
@@ -28,6 +40,9 @@ FORMS = {
 }
 """Forms of a value in words, by pydantic's names of the mistake of another."""
 
+SHORT = reprlib.Repr()
+SHORT.maxstring = SHORT.maxother = SHORT.maxlong = 200
+
 Name = Annotated[str, Field(pattern=NAME_PATTERN)]
 Fraction = Annotated[float, Field(ge=0, le=1)]
 
@@ -36,6 +51,11 @@ class Section(BaseModel):
     """Table of a TOML file: frozen, with strict numbers; unknown keys and NaN are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    @field_validator("*", mode="before")
+    @classmethod
+    def _sound(cls, value: Any) -> Any:
+        return sound(value)
 
     @classmethod
     def beside(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
@@ -77,11 +97,54 @@ def load(path: Path) -> tuple[dict[str, Any], str]:
     """Contents of a TOML file, and its text. Raises InputError when it cannot be read."""
     text = "".join(reading.lines(path, "a TOML file", MOST_BYTES))
     try:
-        return tomllib.loads(text), text
-    except ValueError as error:  # not TOML, or a whole number of more digits than Python reads
+        return toml_of(text), text
+    except ValueError as error:
         raise InputError(f"{path}: not valid TOML: {error}") from None
-    except RecursionError:
-        raise InputError(f"{path}: not valid TOML: nested too deeply") from None
+
+
+def toml_of(text: str) -> dict[str, Any]:
+    """Contents of TOML text. Raises ValueError for other text, and where it is nested too deeply.
+
+    So it does for a whole number of more digits than Python reads.
+    """
+    if not DOTTED.search(text):
+        try:
+            data = tomllib.loads(text)
+        except RecursionError:
+            pass
+        else:
+            if _depth(data) <= DEEPEST:
+                return data
+    raise ValueError(f"nested too deeply: more than {DEEPEST} levels")
+
+
+def _depth(value: Any) -> int:
+    """Levels of lists and tables in a value, counted no further than one beyond DEEPEST."""
+    layer, depth = [value], 0
+    while layer and depth <= DEEPEST:
+        holders = [one for one in layer if isinstance(one, (dict, list))]
+        layer = [
+            inner for one in holders for inner in (one.values() if isinstance(one, dict) else one)
+        ]
+        depth += bool(holders)
+    return depth
+
+
+def sound(value: Any) -> Any:
+    """Value of a key without the sign of a zero. Raises ValueError for numbers of no meaning.
+
+    These are as small or as large as only a slip of the pen is, and would overflow where they are
+    squared or divided by.
+    """
+    if isinstance(value, list):
+        return [sound(one) for one in value]
+    if isinstance(value, float):
+        if 0.0 < abs(value) < SMALLEST:
+            raise ValueError(f"{value:g} is too small: must be 0, or at least {SMALLEST:g}")
+        return value + 0.0
+    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        raise ValueError(f"{_shown(value)} is too large: must be at most {LARGEST_WHOLE:.3g}")
+    return value
 
 
 def where(location: tuple[str, ...], source: str, text: str) -> str:
@@ -107,7 +170,12 @@ def validate(
             lines.append(f"{where(location, source, text)}: {problem}")
         raise GeometryError("\n".join(lines)) from None
     except ValidationError as error:
-        lines = [_explain(mistake, model, source, text, prefix) for mistake in error.errors()]
+        mistakes = error.errors()
+        lines = [
+            _explain(mistake, model, source, text, prefix) for mistake in mistakes[:MOST_MISTAKES]
+        ]
+        if len(mistakes) > MOST_MISTAKES:
+            lines.append(f"{source}: and {len(mistakes) - MOST_MISTAKES} more mistakes")
         raise InputError("\n".join(lines)) from None
 
 
@@ -115,7 +183,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
     """Line for a person on a mistake of pydantic's: place, key, value seen, what is allowed."""
     location = _path_of(mistake["loc"], model)
     place = where(location, source, text)
-    key = prefix + ".".join(location) or "file"
+    key = plain.line(prefix + ".".join(location) or "file")
     if mistake["type"] == "extra_forbidden":
         return f"{place}: {_cut(key)}: unknown key{_spelling_hint(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
@@ -127,14 +195,16 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    told = FORMS.get(mistake["type"]) or _allowed(location, model) or mistake["msg"]
+    told = FORMS.get(mistake["type"]) or allowed(location, model) or mistake["msg"]
     return f"{place}: {key}{seen}: {told}"
 
 
 def _shown(value: Any) -> str:
     if isinstance(value, dict):
         return "a table"
-    return _cut(repr(value))
+    if isinstance(value, int) and abs(value) > LARGEST_WHOLE:
+        return f"a whole number of about {value.bit_length() * 0.30103:.0f} digits"
+    return _cut(SHORT.repr(value))
 
 
 def _cut(shown: str) -> str:
@@ -213,7 +283,7 @@ def unknown(location: tuple[str, ...], model: type[Section], prefix: str = "") -
 def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
     """End of a line on an unknown key: the known key most like it, or all of its table."""
     table = _model_at(location[:-1], model)
-    known = [".".join(path) for path in _keys(model)]
+    known = [".".join(path) for path in keys(model)]
     if table and any("[" in key for key in location):
         known = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
@@ -223,14 +293,14 @@ def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str)
     return f"; known here: {', '.join(names)}"
 
 
-def _keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
+def keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Keys of a table and of all tables in it, each as the path that leads to it."""
     found: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
         found.append((*prefix, name))
         inner = _section_of(field.annotation)
         if inner:
-            found += _keys(inner, (*prefix, name))
+            found += keys(inner, (*prefix, name))
     return found
 
 
@@ -258,7 +328,7 @@ def _model_at(location: tuple[str, ...], model: type[Section]) -> type[Section] 
     return _section_of(field.annotation, listed="[" in location[-1]) if field else None
 
 
-def _allowed(location: tuple[str, ...], model: type[Section]) -> str:
+def allowed(location: tuple[str, ...], model: type[Section]) -> str:
     """Values that a key may hold, in words, from the model's constraints; '' when it has none."""
     field = _field_at(location, model)
     if field is None:

@@ -6,6 +6,7 @@ by cubic curves, 3e-4 of the radius beside them.
 
 import io
 import itertools
+import tempfile
 from collections import deque
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -77,7 +78,13 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
     `scale_mm` is None, or holds open or branching lines, or anything else than plane curves.
     """
     data = reading.content(path, MOST_BYTES)
-    document = _document(path, source)
+    with reading.by_library(source, "DXF"):
+        return _shapes(data, scale_mm, source)
+
+
+def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
+    """Shape in the bytes of a file; its library raises whatever it likes."""
+    document = _document(data)
     scale = _scale(document, data, source) if scale_mm is None else scale_mm
     entities = list(_entities(document, source))
     if not entities:
@@ -87,13 +94,17 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
     return [Shape([scale * one for one in _joined(curves, GAP * size, source)], nonzero=False)]
 
 
-def _document(path: Path, source: str) -> "Drawing":
+def _document(data: bytes) -> "Drawing":
+    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names."""
     import ezdxf
 
-    try:
-        return ezdxf.readfile(path)
-    except (OSError, ezdxf.DXFError, ValueError, LookupError, TypeError, AttributeError) as error:
-        raise InputError(f"{source}: is no sound DXF file: {str(error)[:120]}") from None
+    with tempfile.TemporaryDirectory() as folder:
+        copy = Path(folder) / "drawing.dxf"
+        copy.write_bytes(data)
+        try:
+            return ezdxf.readfile(copy)
+        except StopIteration:
+            raise ValueError("it breaks off") from None
 
 
 def _scale(document: "Drawing", data: bytes, source: str) -> float:

@@ -23,6 +23,9 @@ FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
 MOST_BYTES = 2**30
 """Largest file, and largest content of a compressed one."""
 
+FARTHEST = 1e12
+"""Largest coordinate, in the file's unit."""
+
 MOST_TRIANGLES = 2_000_000
 """Largest number of triangles of a file: a million took 10 s and 0.7 GB to read and check, on two
 busy cores (benchmarks/own_mesh.py)."""
@@ -48,14 +51,8 @@ def load(path: Path, source: str) -> Loaded:
             f"{source}: ends in {path.suffix[:20]!r}; give a mesh: {', '.join(FORMATS)}"
         )
     data = reading.content(path, MOST_BYTES)
-    if kind == "3mf":
-        _refuse_bombs(data, source)
-        raw = threemf.read(data, source)
-    elif _is_binary_stl(kind, data):
-        raw = [Part("mesh", *_binary_stl(data, source))]
-    else:
-        raw = _by_trimesh(data, kind, source)
-    parts = [_part(source, *one) for one in raw]
+    with reading.by_library(source, kind.upper()):
+        parts = [_part(source, *one) for one in _raw(data, kind, source)]
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
@@ -65,6 +62,16 @@ def load(path: Path, source: str) -> Loaded:
             "100000 are enough for any print"
         )
     return Loaded(tuple(parts), hashlib.sha256(data).hexdigest())
+
+
+def _raw(data: bytes, kind: str, source: str) -> list[Part]:
+    """Parts of a file as they stand there; the libraries that read it raise whatever they like."""
+    if kind == "3mf":
+        _refuse_bombs(data, source)
+        return threemf.read(data, source)
+    if _is_binary_stl(kind, data):
+        return [Part("mesh", *_binary_stl(data, source))]
+    return _by_trimesh(data, kind, source)
 
 
 def joined(parts: tuple[Part, ...]) -> Part:
@@ -113,6 +120,8 @@ def _part(source: str, name: str, vertices: Array, triangles: Indices) -> Part:
         raise InputError(
             f"{source}: {bad} of {len(vertices)} vertices are not finite numbers; export it anew"
         )
+    if len(vertices) and (far := float(np.abs(vertices).max())) > FARTHEST:
+        raise InputError(f"{source}: a coordinate of {far:.3g}, at most {FARTHEST:g}: export in mm")
     return Part(name, *merged(vertices, triangles))
 
 

@@ -82,9 +82,16 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
     states. Raises InputError, which begins with `source`, for a file that is no SVG, states no size
     in mm, cm, in, pt or pc while `scale_mm` is None, holds what UNREADABLE lists or an open path.
     """
+    data = reading.content(path, MOST_BYTES)
+    with reading.by_library(source, "SVG"):
+        return _shapes(data, scale_mm, source)
+
+
+def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
+    """Shapes in the bytes of a file; its library raises whatever it likes."""
     import svgelements
 
-    root = _tree(reading.content(path, MOST_BYTES), source)
+    root = _tree(data, source)
     _refuse_unreadable(root, source)
     scale = _scale(root, source) if scale_mm is None else (scale_mm, scale_mm)
     if "viewBox" in root.attrib:  # units of the drawing, then: the page's size is in `scale`
@@ -97,10 +104,10 @@ def read(path: Path, scale_mm: float | None, source: str) -> list[Shape]:
         if not math.isfinite(size):
             raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
         return [_shape(path, size, scale, source) for path in drawn]
-    except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
-        raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
     except RecursionError:
         raise InputError(f"{source}: elements are nested too deeply") from None
+    except (ValueError, TypeError, IndexError, AttributeError, ZeroDivisionError) as error:
+        raise InputError(f"{source}: a path cannot be read ({error!r:.80})") from error
 
 
 def _tree(data: bytes, source: str) -> ET.Element:

@@ -1,12 +1,15 @@
 """Numbers, spans and times in words: as people write them, without exponents where they can."""
 
 import math
+import re
 
 NOTHING = 1e-12
 """Size below which a number is zero to people: rounding, in every unit that is printed."""
 
 PLAIN_LOW, PLAIN_HIGH = 1e-6, 1e7
 """Sizes between which a number is written without an exponent."""
+
+NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
 
 def number(value: float, digits: int = 3) -> str:
@@ -18,6 +21,15 @@ def number(value: float, digits: int = 3) -> str:
         return text
     decimals = max(digits - 1 - math.floor(math.log10(abs(float(text)))), 0)
     return f"{float(text):.{decimals}f}"
+
+
+def value(text: str) -> float | None:
+    """Finite number that a text stands for, in plain digits, zero without a sign; None for others.
+
+    Python takes more for one: 1_0, digits of other scripts, nan, ends of lines around it.
+    """
+    found = float(text) if NUMBER.fullmatch(text.strip(" \t")) else math.nan
+    return found + 0.0 if math.isfinite(found) else None
 
 
 def span(low: float | None, high: float | None, digits: int = 4) -> str:

@@ -16,7 +16,7 @@ class Printer(Section):
     """Width of the bed along x, as seen from the front."""
     bed_depth_mm: Annotated[float, Field(ge=50, le=5000)]
     """Depth of the bed along y, away from the front."""
-    height_mm: Annotated[float, Field(gt=0, le=5000)]
+    height_mm: Annotated[float, Field(ge=1, le=5000)]
     margin_mm: Annotated[float, Field(ge=0, le=20)] = 5.0
     """Distance that is kept free along every edge of the bed."""
     gap_mm: Annotated[float, Field(ge=0, le=50)] = 3.0

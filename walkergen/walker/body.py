@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from walkergen.errors import GeometryError
 from walkergen.files import reading
 from walkergen.files.config import Section
+from walkergen.files.contours import MOST_BYTES
 from walkergen.walker import outlines
 from walkergen.walker.limbs import Length
 from walkergen.walker.mass import Mesh
@@ -189,7 +190,7 @@ def _shape(keys: str) -> Shape:
     size = Size(float(length), body.thickness_mm, float(depth))
     sha256 = ""
     if body._drawing and body.outline is not None:
-        sha256 = hashlib.sha256(reading.content(Path(body.outline))).hexdigest()
+        sha256 = hashlib.sha256(reading.content(Path(body.outline), MOST_BYTES)).hexdigest()
     return Shape(size, None, tuple(plan), sha256=sha256)
 
 

@@ -30,14 +30,14 @@ from walkergen.walker.body import Body, Size, beside
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 
-MassGram = Annotated[float, Field(gt=0, le=1e12)]
+MassGram = Annotated[float, Field(ge=1e-9, le=1e12)]
 
 
 class Material(Section):
     """Material that a walker is printed of, with solid infill."""
 
-    density_g_cm3: Annotated[float, Field(gt=0, le=100)] = 1.24
-    youngs_modulus_gpa: Annotated[float, Field(gt=0, le=1e4)] = 3.0
+    density_g_cm3: Annotated[float, Field(ge=1e-3, le=100)] = 1.24
+    youngs_modulus_gpa: Annotated[float, Field(ge=1e-6, le=1e4)] = 3.0
     youngs_modulus_sd_gpa: Annotated[float, Field(ge=0, le=1e4)] = 0.35
 
     @property

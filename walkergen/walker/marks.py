@@ -42,10 +42,10 @@ class Marks(Section):
     kind: Literal["none", "notches", "digits", "text"] = "none"
     text: Annotated[str, Field(min_length=1, max_length=40)] | None = None
     """Letters of kind "text", engraved: the same on every member of a family."""
-    text_height_mm: Annotated[float, Field(gt=0, le=1e4)] | None = None
+    text_height_mm: Annotated[float, Field(ge=1e-3, le=1e4)] | None = None
     """Height of its capitals. None: half the body's, as seen on the side that bears them."""
     line_mm: Annotated[float, Field(ge=0.05, le=5)] = 0.4
-    depth_mm: Annotated[float, Field(gt=0, le=1e4)] = 0.4
+    depth_mm: Annotated[float, Field(ge=1e-3, le=1e4)] = 0.4
     serial: Annotated[int, Field(ge=1, le=MOST_SERIAL)] | None = None
     """Number of one copy, engraved beside its mark. None: copies are not told apart."""
 
@@ -57,7 +57,10 @@ class Marks(Section):
     @model_validator(mode="after")
     def _lettered(self) -> "Marks":
         if (self.kind == "text") != (self.text is not None):
-            raise ValueError('text and kind = "text" go together')
+            other = "needs text" if self.text is None else "has no text; give it kind = 'text'"
+            raise ValueError(
+                f'marks.kind = {self.kind!r} {other}: text and kind = "text" go together'
+            )
         return self
 
 

@@ -8,6 +8,7 @@ ratios only.
 
 import difflib
 import math
+import os
 import re
 from collections import defaultdict
 from collections.abc import Iterable, Mapping, Sequence
@@ -17,7 +18,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import columns, output, reading
+from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
 from walkergen.walker.design import Design, Weighed
@@ -26,6 +27,8 @@ from walkergen.walker.solids import Solids
 FILE = "weights.csv"
 QUANTITIES = ("grams", "body_g", "leg_g")
 MOST_BYTES = 10_000_000
+LIGHTEST, HEAVIEST = 1e-6, 1e6
+"""Limits of masses that were weighed, g."""
 FACTOR = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
 
@@ -68,9 +71,9 @@ def template(parts: Iterable[str]) -> str:
 
 def filled(path: Path) -> bool:
     """True for a file that is not byte for byte a `template`: work to keep. Raises InputError."""
-    if not path.exists():
+    if not os.path.lexists(path):
         return False
-    data = reading.content(path)
+    data = reading.content(path, MOST_BYTES)
     rows = data.decode("utf-8", "replace").splitlines()[1:]
     return data != template(row.partition(",")[0] for row in rows).encode()
 
@@ -182,9 +185,12 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
     found = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
-            value = columns.number(cell)
-            if value is None or value <= 0.0:
-                raise InputError(f"{quantity} = {cell[:30]!r}: must be a number > 0, in grams")
+            value = words.value(cell)
+            if value is None or not LIGHTEST <= value <= HEAVIEST:
+                raise InputError(
+                    f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, "
+                    "in grams"
+                )
             found[quantity] = value
     return found
 

@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 
 from walkergen import caches
-from walkergen.files import output
+from walkergen.errors import InputError
+from walkergen.files import output, reading
 from walkergen.jobs.accuracy.ladder import machine
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey
@@ -42,13 +43,10 @@ def recall(survey: Survey) -> int:
 
 def _kept(survey: Survey) -> dict[Setting, Measured]:
     path = record(survey)
-    if not path.exists():
-        return {}
     try:
         rows = [
-            Measured(**row | {"setting": Setting(*row["setting"])})
-            for row in json.loads(path.read_text(encoding="utf-8"))
+            Measured(**row | {"setting": Setting(*row["setting"])}) for row in reading.json_of(path)
         ]
-    except (ValueError, TypeError, KeyError):  # cut short or of another kind: measured again
+    except (InputError, TypeError, KeyError):  # none, cut short or of another kind: measured again
         return {}
     return {one.setting: one for one in rows}

@@ -6,6 +6,7 @@ one part and quantity are tries, and may be as many as one likes.
 """
 
 import math
+import os
 from collections import defaultdict
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.files import columns, output, reading
+from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
 
 FILE = "measurements.csv"
@@ -60,6 +61,9 @@ BLOCK = {
     "height_mm": Quantity(0.05, 1000.0),
     "slides_deg": Quantity(1.0, 80.0),
 }
+LEAST = 1e-6
+"""Least error of a reading, in whatever unit."""
+
 WALKER = {"slides_deg": Quantity(1.0, 80.0), "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
 TRIES = {
     "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
@@ -112,7 +116,7 @@ def template(air: Mapping[str, float]) -> str:
 
 def filled(path: Path) -> bool:
     """True when a file exists that holds any reading of a person: work to keep."""
-    if not path.is_file():
+    if not os.path.lexists(path):
         return False
     try:
         return any(row["reading"].strip() and row["measured"].strip() != AIR
@@ -214,10 +218,12 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
 
 
 def _number(what: str, cell: str, most: float, zero: bool = False) -> float:
-    value = columns.number(cell)
-    if value is None or not (0.0 <= value <= most if zero else 0.0 < value <= most):
-        low = ">= 0" if zero else "> 0"
-        raise InputError(f"{what} = {cell.strip()[:30]!r}: must be a number {low} and <= {most:g}")
+    value = words.value(cell)
+    least = 0.0 if zero else LEAST
+    if value is None or not least <= value <= most:
+        raise InputError(
+            f"{what} = {cell.strip()[:30]!r}: must be a number >= {least:g} and <= {most:g}"
+        )
     return value
 
 

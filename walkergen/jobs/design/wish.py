@@ -16,8 +16,8 @@ OPTIONS: dict[str, Quantity] = {
     "--speed": "speed", "--persistence": "persistence length", "--turning-radius": "turning radius",
 }  # fmt: skip
 
-LARGEST = 1e9
-"""Largest number that may be wished, mm/s or mm."""
+LEAST, LARGEST = 1e-6, 1e9
+"""Least and largest number that may be wished, mm/s or mm."""
 
 NORMAL_95 = 1.96
 """Standard errors to either side that hold 95 %, of many runs."""
@@ -103,8 +103,10 @@ def of_options(
 def _check(name: str, value: float, error: Wanted) -> None:
     """Refuse targets that are no number, or of which no share can be. Raises InputError."""
     unit = UNITS[OPTIONS[name]]
-    if not abs(value) <= LARGEST:
-        raise InputError(f"{name} {value:g}: must be a number of {unit}, at most {LARGEST:g}")
+    if not (value == 0.0 or LEAST <= abs(value) <= LARGEST):
+        raise InputError(
+            f"{name} {value:g}: must be a number of {unit}, {LEAST:g} at least, {LARGEST:g} at most"
+        )
     if name != "--speed":
         if not value > 0.0:
             raise InputError(f"{name} {value:g}: must be a length in mm above 0")

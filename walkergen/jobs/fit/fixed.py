@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 
 from walkergen.analysis.fits import RANGES
 from walkergen.errors import InputError
+from walkergen.files import words
 from walkergen.jobs.fit.parameters import ModelName
 from walkergen.scene import LEAST_LABEL
 
@@ -29,16 +30,15 @@ def _parsed(texts: Sequence[str], ranges: Ranges, of: str) -> dict[str, float]:
     """Values by name. Raises InputError for names and values out of range."""
     found: dict[str, float] = {}
     for text in texts:
-        name, _, number = (word.strip() for word in text.partition("="))
+        name, _, number = (word.strip(" ") for word in text.partition("="))
         if name not in ranges:
             raise InputError(
                 f"--fix {text[:60]!r}: write NAME=VALUE, NAME one of {', '.join(ranges)}{of}"
             )
         low, high = ranges[name]
-        try:
-            value = float(number)
-        except ValueError:
-            raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number") from None
+        value = words.value(number)
+        if value is None:
+            raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number")
         if not low <= value <= high:
             raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
         found[name] = value

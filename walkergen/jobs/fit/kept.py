@@ -5,7 +5,8 @@ import json
 from pathlib import Path
 
 from walkergen import caches
-from walkergen.files import output
+from walkergen.errors import InputError
+from walkergen.files import output, reading
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.walker.design import Design
@@ -25,7 +26,7 @@ def remember(path: Path, speeds: dict[str, float | None]) -> None:
 def recall(path: Path) -> dict[str, float | None]:
     """Load what was saved; nothing where there is no file, or one cut short."""
     try:
-        found = json.loads(path.read_text(encoding="utf-8"))
+        found = reading.json_of(path)
         return {str(key): None if one is None else float(one) for key, one in found.items()}
-    except (OSError, ValueError, TypeError, AttributeError):
+    except (InputError, ValueError, TypeError, AttributeError):
         return {}

@@ -58,6 +58,9 @@ TRAIL = 4
 HOLD_S = 1.5
 """Time for which the last frame stays before the GIF starts again, s."""
 
+LEAST, LARGEST = 1e-3, 1e6
+"""Limits of times (s), of periods and of slowing down."""
+
 
 class Job(NamedTuple):
     """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
@@ -112,8 +115,8 @@ def plan(
         known = ", ".join(str(one) for one in FPS)
         raise InputError(f"--fps {fps}: must be one of {known} (a GIF counts in 1/100 s)")
     for flag, value in (("--seconds", seconds), ("--periods", periods), ("--slow", slow)):
-        if value is not None and not 0.0 < value <= 1e9:
-            raise InputError(f"{flag} {value:g}: must be > 0 and <= 1e9")
+        if value is not None and not LEAST <= value <= LARGEST:
+            raise InputError(f"{flag} {value:g}: must lie in {LEAST:g}..{LARGEST:g}")
     if len(members) > MOST_LANES:
         raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
     if seconds is not None and periods is not None:

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from walkergen.errors import InputError
-from walkergen.files import columns, reading, templates
+from walkergen.files import columns, reading, templates, words
 from walkergen.printing import packing
 from walkergen.walker import names
 from walkergen.walker.design import Design
@@ -111,7 +111,7 @@ def _tilt(cell: str) -> float | None:
     """Tilt in a cell, deg, whose range the design checks; None in a blank one."""
     if not cell.strip():
         return None
-    value = columns.number(cell)
+    value = words.value(cell)
     if value is None:
         raise InputError(
             f"tilt_deg = {cell.strip()[:30]!r}: must be a number in -85..85, or blank for the "

@@ -2,7 +2,7 @@
 
 import hashlib
 import io
-import json
+import os
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, NamedTuple
@@ -10,13 +10,13 @@ from typing import Annotated, Any, Literal, NamedTuple
 from pydantic import BaseModel, ConfigDict, StringConstraints, ValidationError
 
 from walkergen.errors import InputError
-from walkergen.files import columns, reading
+from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Records
 from walkergen.files.output import MANIFEST
 
 State = Literal["as written", "changed", "missing"]
 
-LARGEST_FOLDER_BYTES = 200_000_000
+LARGEST_FOLDER_BYTES, LARGEST_MANIFEST_BYTES = 200_000_000, 20_000_000
 Digest = Annotated[str, StringConstraints(pattern="^[0-9a-f]{64}$")]
 
 
@@ -65,10 +65,10 @@ def read(folder: Path) -> Contents:
     total = 0
     for name, digest in manifest.files.items():
         path = _inside(folder, name)
-        if not path.is_file():
+        if not os.path.lexists(path):
             states[name] = "missing"
             continue
-        data = reading.content(path)
+        data = reading.content(path, LARGEST_FOLDER_BYTES)
         total += len(data)
         if total > LARGEST_FOLDER_BYTES:
             raise InputError(
@@ -83,27 +83,26 @@ def read(folder: Path) -> Contents:
 def _manifest(folder: Path) -> Manifest:
     """Manifest of a folder; raises InputError when there is none or it is not one of ours."""
     path = folder / MANIFEST
-    if not path.is_file():
+    if not os.path.lexists(path):
         raise InputError(
             f"{folder}: no folder with a {MANIFEST}; give one that `walkergen family` wrote"
         )
     advice = "write the folder again with `walkergen family`"
     try:
-        return Manifest.model_validate(json.loads(reading.content(path)))
+        return Manifest.model_validate(reading.json_of(path, LARGEST_MANIFEST_BYTES))
     except ValidationError as error:
         mistake = error.errors()[0]
-        where = ".".join(map(str, mistake["loc"])) or "its contents"
+        where = plain.line(".".join(map(str, mistake["loc"])) or "its contents")
         raise InputError(f"{path}: {where}: {mistake['msg']}; {advice}") from None
-    except (ValueError, RecursionError) as error:
-        raise InputError(f"{path}: not valid JSON: {error}; {advice}") from None
+    except InputError as error:
+        raise InputError(f"{error}; {advice}") from None
 
 
 def _inside(folder: Path, name: str) -> Path:
     """Path of a listed file; raises InputError when it would lead out of the folder."""
     path = folder / name
-    try:
-        if folder.resolve() in path.resolve().parents:
+    if reading.named_soundly(path):
+        inside = Path(os.path.realpath(folder)) in Path(os.path.realpath(path)).parents
+        if inside:
             return path
-    except ValueError:  # a NUL in the name
-        pass
     raise InputError(f"{folder / MANIFEST}: files: {name!r} is not inside the folder")

@@ -15,8 +15,7 @@ import jinja2
 import markupsafe
 from markdown_it import MarkdownIt
 
-from walkergen.files import viewer
-from walkergen.files.columns import number
+from walkergen.files import viewer, words
 from walkergen.jobs.page import chart, members, references, theory
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.members import Member
@@ -140,7 +139,7 @@ def table(made: Sequence[Member]) -> Table:
     common = {
         column: first
         for column in columns
-        if (first := made[0].row[column]) == "" or (number(first) is None and column != NOTE)
+        if (first := made[0].row[column]) == "" or (words.value(first) is None and column != NOTE)
         if all(member.row[column] == first for member in made)
     }
     shown = [column for column in columns if column not in common]
@@ -185,7 +184,7 @@ def _is_sheet(name: str) -> bool:
 
 def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
     text = member.row[column]
-    value = number(text)
+    value = words.value(text)
     if column == NOTE and text:
         return Cell(f"[{notes.index(text) + 1}]", text)
     if value is None:

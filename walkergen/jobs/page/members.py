@@ -1,10 +1,10 @@
 """Members of a family read back from its files: a row of family.csv and a mesh from stl/."""
 
+import re
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.files import stl
-from walkergen.files.columns import number
+from walkergen.files import stl, words
 from walkergen.files.stl import Corners
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.theory import LARGEST
@@ -12,6 +12,8 @@ from walkergen.jobs.page.theory import LARGEST
 TABLE = "family.csv"
 NUMBERS = ("tilt_deg", "speed_mm_s")
 TEXTS = ("legs", "law")
+ERROR = re.compile(r"_(se|sd|error)(_|$)")
+"""Names of columns that hold errors, which cannot be negative."""
 MOST_ROWS = 2000
 
 
@@ -37,7 +39,7 @@ class Member(NamedTuple):
     def number(self, column: str) -> float | None:
         """Number in a column of the row; None where there is no such column, or no number in it."""
         text = self.row.get(column, "")
-        return number(text) if text else None
+        return words.value(text) if text else None
 
 
 def of(contents: Contents) -> list[Member]:
@@ -71,7 +73,7 @@ def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
         )
     for line, row in rows:
         for column, text in row.items():
-            value = number(text)
+            value = words.value(text)
             if (column in NUMBERS and value is None) or (
                 value is not None and abs(value) > LARGEST
             ):
@@ -79,6 +81,8 @@ def _rows(contents: Contents, expected: int) -> list[dict[str, str]]:
                     f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not "
                     f"{text[:40]!r}"
                 )
+            if value is not None and value < 0.0 and ERROR.search(column):
+                raise InputError(f"{TABLE}:{line}: {column}: must be >= 0, not {text[:40]!r}")
         for column in (*TEXTS, *NUMBERS):
             if not row.get(column):
                 raise InputError(f"{TABLE}:{line}: {column}: missing")

@@ -3,7 +3,7 @@
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.files.columns import number
+from walkergen.files import words
 from walkergen.jobs.page.contents import Contents
 
 TABLE = "speed.csv"
@@ -61,7 +61,7 @@ def _number(row: dict[str, str], column: str, line: int) -> float | None:
     text = row.get(column, "")
     if not text:
         return None
-    value = number(text)
+    value = words.value(text)
     if value is None or abs(value) > LARGEST:
         raise InputError(
             f"{TABLE}:{line}: {column}: must be a number within ±{LARGEST:g}, not {text[:40]!r}"

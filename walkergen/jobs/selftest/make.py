@@ -4,6 +4,7 @@ Processes and not threads, because the first run compiles the simulators and the
 a single thread at a time.
 """
 
+import difflib
 import multiprocessing
 import os
 import signal
@@ -53,11 +54,12 @@ def choose(only: str | None) -> list[Job]:
     """
     cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
     if not cases:
-        sections = ", ".join(dict.fromkeys(case.section for case in catalogue.CASES))
-        names = "; ".join(case.name for case in catalogue.CASES)
+        sections = list(dict.fromkeys(case.section for case in catalogue.CASES))
+        known = [case.name for case in catalogue.CASES]
+        near = difflib.get_close_matches(str(only)[:60], known, n=2, cutoff=0.4)
+        hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
         raise InputError(
-            f"--only {str(only)[:60]!r}: no hard case has this section or name; "
-            f"sections: {sections}; names: {names}"
+            f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}"
         )
     return [Job(case, *pair) for case in cases for pair in case.runs_on]
 

@@ -4,13 +4,14 @@ Masses in closed form (a box on two thin uniform legs; braced legs without mass)
 its mirror image exact images of each other, to the last bit, which a mesh does not.
 """
 
+import copy
 import math
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import GRAVITY, Scene
+from walkergen.scene import GRAVITY, Scene, at_rest
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -25,7 +26,7 @@ Array = npt.NDArray[np.float64]
 LEG, HALF, TALL = 7.5, 6.5, 9.0
 """Lengths of the paper's walker, mm: of a leg; half between the feet; height of O at tilt 0."""
 
-STILL = {"frequency_hz": 90.0, "gamma": 1e-30}
+STILL = at_rest(90.0)
 """Drive of a plate at rest: its amplitude vanishes against the rounding of any height."""
 
 
@@ -67,20 +68,16 @@ def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
 
-def scene_of(model: str, method: str, **tables: dict[str, Any]) -> Scene:
+def scene_of(model: str, method: str, **tables: Any) -> Scene:
     """Scene with the given tables, on one model and method."""
-    data = {key: dict(value) for key, value in tables.items()}
+    data = {key: copy.copy(value) for key, value in tables.items()}
     data.setdefault("legs", {})["model"] = model
     data.setdefault("run", {})["method"] = method
     return Scene.model_validate(data)
 
 
 def plan_of(
-    model: str,
-    method: str,
-    tilt_deg: float = 10.0,
-    leg_mass: float | None = None,
-    **tables: dict[str, Any],
+    model: str, method: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
 ) -> Plan:
     """The plan of the paper's walker at a tilt on a scene of the given tables."""
     design = design_of(model, tilt_deg)

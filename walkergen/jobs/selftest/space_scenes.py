@@ -40,7 +40,7 @@ CALM = 1.0
 """Start (s) after which a walker put down on a still plate has come to rest."""
 
 
-def in_space(tilt_deg: float = 10.0, **tables: dict[str, Any]) -> Plan:
+def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
     """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
     return plan_of("space", "step", tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 

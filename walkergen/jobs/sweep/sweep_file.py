@@ -16,7 +16,7 @@ from walkergen.exploring import axes, request, wanted
 from walkergen.exploring.axes import Axis, Method, Sample, Space, Span
 from walkergen.exploring.point import KEPT, MODELS
 from walkergen.exploring.wanted import Wanted
-from walkergen.files import config
+from walkergen.files import config, plain
 from walkergen.files.config import Section
 
 Table = dict[str, Any]
@@ -137,7 +137,7 @@ def read(path: Path) -> SweepFile:
 def _place(table: str, key: str, source: str, text: str) -> str:
     """Beginning of a line on a key of a table: file, line and key."""
     location = (*table.split("."), *key.split("."))
-    return f"{config.where(location, source, text)}: {table}.{key}"
+    return f"{config.where(location, source, text)}: {plain.line(f'{table}.{key}')}"
 
 
 def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any]:

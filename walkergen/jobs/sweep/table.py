@@ -4,7 +4,6 @@ Every row ends with the key of its point and a check sum of its other cells: a r
 changed is told from one that we wrote, wherever the file has been.
 """
 
-import csv
 import os
 import zlib
 from collections.abc import Iterator, Mapping, Sequence
@@ -14,6 +13,7 @@ from typing import Any, NamedTuple, Self
 from walkergen.errors import InputError, OutputError
 from walkergen.exploring.point import STATUS, THEORY, Record, Value
 from walkergen.files import reading
+from walkergen.files.columns import cells as cells_of
 from walkergen.files.tables import csv_text
 
 NAME = "table.csv"
@@ -112,7 +112,7 @@ def read(path: Path) -> Iterator[Row | int]:
     sweep.
     """
     lines = reading.lines(path, "a table of `walkergen sweep`")
-    header = next(csv.reader([next(lines, "")]), [])
+    header = cells_of(next(lines, ""), str(path), 1)
     if header[-2:] != [POINT, CHECK]:
         raise InputError(
             f"{path}: is no table of a sweep (its last columns are not point, check): "
@@ -121,10 +121,10 @@ def read(path: Path) -> Iterator[Row | int]:
     for number, line in enumerate(lines, start=2):
         if not line.endswith("\n"):
             return
-        cells = next(csv.reader([line]), [])
         text = line.rstrip()
-        sound = len(cells) == len(header) and text.endswith(check_of(text.rpartition(",")[0]))
-        if not sound:
+        sound = text.endswith(check_of(text.rpartition(",")[0]))
+        cells = cells_of(line, str(path), number) if sound else []
+        if len(cells) != len(header):
             yield number
             continue
         yield Row(cells[-2], dict(zip(header[:-2], cells[:-2], strict=True)))

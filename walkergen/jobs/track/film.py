@@ -6,6 +6,7 @@ times are right within a frame.
 """
 
 import importlib.util
+import os
 import re
 import subprocess
 import tempfile
@@ -107,7 +108,7 @@ def _playing(path: Path) -> Iterator[tuple[IO[bytes], IO[bytes]]]:
         imageio_ffmpeg.get_ffmpeg_exe(), "-hide_banner", "-nostats", "-nostdin",
         # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a
         # file's: one that begins with a dash, or with "http:".
-        "-protocol_whitelist", "file", "-i", str(path.resolve()),
+        "-protocol_whitelist", "file", "-i", os.path.realpath(path),
         "-map", "0:v:0", "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-strict", "-1", "-",
     ]  # fmt: skip
     with (

@@ -44,7 +44,7 @@ EDGES = 2.5
 STILL = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
-LARGEST = 1e9
+LEAST, LARGEST = 1e-6, 1e9
 
 
 class Options(NamedTuple):
@@ -122,8 +122,8 @@ def check(options: Options) -> None:
         ("--fps", options.fps, LARGEST), ("--threshold", options.threshold, 255.0),
         ("--width", options.width_px, 1e5),
     ):  # fmt: skip
-        if value is not None and not 0.0 < value <= most:
-            raise InputError(f"{flag} {value:g}: must be a number > 0 and <= {most:g}")
+        if value is not None and not LEAST <= value <= most:
+            raise InputError(f"{flag} {value:g}: must be a number in {LEAST:g}..{most:g}")
     if options.walkers is not None and options.walkers not in SIDES:
         raise InputError(f"--walkers {options.walkers[:30]!r}: must be one of {', '.join(SIDES)}")
     if options.heading not in heading.BY:

@@ -11,7 +11,7 @@ import numpy.typing as npt
 from walkergen.analysis import lagged
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
-from walkergen.scene import GRAVITY, Scene
+from walkergen.scene import GRAVITY, Scene, at_rest
 from walkergen.simulation import points, record, trajectory
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
@@ -162,7 +162,7 @@ def rebound(tilt_deg: float, restitution: float, drops: int) -> tuple[float, flo
     pitch and roll differ by up to TOUCH.
     """
     tables = {
-        "drive": {"frequency_hz": 90.0, "gamma": 1e-30},
+        "drive": at_rest(90.0),
         "contact": {"restitution": restitution, "friction": 0.25},
         "arena": {"kind": "plane"},
         "legs": {"model": "space"},

@@ -1,0 +1,103 @@
+"""Hostile tries by class: refused in one clear line or done, nothing half-written."""
+
+import os
+import sys
+import warnings
+
+import hostile
+import pytest
+
+from walkergen.errors import InputError
+from walkergen.files import config, plain, reading
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="forks, and limits memory")
+
+SEED = int(os.environ.get("WALKERGEN_HOSTILE_SEED", "16"))
+TRIES = int(os.environ.get("WALKERGEN_HOSTILE_TRIES", "2400"))
+
+
+def judged(tries, folder):
+    """Faults of tries, with what was tried."""
+    found = []
+    for number, one in enumerate(tries):
+        place = folder / f"t{number}"
+        place.mkdir()
+        seen = hostile.run(one, place)
+        if told := hostile.faults(one, seen):
+            found.append((number, one.label, told, one.words, seen.err[-500:]))
+    return found
+
+
+@pytest.mark.parametrize(("kind", "count"), [("keys", 4), ("kinds", 5), ("commands", 4)])
+def test_a_few_hostile_command_lines(kind, count, tmp_path):
+    assert not judged(hostile.drawn(SEED, count, kind), tmp_path)
+
+
+@pytest.mark.parametrize("kind", ["keys", "names"])
+def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
+    path = tmp_path / "x.toml"
+    for one in hostile.drawn(SEED, 200, kind):
+        if "x.toml" not in one.files:
+            continue
+        path.write_bytes(one.files["x.toml"])
+        model = {"--scene": Scene, "--printer": Printer}.get(one.words[1], Design)
+        try:
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                config.read(path, model)
+        except InputError as error:
+            for line in str(error).splitlines():
+                assert str(path) in line, one
+        except Warning as seen:
+            pytest.fail(f"{one}: {seen!r}")
+
+
+@pytest.mark.parametrize("kind", hostile.KINDS)
+def test_what_is_no_file_is_not_read(kind, tmp_path):
+    hostile.KINDS[kind](tmp_path / "x")
+    with pytest.raises(InputError):
+        reading.content(tmp_path / "x", 1000)
+    if kind != "growing":  # has nothing to give at first: an empty file
+        with pytest.raises(InputError):
+            list(reading.lines(tmp_path / "x", "a CSV file", 1000))
+
+
+@pytest.mark.nightly
+def test_thousands_of_hostile_tries(tmp_path):
+    hostile.warm()
+    family = tmp_path / "family"
+    family.mkdir()
+    hostile.make_family(family)
+    assert not judged(hostile.drawn(SEED, TRIES), tmp_path)
+
+
+def test_hidden_letters_are_written_as_json_writes_them():
+    import json
+
+    text = "a\x1b[31m\x9b\u202e\ud800\U000e0001\x00é\n"
+    seen = plain.plain(text)
+    assert seen == "a\\u001b[31m\\u009b\\u202e\\ud800\\udb40\\udc01\\u0000é\n"
+    told = json.dumps({"name": "b\u202e\x7fé"}, ensure_ascii=False)
+    assert json.loads(plain.plain(told)) == {"name": "b\u202e\x7fé"}
+
+
+def test_a_line_keeps_its_beginning_and_its_end():
+    found = plain.line("file.toml: " + "x" * 5000 + "\ntry less")
+    assert len(found) == plain.WIDEST
+    assert found.startswith("file.toml: xx")
+    assert found.endswith("x\\ntry less")
+
+
+def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys):
+    monkeypatch.setattr(sys, "stdout", sys.stdout)
+    monkeypatch.setattr(sys, "stderr", sys.stderr)
+    plain.guard()
+    print("name\x1b[31m" + "y" * 300)
+    print("error: " + "y" * 300 + "\x07", "next", sep="\n", file=sys.stderr)
+    seen = capsys.readouterr()
+    assert seen.out == "name\\u001b[31m" + "y" * 300 + "\n"
+    assert [len(line) for line in seen.err.splitlines()] == [plain.WIDEST, 4]
+    assert seen.err.endswith("y\\u0007\nnext\n")

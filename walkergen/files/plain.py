@@ -1,0 +1,69 @@
+"""Text that is safe to show: what strangers wrote must not steer a terminal, nor flood it.
+
+Names, keys, cells and paths may hold escape sequences, letters that turn the direction of writing,
+or halves of letters. They are shown as JSON writes them, so that JSON stays what it was.
+"""
+
+import re
+import sys
+from typing import Any, TextIO, cast
+
+WIDEST = 200
+"""Longest line of a message, letters; of a longer one the middle is left out."""
+
+HIDDEN = re.compile(
+    "[\x00-\x08\x0b-\x1f\x7f-\x9f\xad\u061c\u180e\u200b-\u200f\u2028-\u202e\u2060-\u206f\ud800-\udfff"
+    "\ufeff\ufff9-\ufffb\U000e0000-\U000e0fff]"
+)
+"""Letters that are not seen, or do something: controls, turns of direction, halves of letters."""
+
+
+def plain(text: str) -> str:
+    r"""Text with hidden letters as JSON escapes them: \u001b; ends of lines and tabs stay."""
+    return HIDDEN.sub(_escaped, text)
+
+
+def line(text: str, widest: int = WIDEST) -> str:
+    """Plain text in one line of at most `widest` letters; the middle of a longer one is left out.
+
+    Its end stays, because there stands what to do.
+    """
+    found = plain(text.replace("\n", "\\n"))
+    if len(found) <= widest:
+        return found
+    end = widest // 3
+    return f"{found[: widest - end - 5]} ... {found[len(found) - end :]}"
+
+
+class Plain:
+    """Stream whose text is made plain on its way out, if asked for in lines of bounded length.
+
+    What rich draws, whose colours are escape sequences, goes past it.
+    """
+
+    def __init__(self, stream: TextIO, widest: int | None = None) -> None:
+        self.rich_proxied_file = stream
+        self.widest = widest
+
+    def __getattr__(self, name: str) -> Any:
+        return getattr(self.rich_proxied_file, name)
+
+    def write(self, text: str) -> int:
+        """Write text, made plain; return the number of its letters."""
+        if self.widest is not None:
+            text = "\n".join(line(one, self.widest) for one in text.split("\n"))
+        self.rich_proxied_file.write(plain(text))
+        return len(text)
+
+
+def guard() -> None:
+    """Make plain what this process prints from now on: each line that a person must read, short."""
+    sys.stdout = cast("TextIO", Plain(sys.stdout))
+    sys.stderr = cast("TextIO", Plain(sys.stderr, WIDEST))
+
+
+def _escaped(found: re.Match[str]) -> str:
+    code = ord(found[0])
+    if code <= 0xFFFF:
+        return f"\\u{code:04x}"
+    return f"\\u{0xD800 + (code - 0x10000 >> 10):04x}\\u{0xDC00 + (code & 0x3FF):04x}"
