@@ -1,5 +1,17 @@
-"""`python -m walkergen`."""
+"""`python -m walkergen`, and the command `walkergen`."""
 
-from walkergen.cli import main
+import sys
 
-main()
+
+def main() -> None:
+    """Run the command line; Ctrl-C while it is loaded ends it as quietly as later."""
+    try:
+        from walkergen import cli
+
+        cli.main()
+    except KeyboardInterrupt:
+        sys.exit(130)
+
+
+if __name__ == "__main__":
+    main()
