@@ -5,6 +5,7 @@ there: whenever a run is killed, what it had written is still known to be ours.
 """
 
 import contextlib
+import errno
 import hashlib
 import json
 import os
@@ -21,6 +22,10 @@ MOST_BYTES = 50_000_000
 
 MOST_HASHED = 4_000_000_000
 """Largest file that can be ours, bytes."""
+
+NEVER_OURS = {errno.ENOENT, errno.ENOTDIR, errno.EISDIR, errno.EACCES, errno.ELOOP, errno.ENXIO,
+              errno.ENAMETOOLONG}  # fmt: skip
+"""Reasons why a file cannot be opened that tell that it is not there or not ours."""
 
 BLANK = b"0" * 64
 """Seal that is to be made."""
@@ -68,7 +73,9 @@ class Ledger:
             assert self._file is not None
         line = f"\n{json.dumps([name, digest])}\n".encode()  # after a line that was cut short
         if os.write(self._file, line) != len(line):
-            raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
+            raise OSError(
+                errno.ENOSPC, os.strerror(errno.ENOSPC)
+            )  # a disk that is full takes a part of it
         self.known.setdefault(name, set()).add(digest)
 
     def close(self, remove: bool = False) -> None:
@@ -114,7 +121,7 @@ def _opened(path: Path, new: bool) -> int | None:
     if stat.S_ISREG(os.fstat(file).st_mode):
         return file
     os.close(file)
-    raise OSError(22, "is no plain file")
+    raise OSError(errno.EINVAL, "is no plain file")
 
 
 def flags(asked: int) -> int:
@@ -145,18 +152,26 @@ def lock(file: int) -> bool:
 
 
 def hash_of(path: Path) -> str | None:
-    """Hash of a plain file that is no link; None of all else, which is never ours."""
+    """Hash of a plain file that is no link; None of all else, which is never ours.
+
+    Raises OSError for a file that cannot be read to its end.
+    """
     try:
         file = os.open(path, flags(os.O_RDONLY))
-    except (OSError, ValueError):
+    except ValueError:  # a NUL in its name
         return None
-    with os.fdopen(file, "rb") as stream:
+    except OSError as error:
+        if error.errno in NEVER_OURS:
+            return None
+        raise
+    try:
         found = os.fstat(file)
         if not stat.S_ISREG(found.st_mode) or found.st_size > MOST_HASHED:
             return None
-        with contextlib.suppress(OSError):
+        with open(file, "rb", closefd=False) as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
-    return None
+    finally:
+        os.close(file)
 
 
 def sealed(data: bytes) -> bytes:

@@ -194,7 +194,7 @@ class Folder:
 
     def add(self, name: str) -> None:
         """Take in a file that was written by other means, as row by row."""
-        digest = hash_of(self.path / name)
+        digest = self._hash(name)
         if digest is None:
             raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
         self.hashes[name] = digest
@@ -248,15 +248,13 @@ class Folder:
     def untouched(self) -> bool:
         """True when every file of an earlier run is as it was left."""
         listed = _files_of(self.earlier())
-        return bool(listed) and all(
-            hash_of(self.path / name) == digest for name, digest in listed.items()
-        )
+        return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
     def _ours(self, name: str) -> bool:
         """True for a file in the folder that we wrote and nobody changed since."""
         assert self._ledger is not None
         known = {*self._ledger.known.get(name, ()), self._listed.get(name)} - {None}
-        return bool(known) and _is_inside(self.path, name) and hash_of(self.path / name) in known
+        return bool(known) and _is_inside(self.path, name) and self._hash(name) in known
 
     def _may(self, name: str, digest: str) -> bool:
         """True where nothing is lost by writing a file of this hash: none there, or ours."""
@@ -265,7 +263,14 @@ class Folder:
             found = path.lstat()
         except (OSError, ValueError):  # whatever stops the writing will tell
             return True
-        return _is_empty(found) or hash_of(path) == digest or self._ours(name)
+        return _is_empty(found) or self._hash(name) == digest or self._ours(name)
+
+    def _hash(self, name: str) -> str | None:
+        """Hash of a plain file in the folder; None of all else."""
+        try:
+            return hash_of(self.path / name)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
 
     def _tell_left(self) -> None:
         """Raise OutputError for the files that were left alone, a line each."""
