@@ -134,6 +134,8 @@ def _run() -> int:
     except BrokenPipeError:  # the reader of our output has gone (walkergen ... | head)
         streams.give_up()
         return 1
+    except MemoryError:
+        return _failed("the memory is full: ask for less", 1)
     except OSError as error:
         what = "" if error.filename is None else f"{str(error.filename)!r}: "
         return _failed(f"{what}{error.strerror or error}", 1)
