@@ -1,16 +1,16 @@
 """`python -m walkergen`, and the command `walkergen`."""
 
-import sys
+import os
 
 
 def main() -> None:
-    """Run the command line; Ctrl-C while it is loaded ends it as quietly as later."""
+    """Run the command line; Ctrl-C while it is loaded ends it with the same exit code as later."""
     try:
         from walkergen import cli
 
         cli.main()
     except KeyboardInterrupt:
-        sys.exit(130)
+        os._exit(130)  # by itself Python may die of the same signal, with no exit code
 
 
 if __name__ == "__main__":

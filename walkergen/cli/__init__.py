@@ -1,9 +1,10 @@
 """The command line: `walkergen COMMAND`; each command calls one public function and shows it."""
 
+import atexit
 import os
 import signal
 import sys
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -35,6 +36,9 @@ from walkergen.cli import (
 )
 from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
 from walkergen.errors import OutputError, WalkergenError
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 
 COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
@@ -112,7 +116,15 @@ def main() -> None:
     os.environ.pop("SOURCE_DATE_EPOCH", None)
     code = _run()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
+    if code == INTERRUPTED:
+        leave()
     sys.exit(code or int(heard.lost))
+
+
+def leave() -> NoReturn:
+    """End an interrupted process; Python by itself may die of the signal, with no exit code."""
+    atexit._run_exitfuncs()
+    os._exit(INTERRUPTED)
 
 
 def _run() -> int:
@@ -126,7 +138,9 @@ def _run() -> int:
                 raise KeyboardInterrupt from None
             return done.code if isinstance(done.code, int) else int(done.code is not None)
     except KeyboardInterrupt:
-        return _failed("interrupted: finished files are whole; the same command completes", 130)
+        return _failed(
+            "interrupted: finished files are whole; the same command completes", INTERRUPTED
+        )
     except OutputError as error:
         return _failed(str(error), 1)
     except WalkergenError as error:
