@@ -122,8 +122,10 @@ def test_a_filled_form_is_left_alone_and_an_earlier_plate_is_not(run, tmp_path):
     assert path.read_text() == text
     manifest = json.loads((path.parent / "calibration_prusa-mk3s.json").read_text())
     assert manifest["design"]["legs"]["tilt_deg"] == 15.0
-    told = run("plate", "--calibration", "--out", "a", "--no-pictures").stdout
-    assert "is filled in: left as it is" in told
+    told = run("plate", "--calibration", "--out", "a", "--no-pictures").stderr
+    assert "somebody has written in it: left as it is" in told
+    path.write_text(text.replace("strip_1,thickness_mm,0.41,0.02", "strip_1,thickness_mm,,0.03"))
+    assert "left as it is" in run(*words).stderr  # nothing is read yet, but it is somebody's
 
 
 def test_ordinary_weights_are_near_what_they_say():

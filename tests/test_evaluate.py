@@ -103,7 +103,7 @@ NO_TIME = {"scene__run__seconds": 0.004, "scene__run__discard_seconds": 0.0}
 
 
 def test_an_error_that_cannot_be_met_is_said():
-    found = evaluate(point_at("compliant", error="0.001mm/s", **NO_TIME))
+    found = evaluate(point_at("relaxed", error="0.001mm/s", **NO_TIME))
     assert found["runs"] == 512
     assert found["status"].startswith("error ")
     assert found["status"].endswith("not within the 0.001 asked")

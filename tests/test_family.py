@@ -9,7 +9,7 @@ import pytest
 import trimesh
 
 from walkergen.errors import OutputError, PlateError
-from walkergen.files import output, templates
+from walkergen.files import ledger, output, templates
 from walkergen.jobs.family import make as family
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
@@ -110,7 +110,7 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
 
     with pytest.raises(KeyboardInterrupt):
         family.make(job_of(), tmp_path, interrupt, unheard)
-    finished = files_of(tmp_path)
+    finished = [name for name in files_of(tmp_path) if not name.startswith(".")]
     assert len(finished) == 3
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
@@ -142,11 +142,13 @@ def test_a_forged_manifest_removes_nothing_outside(tmp_path):
     victim.write_bytes(b"precious")
     digest = hashlib.sha256(b"precious").hexdigest()
     folder = tmp_path / "out"
-    output.write(
-        folder / "manifest.json", json.dumps({"files": {"../victim.txt": digest}}).encode()
-    )
-    family.make(job_of((10.0,), ["flexible"]), folder, silent, unheard)
-    assert victim.read_bytes() == b"precious"
+    for forged in ({"../victim.txt": digest}, {str(victim): digest}):
+        for data in (json.dumps({"files": forged}).encode(), ledger.manifest({"files": forged})):
+            output.write(folder / "manifest.json", data)
+            with pytest.raises(OutputError, match="all files there are left alone"):
+                family.make(job_of((10.0,), ["flexible"]), folder, silent, unheard)
+            assert victim.read_bytes() == b"precious"
+            assert files_of(folder) == ["manifest.json"]
 
 
 def test_names_are_unique_whatever_the_tilts():

@@ -3,6 +3,7 @@
 from itertools import combinations, pairwise
 from types import SimpleNamespace
 
+import matplotlib
 import numpy as np
 import pytest
 from matplotlib.colors import to_rgb
@@ -236,3 +237,17 @@ def test_a_star_and_a_measured_point_hide_no_member():
     members = [line for line in axes.get_lines() if line.get_marker() in ("o", "s")]
     assert star.get_markerfacecolor() == "white"
     assert star.get_zorder() < max(line.get_zorder() for line in members)
+
+
+def test_no_settings_of_a_person_come_into_a_picture():
+    """As those of a matplotlibrc in the current folder."""
+
+    def drawn():
+        figure, axes = figures.axes_of("title")
+        with figures.style():
+            axes.plot([0.0, 1.0])
+        return figures.png(figure)
+
+    plain = drawn()
+    with matplotlib.rc_context({"axes.facecolor": "red", "savefig.bbox": "tight"}):
+        assert drawn() == plain

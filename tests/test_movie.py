@@ -346,7 +346,8 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
     assert "koumakis2016, 10°, flexible: " in result.stdout
     assert f"{name}: 5 frames, 20 a second, 100 times slower" in result.stdout
     assert "no MP4: ffmpeg is not installed" in result.stdout
-    assert [path.name for path in (tmp_path / name).parent.iterdir()] == [Path(name).name]
+    found = (tmp_path / name).parent.glob("[!.]*")
+    assert [path.name for path in found] == [Path(name).name]
 
 
 def test_json_names_the_files_and_the_runs(run):

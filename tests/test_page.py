@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 
 import walkergen
 from walkergen.cli import app
-from walkergen.errors import InputError
+from walkergen.errors import InputError, OutputError
 from walkergen.files import viewer
 from walkergen.jobs.page import chart, contents, members, references, theory
 
@@ -221,6 +221,25 @@ def test_simulations_and_plates_are_cited_by_what_they_used():
     assert uses({"step"}, []) - nothing == {"J. J. Moreau", numba}
     assert uses(set(), ["plates/a.3mf"]) - nothing == {"lib3mf, 3MF Consortium"}
     assert uses(set(), ["speed.png"]) - nothing == {"J. D. Hunter"}
+
+
+def test_a_page_that_is_not_ours_is_left_alone(folder):
+    """Nor one of ours that somebody changed; wherever it lies."""
+    assert run(folder).exit_code == 0
+    made = (folder / "report.html").read_bytes()
+    assert run(folder).exit_code == 0  # ours is made anew
+    assert (folder / "report.html").read_bytes() == made
+    elsewhere = folder.parent / "page.html"
+    for page, words in ((folder / "report.html", ()), (elsewhere, ("--out", elsewhere))):
+        for theirs in (b"mine", made + b"<!-- mine -->\n", made.replace(b"<title>", b"<title>my ")):
+            page.write_bytes(theirs)
+            result = run(folder, *words)
+            assert isinstance(result.exception, OutputError)
+            assert "not as walkergen wrote it: left alone" in str(result.exception)
+            assert page.read_bytes() == theirs
+        page.write_bytes(b"")
+        assert run(folder, *words).exit_code == 0
+        assert page.read_bytes() == made
 
 
 def test_a_folder_that_family_did_not_write_is_refused(tmp_path):

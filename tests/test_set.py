@@ -364,6 +364,26 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
     ]
 
 
+def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
+    measure = points.measure
+
+    def interrupted(asked, progress, threads=None):
+        few = asked.scene.run.model_copy(update={"runs": 2})
+        return measure(asked._replace(scene=asked.scene.model_copy(update={"run": few})), progress)
+
+    words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
+    assert json.loads(run(*words).stdout)["partial"] is False
+    whole = (tmp_path / "runs.csv").read_bytes()
+    monkeypatch.setattr(points, "measure", interrupted)
+    result = run(*words)
+    assert result.exit_code == 130
+    found = json.loads(result.stdout)
+    assert (found["runs"], found["partial"]) == (2, True)
+    told = ["interrupted after 2 of 4 runs", "runs.csv: not written"]
+    assert result.stderr.splitlines()[-2:] == told
+    assert (tmp_path / "runs.csv").read_bytes() == whole
+
+
 def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
     monkeypatch.setattr(points, "measure", None)
     assert "tilt up to" in refused(run, "simulate", "--tilt", "5,80")

@@ -10,7 +10,6 @@ import time
 
 import numpy as np
 import pytest
-from filelock import FileLock
 from typer.testing import CliRunner
 
 from walkergen import prediction
@@ -18,9 +17,10 @@ from walkergen.cli import app
 from walkergen.exploring import axes, evaluate
 from walkergen.exploring.request import Request
 from walkergen.exploring.store import Store
-from walkergen.files import templates
+from walkergen.files import ledger, templates
+from walkergen.files.output import Folder
 from walkergen.jobs.sweep import budget, make, table
-from walkergen.jobs.sweep.make import LOCK, Job
+from walkergen.jobs.sweep.make import Job
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -118,7 +118,7 @@ def test_a_table_of_another_version_is_named_and_evaluated_anew(home):
     swept("--set", TILTS, "--out", "one")
     manifest = home / "one" / "manifest.json"
     facts = json.loads(manifest.read_text())
-    manifest.write_text(json.dumps(facts | {"sources": "0" * 16, "request": "of then"}))
+    manifest.write_bytes(ledger.manifest(facts | {"sources": "0" * 16, "request": "of then"}))
     assert "another version" in swept("--set", TILTS, "--out", "one").stderr
 
 
@@ -186,10 +186,10 @@ def test_a_thousand_million_points_ask_first(home):
 
 
 def test_two_sweeps_do_not_write_one_folder(home):
-    (home / "one").mkdir()
-    with FileLock(home / "one" / LOCK):
+    with Folder(home / "one") as folder:
+        folder.claim()
         found = swept("--set", TILTS, "--out", "one", code=1)
-    assert "another sweep writes there" in str(found.exception)
+    assert "another walkergen writes there" in str(found.exception)
 
 
 def test_samples_are_the_same_for_a_seed(home):

@@ -1,5 +1,17 @@
-"""`python -m walkergen`."""
+"""`python -m walkergen`, and the command `walkergen`."""
 
-from walkergen.cli import main
+import os
 
-main()
+
+def main() -> None:
+    """Run the command line; Ctrl-C while it is loaded ends it with the same exit code as later."""
+    try:
+        from walkergen import cli
+
+        cli.main()
+    except KeyboardInterrupt:
+        os._exit(130)  # by itself Python may die of the same signal, with no exit code
+
+
+if __name__ == "__main__":
+    main()

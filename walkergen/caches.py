@@ -4,6 +4,7 @@ Kernels lie there as code that is run when it is read: a folder that anybody els
 owns, is not used.
 """
 
+import atexit
 import contextlib
 import hashlib
 import io
@@ -43,7 +44,8 @@ def home() -> Path:
 def folder(name: str) -> Path:
     """Writable folder of this name in the user's cache, for the user alone.
 
-    Without a home, or with one that cannot be written or is another's: a folder that is new.
+    Without a home, or with one that cannot be written or is another's: a folder that is new, and
+    goes when the process ends.
     """
     try:
         found = home() / name
@@ -54,7 +56,9 @@ def folder(name: str) -> Path:
         with tempfile.TemporaryFile(dir=found):
             return found
     except OSError:
-        return Path(tempfile.mkdtemp(prefix=f"walkergen-{name}-"))
+        found = Path(tempfile.mkdtemp(prefix=f"walkergen-{name}-"))
+        atexit.register(shutil.rmtree, found, ignore_errors=True)
+        return found
 
 
 def _check(path: Path) -> None:

@@ -1,13 +1,13 @@
 """Tree of the errors that walkergen raises.
 
-WalkergenError            everything walkergen raises on purpose; the CLI prints it and exits with 2
+WalkergenError            everything walkergen raises on purpose; the CLI prints it, exit code 2
 ├── InputError            a value a person wrote is unusable: says what was seen, allowed, to try
 │   ├── GeometryError     a design whose parts cannot be built as drawn
 │   ├── PlateError        parts that do not fit the printer's bed
 │   └── PrintabilityError parts that would not print as drawn: one line each
 ├── SolidError            the solid modeller refused or returned an unsound body
 ├── TheoryError           a formula has no answer for these numbers
-└── OutputError           a file or folder could not be written
+└── OutputError           a file or folder could not be written, or is not ours: exit code 1
 """
 
 
@@ -40,4 +40,4 @@ class TheoryError(WalkergenError):
 
 
 class OutputError(WalkergenError):
-    """A file or folder could not be written."""
+    """A file or folder could not be written, or holds what is not ours to write over."""

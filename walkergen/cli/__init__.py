@@ -1,8 +1,10 @@
 """The command line: `walkergen COMMAND`; each command calls one public function and shows it."""
 
+import atexit
 import os
+import signal
 import sys
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -25,6 +27,7 @@ from walkergen.cli import (
     reproduce,
     selftest,
     simulate,
+    streams,
     sweep,
     templates,
     track,
@@ -32,8 +35,11 @@ from walkergen.cli import (
     weigh,
 )
 from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
-from walkergen.errors import WalkergenError
+from walkergen.errors import OutputError, WalkergenError
 from walkergen.files import plain
+
+INTERRUPTED = 130
+"""Exit code after Ctrl-C."""
 
 COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
@@ -100,14 +106,64 @@ def _show_surroundings() -> None:
 
 
 def main() -> None:
-    """Run the command line; errors meant for the user become one clear message and exit code 2."""
+    """Run the command line: every mistake is a line on standard error, and the exit code tells.
+
+    0: all is done; 1: a file or a stream could not be written, or a test failed; 2: the input is
+    unusable, or has no answer; 130: interrupted.
+    """
+    heard = streams.prepare()
     plain.guard()
+    # Ours to decide: what is drawn depends on no setting of other programs
+    os.environ["MPLBACKEND"] = "agg"
+    os.environ.pop("SOURCE_DATE_EPOCH", None)
+    code = _run()
+    signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
+    if code == INTERRUPTED:
+        leave()
+    sys.exit(code or int(heard.lost))
+
+
+def leave() -> NoReturn:
+    """End an interrupted process; Python by itself may die of the signal, with no exit code."""
+    atexit._run_exitfuncs()
+    os._exit(INTERRUPTED)
+
+
+def _run() -> int:
+    """Run a command and empty standard output; returns the exit code."""
     try:
-        app()
+        try:
+            app()
+        except SystemExit as done:
+            sys.stdout.flush()
+            if isinstance(getattr(done.__context__, "__cause__", None), KeyboardInterrupt):
+                raise KeyboardInterrupt from None
+            return done.code if isinstance(done.code, int) else int(done.code is not None)
+    except KeyboardInterrupt:
+        return _failed(
+            "interrupted: finished files are whole; the same command completes", INTERRUPTED
+        )
+    except OutputError as error:
+        return _failed(str(error), 1)
     except WalkergenError as error:
-        for line in str(error).splitlines():
-            print(f"error: {line}", file=sys.stderr)
-        sys.exit(2)
+        return _failed(str(error), 2)
     except BrokenPipeError:  # the reader of our output has gone (walkergen ... | head)
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
-        sys.exit(1)
+        streams.give_up()
+        return 1
+    except MemoryError:
+        return _failed("the memory is full: ask for less", 1)
+    except OSError as error:
+        what = "" if error.filename is None else f"{str(error.filename)!r}: "
+        return _failed(f"{what}{error.strerror or error}", 1)
+    raise AssertionError("typer always exits")
+
+
+def _failed(told: str, code: int) -> int:
+    """Print what was printed so far, then a mistake, a line for each of its lines."""
+    try:
+        sys.stdout.flush()
+    except OSError:
+        streams.give_up()
+    for line in told.splitlines():
+        print(f"error: {line}", file=sys.stderr)
+    return code

@@ -86,7 +86,7 @@ def family(
         show.predictions(rows, told, chosen.name, simulated, weighed)
         print(f"{len(made)} walkers in {folder}/: stl, plates, family, weights"
               + (", speed, preview" if pictures else ""))  # fmt: skip
-        show.kept_forms(folder, members)
+    show.kept_forms(folder, members)
 
 
 def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured | None":

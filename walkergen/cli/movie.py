@@ -76,7 +76,7 @@ def movie(
     )
     path = out or Path("out") / chosen.name / movies.file_name(job)
     with show.progress("movie", wanted=not quiet) as progress:
-        made = movies.make(job, path, progress)
+        made = movies.make(job, path, progress, named=out is not None)
     if json:
         show.as_json(
             {

@@ -1,5 +1,6 @@
 """The command `plate`."""
 
+import sys
 from collections.abc import Mapping, Sequence
 from functools import partial
 from pathlib import Path
@@ -128,9 +129,9 @@ def plate(
         show.rows_as_json(rows, files=files)
     elif not quiet:
         _show_placements(rows, files, members)
-        show.kept_forms(folder, members)
         if serial is not None:
             print(f"copies bear numbers {serial} to {serial + sum(counts) - 1}, last in each mark")
+    show.kept_forms(folder, members)
 
 
 def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
@@ -140,15 +141,15 @@ def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
 
     with show.progress("calibration", wanted=not quiet) as progress:
         rows, files = plates.make(order, folder, progress, partial(show.warnings, quiet=quiet))
+    kept = folder / plates.STEM / form.FILE
+    if kept not in files:
+        print(f"{kept}: somebody has written in it: left as it is", file=sys.stderr)
     if json:
         show.rows_as_json(rows, files=files)
     elif not quiet:
         for row in rows:
             print(f"{row.printer}, plate {row.plate}: {row.item}")
         print("\n".join(str(path) for path in files))
-        kept = folder / plates.STEM / form.FILE
-        if kept not in files:
-            print(f"{kept} is filled in: left as it is")
         print(f"measure by the sheet (.md), fill in {form.FILE}, then: walkergen calibrate {kept}")
 
 

@@ -53,8 +53,9 @@ def report(
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     if run is None and not (tilt is None and legs is None):
         raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")
+    output.check_ours(target)
     played = None if scene is None else _played(found, scene, tilt, legs)
-    output.write(target, page.render(found, __version__, played))
+    output.renew(target, page.render(found, __version__, played))
     _show_page(target, found, json)
 
 

@@ -29,7 +29,7 @@ def selftest(
     with show.progress("selftest", wanted=not quiet) as progress:
         results, whole = hard.run(jobs, progress)
     if json:
-        _hard_cases_as_json(results)
+        _hard_cases_as_json(results, whole)
     elif not quiet:
         _show_hard_cases(results)
     if not whole:
@@ -39,7 +39,7 @@ def selftest(
         raise typer.Exit(1)
 
 
-def _hard_cases_as_json(results: "Sequence[Result]") -> None:
+def _hard_cases_as_json(results: "Sequence[Result]", whole: bool) -> None:
     """Print every check of every hard case as JSON; values that are not finite become null."""
     rows = []
     for result in results:
@@ -50,7 +50,8 @@ def _hard_cases_as_json(results: "Sequence[Result]") -> None:
         ]
         rows.append(result._asdict() | {"checks": checks, "holds": result.holds})
     held = sum(result.holds for result in results)
-    show.as_json({"rows": rows, "held": held, "failed": len(results) - held})
+    failed = len(results) - held
+    show.as_json({"rows": rows, "held": held, "failed": failed, "partial": not whole})
 
 
 def _number(value: float) -> float | None:

@@ -20,12 +20,26 @@ if TYPE_CHECKING:
 
 
 def as_json(data: dict[str, Any]) -> None:
-    """Print JSON, refusing NaN and infinity, which JSON does not have."""
-    print(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+    """Print JSON, refusing NaN and infinity, which JSON does not have.
+
+    Letters that the stream's encoding has not are escaped, not replaced: no name is lost.
+    """
+    text = json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False)
+    try:
+        text.encode(sys.stdout.encoding or "ascii")
+    except UnicodeEncodeError:
+        text = json.dumps(data, indent=2)
+    print(text)
 
 
-def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()) -> None:
-    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files."""
+def rows_as_json(
+    rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = (),
+    partial: bool | None = None,
+) -> None:  # fmt: skip
+    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files.
+
+    `partial` says whether Ctrl-C left rows out, where it can.
+    """
     listed = [row._asdict() for row in rows]
     for table in more:
         for row, extra in zip(listed, table, strict=False):
@@ -33,6 +47,8 @@ def rows_as_json(rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path
     data: dict[str, Any] = {"rows": listed}
     if files:
         data["files"] = [str(path) for path in files]
+    if partial is not None:
+        data["partial"] = partial
     as_json(data)
 
 
@@ -110,15 +126,11 @@ def templates(rows: "Sequence[Entry]") -> None:
 @contextmanager
 def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
     """Show a progress bar on the error stream, if `wanted` and the stream is a terminal."""
-    try:
-        if wanted and sys.stderr.isatty():
-            with _bar(title) as update:
-                yield update
-        else:
-            yield lambda what, done, total: None
-    except KeyboardInterrupt:
-        print("interrupted: finished files are whole; the same command completes", file=sys.stderr)
-        raise
+    if wanted and sys.stderr.isatty():
+        with _bar(title) as update:
+            yield update
+    else:
+        yield lambda what, done, total: None
 
 
 @contextmanager

@@ -124,19 +124,23 @@ def simulate(
                 met.point, points.Asked(met.scene, chosen, mass), {met.of: met.choice.bias_bound}
             )
             one = make.asked(met.scene, chosen, mass, interval)
-        runs_asked = resolved_scene.run.runs
-        if trajectory is not None:
+        done, wished = found.point.summary.runs, resolved_scene.run.runs
+        if trajectory is not None and done == wished:
             trajectories.write(trajectory, one, found.point, progress)
-    if found.point.summary.runs < runs_asked:
-        print(f"interrupted after {found.point.summary.runs} of {runs_asked} runs", file=sys.stderr)
+    if done < wished:
+        print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
     for warning in found.warnings:
         print(f"warning: {warning}", file=sys.stderr)
     if json:
         show.as_json(_summary_as_dict(found, resolved_scene, met))
     elif not quiet:
         _show_summary(found, resolved_scene, chosen, met)
-        if trajectory is not None:
+        if trajectory is not None and done == wished:
             print(trajectory)
+    if done < wished:
+        if trajectory is not None:
+            print(f"{trajectory}: not written", file=sys.stderr)
+        raise typer.Exit(130)
 
 
 def _met(
@@ -174,7 +178,7 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
     for warning in dict.fromkeys(warning for row in rows for warning in row.warnings):
         print(f"warning: {warning}", file=sys.stderr)
     if json:
-        show.rows_as_json(rows)
+        show.rows_as_json(rows, partial=len(rows) < len(wanted))
     elif rows and not quiet:
         drive = scene.drive
         plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
@@ -187,11 +191,15 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
 
 
 def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> dict[str, Any]:
-    """An ensemble's summary with what was simulated, and for which error, for JSON."""
+    """An ensemble's summary with what was simulated, and for which error, for JSON.
+
+    It is partial when Ctrl-C left runs out.
+    """
     from walkergen.jobs.analyse import tables as motion_tables
     from walkergen.jobs.simulate import tables
 
     data = tables.model_as_dict(found, scene) | found.point.summary._asdict()
+    data["partial"] = found.point.summary.runs < scene.run.runs
     if found.motion is not None:
         data["motion"] = motion_tables.as_dict(found.motion)
     if found.untold:

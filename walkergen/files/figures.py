@@ -54,9 +54,14 @@ POINTS_A_LETTER = 0.52
 
 
 @contextmanager
-def style() -> Iterator[None]:
-    """Context in which figures are drawn; also a decorator of functions that draw them."""
-    with matplotlib.rc_context(STYLE):
+def style(settings: Any = STYLE) -> Iterator[None]:
+    """Context in which figures are drawn; also a decorator of functions that draw them.
+
+    No settings of a person, as in a matplotlibrc of the current folder, come into them.
+    """
+    with matplotlib.rc_context():
+        matplotlib.rcdefaults()
+        matplotlib.rcParams.update(settings)
         yield
 
 

@@ -1,20 +1,39 @@
-"""Writing files so that nothing is ever half-written, and folders that know what they hold."""
+"""Writing files so that nothing is ever half-written, and folders that know what they hold.
+
+A file whose name walkergen chooses is written only where there is none, or one that walkergen
+wrote and nobody changed since; any other is left alone, and named in an error once all else is
+done. A file that a person names is replaced.
+"""
 
 import contextlib
 import hashlib
-import json
+import os
 import platform
 import re
 import secrets
+import stat
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
-from typing import Any
+from typing import Any, Self
 
 from walkergen import __version__
 from walkergen.errors import OutputError
+from walkergen.files import ledger
+from walkergen.files.ledger import Ledger, flags, hash_of, lock
 
 MANIFEST = "manifest.json"
+LEDGER = ".walkergen"
+"""Hidden file with the hashes of what was written into a folder that has no manifest."""
+
 LIBRARIES = ("numpy", "manifold3d", "lib3mf", "matplotlib", "pydantic")
+
+TEMPORARY = re.compile(r"\..*\.walkergen-[0-9a-f]{16}", re.DOTALL)
+NOT_OURS = "not as walkergen wrote it: left alone; move it away, or give another --out"
+MOST_SEALED = 500_000_000
+"""Largest file that can be sealed, bytes."""
+
+NAMED = 5
+"""Most files that are named as left alone; the others are counted."""
 
 
 def write(path: Path, data: bytes) -> None:
@@ -26,7 +45,7 @@ def write(path: Path, data: bytes) -> None:
     """
     try:
         # Of long names the beginning: the whole must not exceed what a folder holds
-        temporary = path.with_name(f".{path.name[:80]}.{secrets.token_hex(8)}")
+        temporary = path.with_name(f".{path.name[:40]}.walkergen-{secrets.token_hex(8)}")
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             _create(temporary, data)
@@ -40,9 +59,64 @@ def write(path: Path, data: bytes) -> None:
 
 
 def _create(path: Path, data: bytes) -> None:
-    """Write a file that is not there yet; fails where anything of this name is."""
-    with path.open("xb") as stream:
-        stream.write(data)
+    """Write a file that is not there yet; fails where anything of this name is.
+
+    It stays locked meanwhile, and is on the disk at the end: a full one may only then say so.
+    """
+    file = os.open(path, flags(os.O_WRONLY | os.O_CREAT | os.O_EXCL), 0o666)
+    try:
+        lock(file)
+        rest = memoryview(data)
+        while rest:
+            rest = rest[os.write(file, rest) :]
+        os.fsync(file)
+    finally:
+        os.close(file)
+
+
+def _tidy(folder: Path) -> None:
+    """Remove what a killed run left half-written: temporary files that no process has locked."""
+    try:
+        names = [one.name for one in os.scandir(folder) if TEMPORARY.fullmatch(one.name)]
+    except OSError:
+        return  # there is no such folder yet
+    for name in names:
+        with contextlib.suppress(OSError):  # somebody else has removed it, or may alone
+            file = os.open(folder / name, flags(os.O_WRONLY))
+            try:
+                if lock(file):
+                    (folder / name).unlink()
+            finally:
+                os.close(file)
+
+
+def renew(path: Path, data: bytes) -> None:
+    """Write sealed data (`ledger.sealed`) as `write` does, but over no file that is not sealed.
+
+    Raises OutputError, as `check_ours` does.
+    """
+    check_ours(path)
+    write(path, data)
+
+
+def check_ours(path: Path) -> None:
+    """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
+    try:
+        found = path.lstat()
+    except (OSError, ValueError):  # whatever stops the writing will tell
+        return
+    if _is_empty(found):
+        return
+    with contextlib.suppress(OSError), os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
+        plain = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
+        if plain and ledger.is_sealed(stream.read(MOST_SEALED)):
+            return
+    raise OutputError(f"{str(path)!r}: {NOT_OURS}")
+
+
+def _is_empty(found: os.stat_result) -> bool:
+    """True for a plain file without contents: nothing that could be lost."""
+    return stat.S_ISREG(found.st_mode) and found.st_size == 0
 
 
 def refused(path: Path, error: Exception) -> OutputError:
@@ -52,62 +126,180 @@ def refused(path: Path, error: Exception) -> OutputError:
 
 
 class Folder:
-    """An output folder that remembers the hash of every file written into it.
+    """An output folder that knows which of its files walkergen wrote; a context in which it does.
 
-    Folders of several makers have a manifest each, of another name.
+    Folders of several makers have a manifest each, of another name, which is written at the end;
+    until then no other process may write there. Without a manifest ("") files are only added, by
+    any number of processes. Every call raises OutputError for what cannot be written and for a
+    manifest that is not as we wrote it, InputError where another process writes.
     """
 
     def __init__(self, path: Path, manifest: str = MANIFEST) -> None:
         self.path = path
         self.manifest = manifest
         self.hashes: dict[str, str] = {}
+        self.left: list[str] = []
+        """Files that are not ours and were left as they are."""
+        self._ledger: Ledger | None = None
+        self._listed: dict[str, str] = {}
+        self._tidied: set[Path] = set()
 
-    def write(self, name: str, data: bytes) -> None:
-        """Write one file by its name relative to the folder."""
-        write(self.path / name, data)
-        self.hashes[name] = hashlib.sha256(data).hexdigest()
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        if self._ledger is not None:
+            with contextlib.suppress(OSError):  # a ledger may stay: it is of use to the next run
+                self._ledger.close()
+        if kind is None:
+            self._tell_left()
+
+    def claim(self) -> None:
+        """Keep others out from now on, as any writing does. What was half-written is removed."""
+        if self._ledger is not None:
+            return
+        hidden = f".{self.manifest}.walkergen" if self.manifest else LEDGER
+        place = self.path
+        try:
+            place.mkdir(parents=True, exist_ok=True)
+            place = self.path / hidden
+            opened = Ledger(place, alone=bool(self.manifest))
+        except (OSError, ValueError) as error:
+            raise refused(place, error) from None
+        try:
+            self._listed = _files_of(self.earlier())
+        except BaseException:
+            opened.close()
+            raise
+        self._ledger = opened
+
+    def write(self, name: str, data: bytes) -> bool:
+        """Write one file by its name relative to the folder; False for one that is not ours."""
+        self.claim()
+        assert self._ledger is not None
+        path, digest = self.path / name, hashlib.sha256(data).hexdigest()
+        if path.parent not in self._tidied:
+            _tidy(path.parent)
+            self._tidied.add(path.parent)
+        if not self._may(name, digest):
+            self.left.append(name)
+            return False
+        try:
+            self._ledger.note(name, digest)
+        except OSError as error:
+            raise refused(path, error) from None
+        write(path, data)
+        self.hashes[name] = digest
+        return True
 
     def add(self, name: str) -> None:
         """Take in a file that was written by other means, as row by row."""
-        self.hashes[name] = _hash(self.path / name)
+        digest = self._hash(name)
+        if digest is None:
+            raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
+        self.hashes[name] = digest
 
     def finish(self, facts: dict[str, Any]) -> None:
         """Write the manifest, after removing what an earlier run left and this one did not make.
 
-        Only files that the earlier manifest lists, and that nobody changed since, are removed.
+        Only files that the earlier manifest lists, or that a killed run wrote, and that nobody
+        changed since, are removed. Raises OutputError, when all is done, for files left alone.
         """
-        for name, digest in self._listed().items():
-            if name not in self.hashes and self._ours(name, digest):
-                (self.path / name).unlink()
-        manifest = {**facts, "files": dict(sorted(self.hashes.items()))}
-        text = json.dumps(manifest, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
-        write(self.path / self.manifest, text.encode())
+        self.claim()
+        assert self._ledger is not None
+        for name in sorted({*self._ledger.known, *self._listed} - {*self.hashes}):
+            if self._ours(name):
+                try:
+                    (self.path / name).unlink()
+                except OSError as error:
+                    raise refused(self.path / name, error) from None
+        files = dict(sorted(self.hashes.items()))
+        write(self.path / self.manifest, ledger.manifest({**facts, "files": files}))
+        try:
+            self._ledger.close(remove=True)
+        except OSError as error:
+            raise refused(self._ledger.path, error) from None
+        self._ledger = None
+        self._tell_left()
 
     def earlier(self) -> dict[str, Any]:
-        """Manifest of an earlier run; nothing where there is none, or one that is not ours."""
-        try:
-            found = json.loads((self.path / self.manifest).read_text(encoding="utf-8"))
-        except (OSError, ValueError):
+        """Manifest of an earlier run; nothing where there is none.
+
+        Raises OutputError for one that is not as we wrote it: nothing in its folder is touched.
+        """
+        if not self.manifest:
             return {}
-        return found if isinstance(found, dict) else {}
+        path = self.path / self.manifest
+        try:
+            with os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
+                data = stream.read(ledger.MOST_BYTES)
+        except FileNotFoundError:
+            return {}
+        except (OSError, ValueError) as error:
+            raise _distrusted(path, getattr(error, "strerror", None) or str(error)) from None
+        found = ledger.facts_of(data)
+        if found is None:
+            raise _distrusted(path, "is not as walkergen wrote it")
+        for name in _files_of(found):
+            if not _is_inside(self.path, name):
+                raise _distrusted(path, "names files outside its folder")
+        return found
 
     def untouched(self) -> bool:
         """True when every file of an earlier run is as it was left."""
-        listed = self._listed()
-        return bool(listed) and all(self._ours(name, digest) for name, digest in listed.items())
+        listed = _files_of(self.earlier())
+        return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
-    def _listed(self) -> dict[str, str]:
-        """Hashes of the files of an earlier run, by their names."""
-        files = self.earlier().get("files")
-        if not isinstance(files, dict):
-            return {}
-        return {str(name): str(digest) for name, digest in files.items()}
+    def _ours(self, name: str) -> bool:
+        """True for a file in the folder that we wrote and nobody changed since."""
+        assert self._ledger is not None
+        known = {*self._ledger.known.get(name, ()), self._listed.get(name)} - {None}
+        return bool(known) and _is_inside(self.path, name) and self._hash(name) in known
 
-    def _ours(self, name: str, digest: str) -> bool:
-        """True for a file inside the folder that nobody changed since."""
+    def _may(self, name: str, digest: str) -> bool:
+        """True where nothing is lost by writing a file of this hash: none there, or ours."""
         path = self.path / name
-        inside = self.path.resolve() in path.resolve().parents
-        return inside and path.is_file() and _hash(path) == digest
+        try:
+            found = path.lstat()
+        except (OSError, ValueError):  # whatever stops the writing will tell
+            return True
+        return _is_empty(found) or self._hash(name) == digest or self._ours(name)
+
+    def _hash(self, name: str) -> str | None:
+        """Hash of a plain file in the folder; None of all else."""
+        try:
+            return hash_of(self.path / name)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
+
+    def _tell_left(self) -> None:
+        """Raise OutputError for the files that were left alone, a line each."""
+        if not self.left:
+            return
+        told = [f"{str(self.path / name)!r}: {NOT_OURS}" for name in self.left[:NAMED]]
+        more = len(self.left) - NAMED
+        self.left = []
+        raise OutputError("\n".join(told + ([f"and {more} more files"] if more > 0 else [])))
+
+
+def _files_of(facts: dict[str, Any]) -> dict[str, str]:
+    """Hashes of the files that a manifest lists, by their names."""
+    files = facts.get("files")
+    return files if isinstance(files, dict) else {}
+
+
+def _distrusted(path: Path, why: str) -> OutputError:
+    return OutputError(
+        f"{str(path)!r}: {why}: all files there are left alone; move it away, or give another --out"
+    )
+
+
+def _is_inside(folder: Path, name: str) -> bool:
+    """True for a name that leads to a place inside the folder, by whatever links."""
+    try:
+        return folder.resolve() in (folder / name).resolve().parents
+    except (OSError, ValueError, RuntimeError):  # a loop of links, a NUL
+        return False
 
 
 def versions() -> dict[str, str]:
@@ -119,10 +311,6 @@ def versions() -> dict[str, str]:
         except PackageNotFoundError:  # vendored without metadata, as in some distributions
             found[library] = "unknown"
     return found
-
-
-def _hash(path: Path) -> str:
-    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def results(path: Path, out: Path | None, what: str) -> Path:

@@ -80,7 +80,8 @@ def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[
         if pictures:
             from walkergen.files import figures
 
-            drawn = _map(laid, plate, name)
+            with figures.style({}):
+                drawn = _map(laid, plate, name)
             picture = figures.png(drawn, THUMBNAIL_DPI)
             yield f"{name}.png", figures.png(drawn, 130)
         suffix, data = packing.plate_file(

@@ -59,6 +59,7 @@ LETTER = 0.65
 THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 
+@figures.style({})
 def png(
     printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, title: str
 ) -> bytes:
@@ -143,6 +144,7 @@ def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
     key.set_title("on the bed", fontsize=8)
 
 
+@figures.style({})
 def thumbnail(
     printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
 ) -> bytes:

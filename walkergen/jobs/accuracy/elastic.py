@@ -114,6 +114,8 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         world = plan.world._replace(options=plan.world.options._replace(frame=frame))
         told = part(progress, number, len(lengths))
         found, _ = ensemble.measure(plan._replace(world=world), told)
+        if found.runs < runs.number:
+            raise KeyboardInterrupt
         survey.purse.pay_runs(runs, rate, discard, found.wall_s)
         good = set(found.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         error = se = None

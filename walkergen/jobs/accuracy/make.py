@@ -6,7 +6,8 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.exploring import wanted as asked_error
-from walkergen.files import output, words
+from walkergen.files import words
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
 from walkergen.jobs.accuracy import (
@@ -84,15 +85,16 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     least = _share_out(survey, job.only, progress)
     done: list[Ladder] = []
-    for place, name in enumerate(job.only):
-        for measure in LADDERS[name]:
-            if measure is elastic.frames and survey.complete != "space":
-                continue
-            done.append(measure(survey, part(progress, place, len(job.only))))
-            _write(done[-1], folder)
-        if survey.known:
-            kept.remember(survey)
-    answers = _answers(job, survey, folder, progress) if {*job.only} & ANSWERING else []
+    with Folder(folder, "") as target:
+        for place, name in enumerate(job.only):
+            for measure in LADDERS[name]:
+                if measure is elastic.frames and survey.complete != "space":
+                    continue
+                done.append(measure(survey, part(progress, place, len(job.only))))
+                _write(done[-1], target)
+            if survey.known:
+                kept.remember(survey)
+        answers = _answers(job, survey, target, progress) if {*job.only} & ANSWERING else []
     return Study(done, answers, survey.purse.spent_s, least)
 
 
@@ -132,18 +134,18 @@ def check(names: str) -> list[str]:
     return list(dict.fromkeys(wanted))
 
 
-def _write(ladder: Ladder, folder: Path) -> None:
+def _write(ladder: Ladder, target: Folder) -> None:
     from walkergen.files import figures as pictures
     from walkergen.jobs.accuracy import figures as precision
 
-    output.write(folder / f"{ladder.name}.csv", ladders.to_csv(ladder).encode())
-    output.write(folder / f"{ladder.name}.md", ladders.to_markdown(ladder, machine()).encode())
+    target.write(f"{ladder.name}.csv", ladders.to_csv(ladder).encode())
+    target.write(f"{ladder.name}.md", ladders.to_markdown(ladder, machine()).encode())
     drawn = precision.ladder_figure(ladder)
-    output.write(folder / f"{ladder.name}.png", pictures.png(drawn))
-    output.write(folder / f"{ladder.name}.pdf", pictures.pdf(drawn))
+    target.write(f"{ladder.name}.png", pictures.png(drawn))
+    target.write(f"{ladder.name}.pdf", pictures.pdf(drawn))
 
 
-def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list[Answer]:
+def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> list[Answer]:
     """Answer what to run for which error, as a table and a figure."""
     from walkergen.files import figures as pictures
     from walkergen.jobs.accuracy import figures as precision
@@ -157,8 +159,8 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
     formulas = models.formulas(survey, reference)
     others = [survey.known[one] for one in survey.simpler if one in survey.known]
     figure = precision.choice_figure(survey, [*found, *others], reference, formulas, title)
-    output.write(folder / "choice.png", pictures.png(figure))
-    output.write(folder / "choice.pdf", pictures.pdf(figure))
+    target.write("choice.png", pictures.png(figure))
+    target.write("choice.pdf", pictures.pdf(figure))
     table = as_markdown(ladders.answers_table(answers, markdown=True))
     page = (
         f"# {title}: what to run for which error\n\n"
@@ -170,7 +172,7 @@ def _answers(job: Job, survey: Survey, folder: Path, progress: Progress) -> list
         "rest on the order of the stepping (steps-short), not on a second method.\n\n"
         "![choice](choice.png)\n"
     )
-    output.write(folder / "accuracy.md", page.encode())
+    target.write("accuracy.md", page.encode())
     return answers
 
 

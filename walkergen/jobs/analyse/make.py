@@ -57,16 +57,16 @@ def write(
 ) -> None:
     """Write tables and figures of tracks, of a file called `title`, as `analyse` says."""
     found, result, notes = studied
-    target = Folder(folder)
-    target.write("analysis.csv", motion_tables.to_csv(result).encode())
-    target.write("analysis.md", motion_tables.to_markdown(result, title, notes).encode())
-    if not result.by_plate_speed:
-        _write_curves(result, target)
-    progress("drawing", 2, 3)
-    if pictures:
-        _write_figures(result, found, title, target)
-    facts: dict[str, Any] = {"file": title, **units._asdict(), "lag_s": result.lag_s}
-    target.finish(facts)
+    with Folder(folder) as target:
+        target.write("analysis.csv", motion_tables.to_csv(result).encode())
+        target.write("analysis.md", motion_tables.to_markdown(result, title, notes).encode())
+        if not result.by_plate_speed:
+            _write_curves(result, target)
+        progress("drawing", 2, 3)
+        if pictures:
+            _write_figures(result, found, title, target)
+        facts: dict[str, Any] = {"file": title, **units._asdict(), "lag_s": result.lag_s}
+        target.finish(facts)
 
 
 def _write_curves(result: Motion, target: Folder) -> None:

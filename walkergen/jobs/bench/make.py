@@ -101,22 +101,22 @@ def _write(
     report: Report, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]", folder: Path
 ) -> None:
     """Write tables, page and figure of a report, and what was asked."""
-    target = Folder(folder)
-    for rows in report.tables:
-        target.write(f"{rows.name}.csv", reports.to_csv(rows).encode())
-    target.write(f"{report.bench}.md", reports.to_markdown(report).encode())
-    if test.pictures:
-        from walkergen.files import figures as pictures
+    with Folder(folder) as target:
+        for rows in report.tables:
+            target.write(f"{rows.name}.csv", reports.to_csv(rows).encode())
+        target.write(f"{report.bench}.md", reports.to_markdown(report).encode())
+        if test.pictures:
+            from walkergen.files import figures as pictures
 
-        figure = draw()
-        target.write(f"{report.bench}.png", pictures.png(figure))
-        target.write(f"{report.bench}.pdf", pictures.pdf(figure))
-    target.finish(
-        {
-            "bench": report.bench,
-            "design": test.design.model_dump(mode="json"),
-            "scene": test.scene.model_dump(mode="json"),
-            "measured": None if test.measured is None else test.measured._asdict(),
-            **choices,
-        }
-    )
+            figure = draw()
+            target.write(f"{report.bench}.png", pictures.png(figure))
+            target.write(f"{report.bench}.pdf", pictures.pdf(figure))
+        target.finish(
+            {
+                "bench": report.bench,
+                "design": test.design.model_dump(mode="json"),
+                "scene": test.scene.model_dump(mode="json"),
+                "measured": None if test.measured is None else test.measured._asdict(),
+                **choices,
+            }
+        )

@@ -115,13 +115,14 @@ def template(air: Mapping[str, float]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """True when a file exists that holds any reading of a person: work to keep."""
+    """True for anything that is not byte for byte a `template`: work to keep."""
     if not os.path.lexists(path):
         return False
     try:
-        return any(row["reading"].strip() and row["measured"].strip() != AIR
-                   for _, row in _rows(path))  # fmt: skip
-    except InputError:
+        air = {row["part"]: float(row["reading"]) for _, row in _rows(path)
+               if row["measured"] == AIR}  # fmt: skip
+        return reading.content(path, MOST_BYTES) != template(air).encode()
+    except (InputError, ValueError):
         return True  # whatever it is, somebody wrote it
 
 

@@ -282,27 +282,27 @@ def _write(found: Calibrated, job: Job, path: Path) -> None:
     """Write tables, files, figure and manifest."""
     from walkergen.jobs.calibration import tables
 
-    target = Folder(found.folder)
-    target.write("calibration.csv", tables.to_csv(found).encode())
-    target.write("calibration.md", tables.to_markdown(found, path.name).encode())
-    comment = f"Measured: {path.name}"
-    for name, one in (("design", found.design), ("scene", found.scene)):
-        target.write(f"{name}.toml", templates.dump(one, comment, every=False).encode())
-    if found.bent is not None:
-        target.write("strips.csv", tables.strips_csv(found.bent).encode())
-        if job.pictures:
-            from walkergen.files import figures as pictures
-            from walkergen.jobs.calibration import figures
+    with Folder(found.folder) as target:
+        target.write("calibration.csv", tables.to_csv(found).encode())
+        target.write("calibration.md", tables.to_markdown(found, path.name).encode())
+        comment = f"Measured: {path.name}"
+        for name, one in (("design", found.design), ("scene", found.scene)):
+            target.write(f"{name}.toml", templates.dump(one, comment, every=False).encode())
+        if found.bent is not None:
+            target.write("strips.csv", tables.strips_csv(found.bent).encode())
+            if job.pictures:
+                from walkergen.files import figures as pictures
+                from walkergen.jobs.calibration import figures
 
-            figure = figures.of_strips(found.bent, f"Young's modulus: {path.name}")
-            target.write("strips.png", pictures.png(figure))
-            target.write("strips.pdf", pictures.pdf(figure))
-    target.finish({
-        "file": path.name,
-        "design": job.design.model_dump(mode="json"),
-        "scene": job.scene.model_dump(mode="json"),
-        "by": job.by,
-        "roll_deg": job.turn_deg,
-        "drops": job.drops,
-        "settings": found.settings,
-    })  # fmt: skip
+                figure = figures.of_strips(found.bent, f"Young's modulus: {path.name}")
+                target.write("strips.png", pictures.png(figure))
+                target.write("strips.pdf", pictures.pdf(figure))
+        target.finish({
+            "file": path.name,
+            "design": job.design.model_dump(mode="json"),
+            "scene": job.scene.model_dump(mode="json"),
+            "by": job.by,
+            "roll_deg": job.turn_deg,
+            "drops": job.drops,
+            "settings": found.settings,
+        })  # fmt: skip

@@ -102,15 +102,15 @@ def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Pi
 def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
     """Write the files of one printer; returns their paths."""
     start = f"{STEM}_{laid.printer.name}"
-    target = Folder(folder, f"{start}.json")
-    rows = csv_text(Place._fields, _places(laid))
-    for name, data in (
-        (f"{start}.csv", rows.encode()),
-        (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
-        *pieces.files(laid, STEM, order.pictures, order.prusaslicer),
-    ):
-        target.write(name, data)
-    target.finish(_facts(order, drawn, laid))
+    with Folder(folder, f"{start}.json") as target:
+        rows = csv_text(Place._fields, _places(laid))
+        for name, data in (
+            (f"{start}.csv", rows.encode()),
+            (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
+            *pieces.files(laid, STEM, order.pictures, order.prusaslicer),
+        ):
+            target.write(name, data)
+        target.finish(_facts(order, drawn, laid))
     return [folder / name for name in (*target.hashes, target.manifest)]
 
 

@@ -92,7 +92,7 @@ def _scene(result: Result, number: int) -> str:
 
 
 def _write(result: Result, pictures: bool) -> None:
-    job, target = result.job, Folder(result.folder)
+    job = result.job
     contents = {"design.csv": tables.to_csv(job, result.designs),
                 "design.md": tables.to_markdown(result)}  # fmt: skip
     for number, one in enumerate(result.designs):
@@ -105,10 +105,6 @@ def _write(result: Result, pictures: bool) -> None:
 
         figure = figures.trade_off(result)
         drawn = {"design.png": files.png(figure), "design.pdf": files.pdf(figure)}
-    for name, content in contents.items():
-        target.write(name, content.encode())
-    for name, data in drawn.items():
-        target.write(name, data)
     facts: dict[str, Any] = {
         **output.versions(), "wish": job.wish.words, "error": str(job.wish.error),
         "model": job.model, "seed": job.seed,
@@ -116,4 +112,9 @@ def _write(result: Result, pictures: bool) -> None:
         "design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
     }  # fmt: skip
-    target.finish(facts)
+    with Folder(result.folder) as target:
+        for name, content in contents.items():
+            target.write(name, content.encode())
+        for name, data in drawn.items():
+            target.write(name, data)
+        target.finish(facts)

@@ -101,25 +101,26 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> list[Member]:
     )
     tell(layout.findings)
     checks.refuse(layout.findings, job.strict)
-    folder = Folder(path)
-    made: list[Member] = []
-    every = predicted(job.members, built, job.scene, job.mode, job.weighed)
-    for member, mesh in zip(every, layout.meshes, strict=True):
-        folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
-        made.append(member)
-        progress(member.name, len(made), steps)
-    for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
-        folder.write(f"plates/{name}", data)
-    weights.write_template(path, (member.name for member in made))  # people's: not in the manifest
-    progress("plates", len(made) + 1, steps)
-    _write_tables(job, made, folder)
-    if job.simulate:  # takes long: everything else is already safe in the folder
-        made = _with_simulations(job, made, progress)
+    with Folder(path) as folder:
+        made: list[Member] = []
+        every = predicted(job.members, built, job.scene, job.mode, job.weighed)
+        for member, mesh in zip(every, layout.meshes, strict=True):
+            folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
+            made.append(member)
+            progress(member.name, len(made), steps)
+        for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
+            folder.write(f"plates/{name}", data)
+        parts = (member.name for member in made)
+        weights.write_template(path, parts)  # people's: not in the manifest
+        progress("plates", len(made) + 1, steps)
         _write_tables(job, made, folder)
-    if job.pictures:
-        _write_pictures(job, made, folder)
-    folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
-    progress("done", steps, steps)
+        if job.simulate:  # takes long: everything else is already safe in the folder
+            made = _with_simulations(job, made, progress)
+            _write_tables(job, made, folder)
+        if job.pictures:
+            _write_pictures(job, made, folder)
+        folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
+        progress("done", steps, steps)
     return made
 
 

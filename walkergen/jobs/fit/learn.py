@@ -287,30 +287,31 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
 
 def _write(learned: Learned, job: Job, seen: Measured, path: Path) -> None:
     """Write the files of a fit."""
-    target, told = Folder(learned.folder), caption(job)
-    names = [row.name for row in learned.rows]
-    text = tables.to_markdown(learned, path.name, told)
-    comment = f"Learnt from {path.name}: {told}"
-    for name, content in (
-        ("fit.csv", tables.to_csv(learned.rows)),
-        ("fit.md", text),
-        ("bands.csv", tables.bands_to_csv(learned.bands)),
-        ("speeds.csv", tables.points_to_csv(seen, learned.bands)),
-        ("posterior.csv", tables.draws_to_csv(names, learned.posterior.draws)),
-        ("scene.toml", templates.dump(learned.scene, comment)),
-        ("design.toml", templates.dump(learned.design, comment)),
-    ):
-        target.write(name, content.encode())
-    if job.pictures:
-        from walkergen.files import figures as pictures
-        from walkergen.jobs.fit import figures
+    told = caption(job)
+    with Folder(learned.folder) as target:
+        names = [row.name for row in learned.rows]
+        text = tables.to_markdown(learned, path.name, told)
+        comment = f"Learnt from {path.name}: {told}"
+        for name, content in (
+            ("fit.csv", tables.to_csv(learned.rows)),
+            ("fit.md", text),
+            ("bands.csv", tables.bands_to_csv(learned.bands)),
+            ("speeds.csv", tables.points_to_csv(seen, learned.bands)),
+            ("posterior.csv", tables.draws_to_csv(names, learned.posterior.draws)),
+            ("scene.toml", templates.dump(learned.scene, comment)),
+            ("design.toml", templates.dump(learned.design, comment)),
+        ):
+            target.write(name, content.encode())
+        if job.pictures:
+            from walkergen.files import figures as pictures
+            from walkergen.jobs.fit import figures
 
-        figure = figures.bands_figure(learned.bands, seen, path.name)
-        target.write("fit.png", pictures.png(figure))
-        target.write("fit.pdf", pictures.pdf(figure))
-    facts: dict[str, Any] = {
-        "file": path.name, "design": job.design.model_dump(mode="json"),
-        "scene": job.scene.model_dump(mode="json"), "model": job.model, "prior": job.prior,
-        "fixed": dict(job.fixed),
-    }  # fmt: skip
-    target.finish(facts)
+            figure = figures.bands_figure(learned.bands, seen, path.name)
+            target.write("fit.png", pictures.png(figure))
+            target.write("fit.pdf", pictures.pdf(figure))
+        facts: dict[str, Any] = {
+            "file": path.name, "design": job.design.model_dump(mode="json"),
+            "scene": job.scene.model_dump(mode="json"), "model": job.model, "prior": job.prior,
+            "fixed": dict(job.fixed),
+        }  # fmt: skip
+        target.finish(facts)

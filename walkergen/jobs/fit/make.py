@@ -76,22 +76,22 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     scene = _scene(job.scene, result, path)
     notes = [*result.notes, *([found.bad] if found.bad else [])]
     fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
-    target = Folder(folder)
     told = caption(job)
-    target.write("fit.csv", fit_tables.to_csv(result).encode())
-    target.write("fit.md", fit_tables.to_markdown(result, path.name, told, notes).encode())
-    points = fit_tables.points_to_csv(tilt, legs, speeds, result.predicted)
-    target.write("speeds.csv", points.encode())
-    comment = f"Fitted to {path.name}: {told}"
-    target.write("scene.toml", templates.dump(scene, comment).encode())
-    target.write("design.toml", templates.dump(job.design, comment).encode())
-    if job.pictures:
-        _write_figures(fitted, job, path.name, target)
-    facts: dict[str, Any] = {
-        "file": path.name, "design": job.design.model_dump(mode="json"),
-        "scene": job.scene.model_dump(mode="json"), "mode": job.mode, "fixed": dict(job.fixed),
-    }  # fmt: skip
-    target.finish(facts)
+    with Folder(folder) as target:
+        target.write("fit.csv", fit_tables.to_csv(result).encode())
+        target.write("fit.md", fit_tables.to_markdown(result, path.name, told, notes).encode())
+        points = fit_tables.points_to_csv(tilt, legs, speeds, result.predicted)
+        target.write("speeds.csv", points.encode())
+        comment = f"Fitted to {path.name}: {told}"
+        target.write("scene.toml", templates.dump(scene, comment).encode())
+        target.write("design.toml", templates.dump(job.design, comment).encode())
+        if job.pictures:
+            _write_figures(fitted, job, path.name, target)
+        facts: dict[str, Any] = {
+            "file": path.name, "design": job.design.model_dump(mode="json"),
+            "scene": job.scene.model_dump(mode="json"), "mode": job.mode, "fixed": dict(job.fixed),
+        }  # fmt: skip
+        target.finish(facts)
     return fitted
 
 

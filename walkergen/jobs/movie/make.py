@@ -160,10 +160,11 @@ def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     return found
 
 
-def make(job: Job, path: Path, progress: Progress) -> Made:
+def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
     """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
 
-    Both files are written whole at the end. Raises InputError when a run ends before two frames.
+    Both files are written whole at the end; over one that is not ours only the GIF is, and only
+    where a person `named` it. Raises InputError when a run ends before two frames.
     """
     from walkergen.jobs.movie import animation, impacts
 
@@ -172,10 +173,14 @@ def make(job: Job, path: Path, progress: Progress) -> Made:
     )
     colours = impacts.colours(max(len(one.limbs) for one in job.members))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
-    output.write(path, encoded.gif)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
-    if mp4 is not None and encoded.mp4 is not None:
-        output.write(mp4, encoded.mp4)
+    with output.Folder(path.parent, "") as target:
+        if named:
+            output.write(path, encoded.gif)
+        else:
+            target.write(path.name, encoded.gif)
+        if mp4 is not None and encoded.mp4 is not None:
+            target.write(mp4.name, encoded.mp4)
     return Made(path, mp4, encoded.without_mp4, frames, footage)
 
 

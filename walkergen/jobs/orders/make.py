@@ -88,15 +88,15 @@ def export_parts(
         for design in members
     ]
     written = []
-    for number, (design, drawing) in enumerate(zip(members, drawings, strict=True), start=1):
-        name = names.part(design)
-        mesh = solids.as_printed(design, solids.build(design).walker)
-        for form in formats:
-            path = folder / form / f"{name}.{form}"
-            data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
-            output.write(path, data)
-            written.append(path)
-        progress(name, number, len(members))
+    with Folder(folder, "") as target:
+        for number, (design, drawing) in enumerate(zip(members, drawings, strict=True), start=1):
+            name = names.part(design)
+            mesh = solids.as_printed(design, solids.build(design).walker)
+            for form in formats:
+                data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
+                target.write(f"{form}/{name}.{form}", data)
+                written.append(folder / form / f"{name}.{form}")
+            progress(name, number, len(members))
     return written
 
 
@@ -180,14 +180,14 @@ def make_plates(
     paths: list[Path] = []
     for layout in layouts:
         # A manifest a printer, so that plates for one do not sweep away those for another.
-        target = Folder(folder / "plates", f"plate_{layout.printer.name}.json")
-        for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
-            target.write(name, data)
-            paths.append(target.path / name)
-            progress(name, len(paths), steps)
-        target.finish(_facts(layout))
-        paths.append(target.path / target.manifest)
-        progress(target.manifest, len(paths), steps)
+        with Folder(folder / "plates", f"plate_{layout.printer.name}.json") as target:
+            for name, data in plates.files(layout, "plate", order.pictures, order.prusaslicer):
+                target.write(name, data)
+                paths.append(target.path / name)
+                progress(name, len(paths), steps)
+            target.finish(_facts(layout))
+            paths.append(target.path / target.manifest)
+            progress(target.manifest, len(paths), steps)
     rows = [row for layout in layouts for row in plates.places(layout)]
     return rows, [*paths, *_write_forms(order.members, rows, folder)]
 

@@ -16,6 +16,7 @@ import markupsafe
 from markdown_it import MarkdownIt
 
 from walkergen.files import viewer, words
+from walkergen.files.ledger import BLANK, sealed
 from walkergen.jobs.page import chart, members, references, theory
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.members import Member
@@ -86,6 +87,8 @@ class Download(NamedTuple):
 def render(contents: Contents, version: str, run: Mapping[str, Any] | None = None) -> bytes:
     """Page as UTF-8, with a run to be played (see `play`), if any; equal input gives equal bytes.
 
+    Its last line is a hash of all others, by which it is known to be ours.
+
     Raises InputError when a table or an STL file of the folder is not as `family` writes it.
     """
     made = members.of(contents)
@@ -111,7 +114,9 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
         "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
         "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
-        "settings": settings(manifest.model_dump(exclude={"members", "legs_up", "files"})),
+        "settings": settings(
+            manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})
+        ),
         "references": references.cited(
             {member.row["law"] for member in made},
             {method for member in made if (method := member.row.get("sim_method"))},
@@ -126,7 +131,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
         "script_hashes": [viewer.hashed(text) for text in scripts.values()],
     }
-    return _template().render(values).encode()
+    return sealed(_template().render(values).encode() + b"<!-- sealed: %s -->\n" % BLANK)
 
 
 def table(made: Sequence[Member]) -> Table:

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen import prediction
 from walkergen.errors import InputError
-from walkergen.files import output
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.paper import compare, mechanisms, mechanisms_tables, plane, sweeps
 from walkergen.jobs.paper import page as supplement
@@ -85,19 +85,20 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
 
     tilts = sweeps.along_tilts(flexible + braced, job.tilts_deg, parts[0])
     found = Findings(assumptions, theories, peaks, tilts, {}, (), ())
-    _write_figures(found, folder, (2, 3))
-    found = found._replace(labels=_labels(found, labelled, parts[1]))
-    output.write(folder / "figure2_labels.csv", comparison.labels_to_csv(found.labels).encode())
-    found = found._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
-    _write_figures(found, folder, (5,))
-    found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
-    _write_figures(found, folder, (6,))
-    found = found._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
-    _write_mechanisms(found.mechanisms, folder)
-    rows = compare.rows(found)
-    output.write(folder / "reproduce.csv", comparison.rows_to_csv(rows).encode())
-    page = supplement.to_markdown(found, rows, job.design.name)
-    output.write(folder / "reproduce.md", page.encode())
+    with Folder(folder, "") as target:
+        _write_figures(found, target, (2, 3))
+        found = found._replace(labels=_labels(found, labelled, parts[1]))
+        target.write("figure2_labels.csv", comparison.labels_to_csv(found.labels).encode())
+        found = found._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
+        _write_figures(found, target, (5,))
+        found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
+        _write_figures(found, target, (6,))
+        found = found._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
+        _write_mechanisms(found.mechanisms, target)
+        rows = compare.rows(found)
+        target.write("reproduce.csv", comparison.rows_to_csv(rows).encode())
+        page = supplement.to_markdown(found, rows, job.design.name)
+        target.write("reproduce.md", page.encode())
     return found, rows
 
 
@@ -202,7 +203,7 @@ def _cases(
     return [Case(one, model, design) for one in assumptions for model in models]
 
 
-def _write_figures(found: Findings, folder: Path, numbers: Sequence[int]) -> None:
+def _write_figures(found: Findings, target: Folder, numbers: Sequence[int]) -> None:
     from walkergen.files import figures as pictures
     from walkergen.jobs.paper import figures as reproduced
 
@@ -218,17 +219,17 @@ def _write_figures(found: Findings, folder: Path, numbers: Sequence[int]) -> Non
     }  # fmt: skip
     for number in numbers:
         for part, to_csv, rows in texts[number]:
-            output.write(folder / f"figure{number}{part}.csv", to_csv(rows).encode())
+            target.write(f"figure{number}{part}.csv", to_csv(rows).encode())
         figure = reproduced.FIGURES[number](found)
-        output.write(folder / f"figure{number}.png", pictures.png(figure))
-        output.write(folder / f"figure{number}.pdf", pictures.pdf(figure))
+        target.write(f"figure{number}.png", pictures.png(figure))
+        target.write(f"figure{number}.pdf", pictures.pdf(figure))
 
 
-def _write_mechanisms(found: Sequence[mechanisms.Mechanism], folder: Path) -> None:
+def _write_mechanisms(found: Sequence[mechanisms.Mechanism], target: Folder) -> None:
     from walkergen.files import figures as pictures
     from walkergen.jobs.paper import mechanisms_figure
 
-    output.write(folder / "mechanisms.csv", mechanisms_tables.to_csv(found).encode())
+    target.write("mechanisms.csv", mechanisms_tables.to_csv(found).encode())
     figure = mechanisms_figure.draw(found)
-    output.write(folder / "mechanisms.png", pictures.png(figure))
-    output.write(folder / "mechanisms.pdf", pictures.pdf(figure))
+    target.write("mechanisms.png", pictures.png(figure))
+    target.write("mechanisms.pdf", pictures.pdf(figure))

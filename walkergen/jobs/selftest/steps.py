@@ -1,6 +1,7 @@
 """Hard cases of time steps: rebounds shorter than a step, and feet that must not sink."""
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 
@@ -33,9 +34,7 @@ DROPS = 8
 """Drops of each of them, each with a pitch and a velocity of its own."""
 
 
-def _plan(
-    shape: dict[str, float], body: dict[str, float], seconds: float, **tables: dict[str, float]
-) -> Plan:
+def _plan(shape: dict[str, float], body: dict[str, float], seconds: float, **tables: Any) -> Plan:
     design = Design.model_validate({"legs": shape, "body": body})
     run: dict[str, float] = {"seconds": seconds, "discard_seconds": 0.5}
     run |= tables.pop("run", {})

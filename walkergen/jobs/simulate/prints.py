@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.files import output, words
+from walkergen.files import words
+from walkergen.files.output import Folder
 from walkergen.files.tables import csv_text
 from walkergen.jobs.simulate.uncertain import Uncertain
 
@@ -71,13 +72,15 @@ def write(found: Uncertain, folder: Path, title: str) -> None:
 
     lines = np.column_stack([found.values, found.speeds]).tolist()
     header = (*(one.name.replace(" ", "_") for one in found.inputs), "speed_mm_s")
-    output.write(folder / "draws.csv", csv_text(header, lines).encode())
+    draws = csv_text(header, lines)
     shares = [*found.shares, (UNEXPLAINED, found.unexplained, found.unexplained_se, None, None)]
     header = ("input", "first", "first_se", "total", "total_se")
-    output.write(folder / "shares.csv", csv_text(header, shares).encode())
     drawn = figure(found, title)
-    output.write(folder / "uncertain.png", figures.png(drawn))
-    output.write(folder / "uncertain.pdf", figures.pdf(drawn))
+    with Folder(folder, "") as target:
+        target.write("draws.csv", draws.encode())
+        target.write("shares.csv", csv_text(header, shares).encode())
+        target.write("uncertain.png", figures.png(drawn))
+        target.write("uncertain.pdf", figures.pdf(drawn))
 
 
 def figure(found: Uncertain, title: str) -> "Figure":

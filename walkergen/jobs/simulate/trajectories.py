@@ -54,7 +54,7 @@ def of(one: Asked, point: Point, progress: Progress) -> Trajectory:
     kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-        point = points.measure(one, progress)
+        (point,) = points.each([one], ["samples"], progress, None)
     columns = prepare(one.scene, one.design, one.mass).model.columns
     return with_film(trajectory.tracks(columns, point.results), one.sample_interval)
 

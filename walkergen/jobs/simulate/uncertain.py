@@ -116,7 +116,7 @@ def _asked(scene: Scene, design: Design, known: Sequence[Input], row: Array, num
 def _simulated(asked: Sequence[Asked], progress: Progress) -> list[Point]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
     progress("compiling (slow the first time only)", 0, len(asked))
-    first = points.measure(asked[0], lambda what, done, total: None)
+    (first,) = points.each(asked[:1], [""], lambda what, done, total: None, None)
     titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
     return [first, *points.on_threads(asked[1:], titles, progress)]
 

@@ -4,12 +4,9 @@ import hashlib
 import json
 import time
 from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
-
-from filelock import FileLock, Timeout
 
 from walkergen.errors import InputError
 from walkergen.exploring import run
@@ -26,8 +23,6 @@ from walkergen.jobs.sweep.table import Row, Table
 
 if TYPE_CHECKING:
     from walkergen.jobs.sweep.panels import Columns
-
-LOCK = ".sweep.lock"
 
 MOST_DRAWN = 200_000
 """Number of points up to which pictures are drawn; their memory grows with it."""
@@ -71,10 +66,11 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
     job.request.check()
     if job.budget_s is not None:
         budget.check(job.request)
-    with _alone(path):
-        if earlier := _finished(job, path):
+    with Folder(path) as folder:
+        folder.claim()
+        if earlier := _finished(job, folder):
             return earlier
-        told = _taken_up(job, path, store)
+        told = _taken_up(job, folder, store)
         counts = _Counts()
         asked = job.request.asked()
         if job.budget_s is not None:
@@ -85,7 +81,7 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
                 rows.add(values, done.record, done.key)
                 counts.add(done)
                 progress("points", number, job.request.space.points)
-        files = _write_rest(job, path, counts, time.perf_counter() - started)
+        files = _write_rest(job, folder, counts, time.perf_counter() - started)
     known = counts.known if job.budget_s is None else 0  # just now, by the budget
     return Made(counts.points, known, counts.bad, files, tuple(told))
 
@@ -119,34 +115,14 @@ def _names(job: Job) -> tuple[str, ...]:
     return table.columns(job.request.model, job.request.keep)
 
 
-@contextmanager
-def _alone(path: Path) -> Iterator[None]:
-    """Keep other sweeps out of a folder. Raises InputError when one is there."""
-    lock = FileLock(path / LOCK, timeout=0)
-    try:
-        path.mkdir(parents=True, exist_ok=True)
-        lock.acquire()
-    except Timeout:
-        raise InputError(
-            f"--out {str(path)!r}: another sweep writes there; wait for it, or give another folder"
-        ) from None
-    except OSError as error:
-        raise output.refused(path, error) from None
-    try:
-        yield
-    finally:
-        lock.release()
-
-
-def _finished(job: Job, path: Path) -> Made | None:
+def _finished(job: Job, folder: Folder) -> Made | None:
     """Result of an earlier run of the same request, when all of its files are as it left them."""
-    folder = Folder(path)
     facts = folder.earlier()
     if job.budget_s is not None or facts.get("request") != _hash_of(job.request):
         return None
     if not folder.untouched() or (job.pictures and "sweep.png" not in facts["files"]):
         return None
-    files = tuple(path / name for name in facts["files"])
+    files = tuple(folder.path / name for name in facts["files"])
     points = job.request.space.points
     return Made(points, points, facts["bad"], files, (), finished=True)
 
@@ -174,16 +150,16 @@ def _facts(request: Request) -> dict[str, Any]:
     }
 
 
-def _taken_up(job: Job, path: Path, store: Store) -> list[str]:
+def _taken_up(job: Job, folder: Folder, store: Store) -> list[str]:
     """Put the sound rows of an earlier table into the store; tell what is wrong with it.
 
     A table in which somebody changed rows is kept under another name: its changes are not ours to
     lose, nor to trust. Raises InputError for a file that is no table of a sweep.
     """
-    place, told = path / table.NAME, []
+    place, told = folder.path / table.NAME, []
     if not place.exists():
         return []
-    sources = Folder(path).earlier().get("sources", digest())
+    sources = folder.earlier().get("sources", digest())
     if sources != digest():
         told.append(f"{place}: is of another version of walkergen; its points are evaluated anew")
     names, edited = _names(job), list[int]()
@@ -193,8 +169,11 @@ def _taken_up(job: Job, path: Path, store: Store) -> list[str]:
         if sources == digest():
             _put_unknown([one for one in block if isinstance(one, Row)], names, store)
     if edited:
-        kept = _free(path / "table.edited.csv")
-        place.replace(kept)
+        kept = _free(folder.path / "table.edited.csv")
+        try:
+            place.replace(kept)
+        except OSError as error:
+            raise output.refused(kept, error) from None
         lines_told = ", ".join(map(str, edited[:5])) + (", ..." if len(edited) > 5 else "")
         told.append(
             f"{place}: changed by hand in line {lines_told}: these are evaluated anew; the changed "
@@ -219,16 +198,16 @@ def _free(path: Path) -> Path:
     return found
 
 
-def _write_rest(job: Job, path: Path, counts: _Counts, seconds: float) -> tuple[Path, ...]:
+def _write_rest(job: Job, folder: Folder, counts: _Counts, seconds: float) -> tuple[Path, ...]:
     """Write Parquet, pictures and the manifest of a finished table."""
-    request, folder = job.request, Folder(path)
+    request, path = job.request, folder.path
     folder.add(table.NAME)
     numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
     keys = {key: numeric.get(key, True) for key in request.space.keys}
     if (data := table.to_parquet(path / table.NAME, keys, _names(job))) is not None:
         folder.write("table.parquet", data)
     if job.pictures and counts.points <= MOST_DRAWN:
-        _draw(job, path, folder)
+        _draw(job, folder)
     facts = _facts(request) | {
         "request": "" if job.budget_s is not None else _hash_of(request), "sources": digest(),
         "points": counts.points, "known": counts.known, "bad": counts.bad,
@@ -242,12 +221,12 @@ def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
 
 
-def _draw(job: Job, path: Path, folder: Folder) -> None:
+def _draw(job: Job, folder: Folder) -> None:
     from walkergen.files.figures import pdf, png
     from walkergen.jobs.sweep import figures  # brings matplotlib
 
     keys = job.request.space.keys
-    drawn = figures.figure(columns_of(path / table.NAME, keys), keys, job.title)
+    drawn = figures.figure(columns_of(folder.path / table.NAME, keys), keys, job.title)
     if drawn is not None:
         folder.write("sweep.png", png(drawn))
         folder.write("sweep.pdf", pdf(drawn))

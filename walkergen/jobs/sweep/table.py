@@ -14,6 +14,7 @@ from walkergen.errors import InputError, OutputError
 from walkergen.exploring.point import STATUS, THEORY, Record, Value
 from walkergen.files import reading
 from walkergen.files.columns import cells as cells_of
+from walkergen.files.ledger import flags
 from walkergen.files.tables import csv_text
 
 NAME = "table.csv"
@@ -71,7 +72,8 @@ class Table:
         header = csv_text((*keys, *names, POINT, CHECK), [])
         try:
             path.parent.mkdir(parents=True, exist_ok=True)
-            self._file = path.open("wb", buffering=0)
+            new = flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
+            self._file = os.open(path, new, 0o666)
         except OSError as error:
             raise self._told(error) from None
         self._write(header)
@@ -85,7 +87,7 @@ class Table:
     def _write(self, text: str) -> None:
         data = text.encode()
         try:
-            if self._file.write(data) != len(data):
+            if os.write(self._file, data) != len(data):
                 raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
         except OSError as error:
             raise self._told(error) from None
@@ -93,8 +95,14 @@ class Table:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(self, *_: object) -> None:
-        self._file.close()
+    def __exit__(self, kind: type[BaseException] | None, *_: object) -> None:
+        try:
+            os.fsync(self._file)  # a full disk may only now say so
+        except OSError as error:
+            if kind is None:
+                raise self._told(error) from None
+        finally:
+            os.close(self._file)
 
     def _told(self, error: OSError) -> OutputError:
         return OutputError(f"{str(self.path)!r}: cannot be written: {error.strerror}")

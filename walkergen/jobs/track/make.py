@@ -266,7 +266,7 @@ def _write(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) -> Non
     from walkergen.jobs.track import tables
     from walkergen.jobs.track.figures import check_figure
 
-    target = Folder(made.folder)
-    target.write(TRACKS, csv_text(COLUMNS, rows(made)).encode())
-    target.write(PICTURE, figures.png(check_figure(made, picture, part)))
-    target.finish(tables.facts(made))
+    with Folder(made.folder) as target:
+        target.write(TRACKS, csv_text(COLUMNS, rows(made)).encode())
+        target.write(PICTURE, figures.png(check_figure(made, picture, part)))
+        target.finish(tables.facts(made))

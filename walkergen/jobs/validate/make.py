@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from walkergen.errors import InputError
-from walkergen.files import output
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.validate import (
     claims_bounce,
@@ -58,7 +58,7 @@ def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim
 
 
 def write(claims: Sequence[Claim], command: str, folder: Path) -> list[Path]:
-    """Write validation.md, .csv and .png into a folder, all of them or none; returns their paths.
+    """Write validation.md, .csv and .png into a folder; returns their paths.
 
     `command`: words that made them, for the page's head.
     """
@@ -69,6 +69,7 @@ def write(claims: Sequence[Claim], command: str, folder: Path) -> list[Path]:
         "validation.csv": page.as_csv(claims).encode(),
         "validation.md": page.as_markdown(claims, command, TITLES).encode(),
     }
-    for name, data in made.items():
-        output.write(folder / name, data)
+    with Folder(folder, "") as target:
+        for name, data in made.items():
+            target.write(name, data)
     return [folder / name for name in made]

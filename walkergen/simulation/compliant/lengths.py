@@ -18,7 +18,7 @@ DAMPED = 1.6
 """Decay times of a leg's damper in which its foot, hit at restitution 1, is back: the root of
 2 (1 - exp(-x)) = x."""
 
-MOST, OWN = 3e-5, 0.4
+MOST, OWN = 1e-6 * 30.0, 0.4
 """Own step of a walker: its most (s), and its share of the longest: ten in a period of the legs."""
 
 SLIVER = 0.1

@@ -1,0 +1,70 @@
+"""Standard streams as a command line needs them: open, in any locale, and never silent when full.
+
+A stream that is closed is replaced by one that refuses what is written, so that no file takes its
+place. What has no letters in a stream's encoding is replaced. Standard error, where every mistake
+is told, takes whatever comes: what it could not tell is known at the end.
+"""
+
+import io
+import os
+import sys
+from typing import Any
+
+
+class _Named(io.FileIO):
+    """Standard output: an error tells that it is meant."""
+
+    def write(self, data: Any, /) -> int:
+        """Write what can be written. Raises OSError."""
+        try:
+            return super().write(data)
+        except OSError as error:
+            error.filename = "standard output"
+            raise
+
+
+class _Heard(io.FileIO):
+    """Standard error: what it cannot take is lost, and known to be."""
+
+    lost = False
+
+    def write(self, data: Any, /) -> int:
+        """Write what can be written; all else counts as written."""
+        try:
+            return super().write(data)
+        except OSError:
+            self.lost = True
+            return len(data)
+
+
+def prepare() -> _Heard:
+    """Make the standard streams safe to write to; returns what knows whether errors were heard.
+
+    Streams that somebody has put in the place of Python's are left as they are.
+    """
+    for number in range(3):
+        try:
+            os.fstat(number)
+        except OSError:
+            os.open(os.devnull, os.O_RDONLY)  # takes the number; nothing can be written there
+    heard = _Heard(2, "w", closefd=False)
+    if sys.platform == "win32":  # a console takes letters by other means than files do
+        return heard
+    encoding = next((one.encoding for one in (sys.stdout, sys.stderr, sys.stdin) if one), "utf-8")
+    if sys.stdout is sys.__stdout__:
+        sys.stdout = _text(_Named(1, "w", closefd=False), encoding, "replace")
+    if sys.stderr is sys.__stderr__:
+        sys.stderr = _text(heard, encoding, "backslashreplace", lines=True)
+    return heard
+
+
+def _text(raw: io.FileIO, encoding: str, errors: str, lines: bool = False) -> io.TextIOWrapper:
+    buffered = io.BufferedWriter(raw)
+    return io.TextIOWrapper(buffered, encoding, errors, line_buffering=lines or raw.isatty())
+
+
+def give_up() -> None:
+    """Let what standard output still holds go nowhere, so that the end of Python is quiet."""
+    nowhere = os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nowhere, 1)
+    os.close(nowhere)
