@@ -183,7 +183,8 @@ def _follow(
             extra = left + (target - slope * left) / slope_y2
     else:
         target = -restitution * restitution * work
-        extra = math.sqrt(2.0 * target / slope)
+        # Without squares, which a slow approach beside a fast slide would not survive
+        extra = math.sqrt(2.0 * target / slope) if stops_early else restitution * compression
         if extra > left:
             v_left = slope * left
             rest = target - 0.5 * v_left * left
