@@ -391,7 +391,8 @@ def test_views_follow_from_where_walkers_run():
         (("--view", "perspective", "--scene", "plane-90hz", "--tilt", "5,10"), "seen 2"),
         (("--model", "rigid", "--scene", "plane-90hz"), "cannot turn on a plane"),
         (("--scene", "plane-90hz", "--slow", "nan"), "--slow nan"),
-        (("--scene", "plane-90hz", "--seconds", "1e9"), "frames"),
+        (("--scene", "plane-90hz", "--seconds", "1e9"), "--seconds 1e+09: must lie in 0.001"),
+        (("--scene", "plane-90hz", "--seconds", "1e5"), "frames"),
     ],
 )
 def test_bad_requests_are_one_line(run, words, told):
