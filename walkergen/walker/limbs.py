@@ -13,7 +13,7 @@ from pydantic import Field
 
 from walkergen.files.config import Fraction, Section
 
-Length = Annotated[float, Field(ge=1e-3, le=1e6)]
+Length = Annotated[float, Field(ge=1e-6, le=1e6)]
 Place = Annotated[float, Field(ge=-1e6, le=1e6)]
 Tilt = Annotated[float, Field(ge=-85, le=85)]
 Kind = Literal["flexible", "braced"]
