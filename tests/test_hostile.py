@@ -55,14 +55,13 @@ def test_hundreds_of_hostile_files_are_read_or_refused_in_lines(kind, tmp_path):
             pytest.fail(f"{one}: {seen!r}")
 
 
-@pytest.mark.parametrize("kind", hostile.KINDS)
+@pytest.mark.parametrize("kind", sorted({*hostile.KINDS} - {"growing"}))  # that gives what it has
 def test_what_is_no_file_is_not_read(kind, tmp_path):
     hostile.KINDS[kind](tmp_path / "x")
     with pytest.raises(InputError):
         reading.content(tmp_path / "x", 1000)
-    if kind != "growing":  # has nothing to give at first: an empty file
-        with pytest.raises(InputError):
-            list(reading.lines(tmp_path / "x", "a CSV file", 1000))
+    with pytest.raises(InputError):
+        list(reading.lines(tmp_path / "x", "a CSV file", 1000))
 
 
 @pytest.mark.nightly

@@ -164,7 +164,7 @@ def test_the_main_view_magnifies_the_bending_of_legs_and_says_so():
     turned = [complex(*(leg.mean(axis=0) - hinge)) for leg in (plain[1], bent[1])]
     wanted = (bend - 1) * shot.angles[at, 1]
     assert np.angle(turned[1] / turned[0]) == pytest.approx(wanted, rel=1e-9)
-    told = "legs' bending × 100 (outlined: as it is), all else to scale"
+    told = f"legs' bending × {bend:g} (outlined: as it is), all else to scale"
     assert any(told in words for words in written(shot, job))
     stiff = shot._replace(angles=0.0 * shot.angles)
     assert bounce._bend(stiff) == 1

@@ -491,7 +491,7 @@ FOUND = {
             drive={"frequency_hz": 244.05948159735212, "gamma": 1.000000001,
                    "second_harmonic_ratio": 0.6495474605916366,
                    "second_harmonic_phase_deg": 2.3916354370775e-06},
-            contact={"restitution": 4e-16, "friction": 0.9547540534355297, "law": "poisson"},
+            contact={"restitution": 4e-15, "friction": 0.9547540534355297, "law": "poisson"},
             plate={"slope_deg": 0.6495474605916366},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},

@@ -69,6 +69,7 @@ def walkers(draw, plates):
     leg = length * draw(st.floats(0.1, 0.5))
     thickness = leg * draw(st.floats(0.02, 0.3))
     tilt = draw(st.one_of(st.sampled_from([0.0, 10.0, -10.0, 35.0]), st.floats(-50.0, 50.0)))
+    tilt = tilt if abs(tilt) >= 1e-12 else 0.0  # less is refused
     room = length - 2.0 * abs(leg * math.sin(math.radians(tilt))) - thickness
     depth = scale * draw(st.floats(1.0, 20.0))
     period = 1.0 / draw(st.floats(20.0, 500.0))

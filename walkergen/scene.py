@@ -210,7 +210,7 @@ class Feet(Section):
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
-    seconds: Annotated[float, Field(ge=1e-3, le=1e7)] = 60.0
+    seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
     """Measured time of one run, s, after the discarded start."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16

@@ -21,7 +21,7 @@ from walkergen.files import plain, reading
 MOST_BYTES, DEEPEST, MOST_MISTAKES = 1_000_000, 32, 20
 """Largest file, most levels of lists and tables in it, and mistakes that are told, not counted."""
 
-SMALLEST, LARGEST_WHOLE = 1e-12, 2**63
+SMALLEST, LARGEST_WHOLE = 1e-15, 2**63
 """Size below which no number but 0 means anything in any unit here; largest whole number of TOML.
 """
 

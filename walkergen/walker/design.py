@@ -30,7 +30,7 @@ from walkergen.walker.body import Body, Size, beside
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 
-MassGram = Annotated[float, Field(ge=1e-9, le=1e12)]
+MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
 
 class Material(Section):
