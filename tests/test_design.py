@@ -75,11 +75,11 @@ def test_all_mistakes_at_once_with_line_key_value_and_range(tmp_path):
     )
     expected = [
         ("mine.toml:1: name = '../x'", ""),
-        ("mine.toml:3: body.length_mm = 'ten'", "must be a number >= 0.001 and <= 1e+06"),
-        ("mine.toml:4: body.depth_mm = nan", ">= 0.001"),
-        ("mine.toml:5: body.thickness_mm = [1]", ">= 0.001"),
+        ("mine.toml:3: body.length_mm = 'ten'", "must be a number >= 1e-06 and <= 1e+06"),
+        ("mine.toml:4: body.depth_mm = nan", ">= 1e-06"),
+        ("mine.toml:5: body.thickness_mm = [1]", ">= 1e-06"),
         ("mine.toml:8: legs.kind = 'soft'", "'flexible', 'braced'"),
-        ("mine.toml:9: legs.length_mm = -1", ">= 0.001"),
+        ("mine.toml:9: legs.length_mm = -1", ">= 1e-06"),
         ("mine.toml:10: legs.flexible_thickness_mm = 1e+300", "<= 1e+06"),
         ("mine.toml:7: legs.tilt", "did you mean legs.tilt_deg?"),
         ("mine.toml:12: material.density_g_cm3 = 0", ">= 0.001"),
