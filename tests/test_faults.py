@@ -344,6 +344,21 @@ def test_surroundings_do_not_matter(tmp_path, surroundings):
     assert (tmp_path / "speed.pdf").read_bytes()[:5] == b"%PDF-"
 
 
+def test_ctrl_c_while_a_library_loads_is_no_failure_of_it(monkeypatch):
+    """Python tells a Ctrl-C in the start of a module in C as an ImportError caused by it."""
+    from walkergen import cli
+
+    def stopped():
+        try:
+            raise KeyboardInterrupt
+        except KeyboardInterrupt as cause:
+            raise ImportError("initialization failed") from cause
+
+    monkeypatch.setattr(cli, "app", stopped)
+    code, _, told = forked(cli.main)
+    assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
+
+
 def test_a_folder_that_is_gone_is_a_line(tmp_path):
     def work():
         os.chdir(tmp_path)

@@ -60,7 +60,7 @@ def test_only_what_python_calls_has_a_wrapper_and_both_give_the_same():
     pair = (0.5, 0.25)
     assert _called(pair) == 2.25
     assert len(_called.outer.signatures) == 1
-    assert len(_twice.inner.signatures) == 1
+    assert len(_twice.inner.signatures) <= 1  # none where the caller came from the cache
     assert not _twice.outer.signatures
     assert _twice(pair) == 1.25
     assert len(_twice.outer.signatures) == 1

@@ -41,6 +41,8 @@ from walkergen.files import plain
 INTERRUPTED = 130
 """Exit code after Ctrl-C."""
 
+TOLD_INTERRUPTED = "interrupted: finished files are whole; the same command completes"
+
 COMMANDS = {
     "Make": (family.family, export.export, check.check, plate.plate, design.design),
     "Predict": (predict.predict, sweep.sweep),
@@ -140,9 +142,7 @@ def _run() -> int:
                 raise KeyboardInterrupt from None
             return done.code if isinstance(done.code, int) else int(done.code is not None)
     except KeyboardInterrupt:
-        return _failed(
-            "interrupted: finished files are whole; the same command completes", INTERRUPTED
-        )
+        return _failed(TOLD_INTERRUPTED, INTERRUPTED)
     except OutputError as error:
         return _failed(str(error), 1)
     except WalkergenError as error:
@@ -152,6 +152,10 @@ def _run() -> int:
         return 1
     except MemoryError:
         return _failed("the memory is full: ask for less", 1)
+    except ImportError as error:  # a Ctrl-C while a library loads may come as its failure
+        if not isinstance(error.__cause__, KeyboardInterrupt):
+            raise
+        return _failed(TOLD_INTERRUPTED, INTERRUPTED)
     except OSError as error:
         what = "" if error.filename is None else f"{str(error.filename)!r}: "
         return _failed(f"{what}{error.strerror or error}", 1)
