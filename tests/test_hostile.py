@@ -100,3 +100,9 @@ def test_what_is_printed_is_plain_and_what_is_told_is_short(monkeypatch, capsys)
     assert seen.out == "name\\u001b[31m" + "y" * 300 + "\n"
     assert [len(line) for line in seen.err.splitlines()] == [plain.WIDEST, 4]
     assert seen.err.endswith("y\\u0007\nnext\n")
+
+
+@pytest.mark.parametrize("text", ["a = 0x%s" % ("f" * 9000), "a = [{b = 0b1%s}]" % ("0" * 10_000)])
+def test_whole_numbers_that_nothing_could_print_are_not_read(text):
+    with pytest.raises(ValueError, match=r"a whole number of .* bits"):
+        config.toml_of(text)

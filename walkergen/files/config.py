@@ -25,6 +25,9 @@ SMALLEST, LARGEST_WHOLE = 1e-15, 2**63
 """Size below which no number but 0 means anything in any unit here; largest whole number of TOML.
 """
 
+MOST_BITS = 10_000
+"""Longest whole number that is read, to be refused by its key; decimals of as many are no TOML."""
+
 DOTTED = re.compile(
     r"""(?:(?:[\w-]{1,64}|"[^"\n]{0,64}"|'[^'\n]{0,64}')[ \t]*\.[ \t]*)""" + f"{{{DEEPEST}}}"
 )
@@ -114,8 +117,18 @@ def toml_of(text: str) -> dict[str, Any]:
             pass
         else:
             if _depth(data) <= DEEPEST:
+                _refuse_endless(data)
                 return data
     raise ValueError(f"nested too deeply: more than {DEEPEST} levels")
+
+
+def _refuse_endless(value: Any) -> None:
+    """Raise ValueError for a whole number in hexadecimals of more digits than Python writes."""
+    if isinstance(value, (dict, list)):
+        for one in value.values() if isinstance(value, dict) else value:
+            _refuse_endless(one)
+    elif isinstance(value, int) and value.bit_length() > MOST_BITS:
+        raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MOST_BITS}")
 
 
 def _depth(value: Any) -> int:
