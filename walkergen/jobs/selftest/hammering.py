@@ -2,30 +2,16 @@
 
 import math
 from collections.abc import Iterator
-from typing import Any
 
 import numpy as np
 
 from walkergen.jobs.selftest.case import COMPLIANT, THREE_COORDINATES, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import Array, advance, energy_error, masses, scene_of, shaken
+from walkergen.jobs.selftest.scenes import Array, advance, drawn, energy_error, shaken
 from walkergen.simulation import record
-from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import MODE_BACK, MODE_FRONT, OPEN, V_X, V_Y
-from walkergen.walker.design import Design
 
 EVENT = (*THREE_COORDINATES, COMPLIANT[0])
-
-
-def _plan(
-    model: str, method: str, shape: dict[str, dict[str, Any]], **tables: dict[str, Any]
-) -> Plan:
-    """The plan of a walker of the tables `shape`, masses in closed form."""
-    kind = "braced" if model == "rigid" else "flexible"
-    legs = {"kind": kind, **shape["legs"]}
-    design = Design.model_validate({**shape, "legs": legs})
-    return prepare(scene_of(model, method, **tables), design, masses(design))
 
 
 def _stands(state: Array) -> bool:
@@ -39,7 +25,7 @@ def _far_apart(model: str, method: str) -> Iterator[Check]:
     """
     contact = {"restitution": 0.9, "friction": 0.06}
     legs = {"tilt_deg": 10.0, "contact_spacing_mm": 18.0}
-    plan = _plan(model, method, {"legs": legs}, drive=shaken(0.5), contact=contact)
+    plan = drawn(model, method, {"legs": legs}, drive=shaken(0.5), contact=contact)
     most, lost, stand = 0, 0.0, True
     for phase in (0.3, 1.0, 2.0, 3.0, 4.0):
         state = plan.start(0.05, 1e-3, phase)
@@ -57,7 +43,7 @@ def _elastic(model: str, method: str) -> Iterator[Check]:
     """Check bent legs at restitution 1: their springs press the feet down, and they hammer."""
     contact = {"restitution": 1.0, "friction": 0.6, "law": "stronge"}
     legs = {"tilt_deg": 40.0, "flexible_thickness_mm": 0.21, "length_mm": 4.5}
-    plan = _plan(model, method, {"legs": legs}, drive=shaken(0.6), contact=contact)
+    plan = drawn(model, method, {"legs": legs}, drive=shaken(0.6), contact=contact)
     state = plan.start(0.06, 1e-3, 0.0)
     before = plan.energy(state)
     outcome, tally = advance(plan, state, 0.0045)
@@ -80,7 +66,7 @@ def _upright(model: str, method: str) -> Iterator[Check]:
     legs = {"tilt_deg": -0.32, "flexible_thickness_mm": 0.54, "length_mm": 5.94}
     shape = {"legs": {**legs, "contact_spacing_mm": 13.5}, "body": {"thickness_mm": 5.0}}
     damped = {"damping_ratio": 0.5}
-    plan = _plan(model, method, shape, drive=shaken(0.6), contact=contact, legs=damped)
+    plan = drawn(model, method, shape, drive=shaken(0.6), contact=contact, legs=damped)
     rng, finished, lost = np.random.default_rng(2), True, 0.0
     for _ in range(20):
         state = plan.start(0.06, 1e-3 * rng.normal(), rng.uniform(0.0, 2.0 * math.pi))

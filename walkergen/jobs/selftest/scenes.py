@@ -85,6 +85,13 @@ def plan_of(
     return prepare(scene, design, masses(design, leg_mass))
 
 
+def drawn(model: str, method: str, shape: dict[str, dict[str, Any]], **tables: Any) -> Plan:
+    """Plan of a walker of the tables `shape`, masses in closed form."""
+    kind = "braced" if model == "rigid" else "flexible"
+    design = Design.model_validate({**shape, "legs": {"kind": kind, **shape["legs"]}})
+    return prepare(scene_of(model, method, **tables), design, masses(design))
+
+
 def with_legs(plan: Plan, factor: float, ratio: float) -> Plan:
     """The same compliant walker on springs `factor` times as stiff, with a damping ratio."""
     walker = plan.world.walker

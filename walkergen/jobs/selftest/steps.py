@@ -6,11 +6,9 @@ from typing import Any
 import numpy as np
 
 from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, masses, scene_of, shaken
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, drawn, shaken
 from walkergen.simulation.model import Plan
-from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL, Outcome, simulate
-from walkergen.walker.design import Design
 
 Sinking = tuple[float, float, float, float, dict[str, float], float, float, float]
 
@@ -35,10 +33,9 @@ DROPS = 8
 
 
 def _plan(shape: dict[str, float], body: dict[str, float], seconds: float, **tables: Any) -> Plan:
-    design = Design.model_validate({"legs": shape, "body": body})
     run: dict[str, float] = {"seconds": seconds, "discard_seconds": 0.5}
     run |= tables.pop("run", {})
-    return prepare(scene_of("compliant", "step", run=run, **tables), design, masses(design))
+    return drawn("compliant", "step", {"legs": shape, "body": body}, run=run, **tables)
 
 
 def _short_rebounds(model: str, method: str) -> Iterator[Check]:
