@@ -22,9 +22,6 @@ HALF, TALL, LEG = 6.5, 9.0, 7.5
 FREQUENCY_HZ = 90.0
 """Frequency of every drive here, the paper's."""
 
-REST = 1e-30
-"""Peak acceleration, over g, of a plate that rests: its amplitude vanishes in rounding."""
-
 
 def body(tall: float = TALL, mass: float = 0.833, gyration: float | None = None) -> MassProperties:
     """Mass properties of a rigid body on two feet HALF to either side of O, `tall` mm below it.

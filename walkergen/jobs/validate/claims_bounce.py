@@ -15,7 +15,7 @@ import numpy as np
 from walkergen.jobs.validate import bodies
 from walkergen.jobs.validate.bodies import HALF, Array, advance
 from walkergen.jobs.validate.claim import Claim, Effort, exact
-from walkergen.scene import GRAVITY
+from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.world import PHASE, PITCH, SPIN, V_X, V_Y, Y
@@ -169,7 +169,7 @@ def zeno(effort: Effort) -> Iterator[Claim]:
     """Claim on the time in which a ball comes to rest on a plate at rest."""
     gap = 1.0
     for e in (0.5, 0.8, 0.95):
-        plan = bodies.plan(bodies.REST, e)
+        plan = bodies.plan(AT_REST, e)
         state = plan.start(gap, 0.0, 0.0)
         state[V_Y] = 0.0
         theirs = math.sqrt(2.0 * gap / GRAVITY) * (1 + e) / (1 - e)
@@ -183,7 +183,7 @@ def zeno(effort: Effort) -> Iterator[Claim]:
 
 def elastic(effort: Effort) -> Iterator[Claim]:
     """Claim on the energy of a ball that bounces with restitution 1."""
-    plan, gap, bounces = bodies.plan(bodies.REST, 1.0), 0.1, 10_000
+    plan, gap, bounces = bodies.plan(AT_REST, 1.0), 0.1, 10_000
     state = plan.start(gap, 0.0, 0.0)
     state[V_Y] = 0.0
     rest = plan.energy(plan.start(0.0, 0.0, 0.0))
@@ -201,7 +201,7 @@ def rocking(slenderness: float) -> float:
 
     `slenderness`: height over width of the block.
     """
-    plan = bodies.plan(bodies.REST, 0.0, 50.0, mass=bodies.body(tall=slenderness * HALF))
+    plan = bodies.plan(AT_REST, 0.0, 50.0, mass=bodies.body(tall=slenderness * HALF))
     level = plan.energy(plan.start(0.0, 0.0, 0.5 * math.pi))
     state = plan.start(0.0, 0.02, 0.5 * math.pi)
     state[PITCH], state[SPIN], state[V_X], state[V_Y] = 0.02, 0.0, 0.0, 0.0

@@ -9,7 +9,7 @@ from walkergen.jobs.validate import bodies
 from walkergen.jobs.validate.bodies import Array, advance
 from walkergen.jobs.validate.claim import Bound, Claim, Effort, exact
 from walkergen.jobs.validate.claims_bounce import bisect
-from walkergen.scene import GRAVITY
+from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation.effects import compliance
 from walkergen.simulation.world import V_X, X
 from walkergen.theory import impact, speed, tensors
@@ -116,7 +116,7 @@ def slopes(effort: Effort) -> Iterator[Claim]:
     mu, seconds = 0.25, 0.1
 
     def way(slope_deg: float) -> float:
-        plan = bodies.plan(bodies.REST, 0.0, mu, slope_deg)
+        plan = bodies.plan(AT_REST, 0.0, mu, slope_deg)
         state = plan.start(0.0, 0.0, 0.5 * math.pi)
         advance(plan, state, seconds)
         return float(state[X])
@@ -136,7 +136,7 @@ def slopes(effort: Effort) -> Iterator[Claim]:
 def sliding_stop(effort: Effort) -> Iterator[Claim]:
     """Claim on a block that slides to a stop on a level plate at rest."""
     mu, launched = 0.25, 60.0
-    plan = bodies.plan(bodies.REST, 0.0, mu)
+    plan = bodies.plan(AT_REST, 0.0, mu)
     state = plan.start(0.0, 0.0, 0.5 * math.pi)
     state[V_X] = launched
     advance(plan, state, 0.1)
