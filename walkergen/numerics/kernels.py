@@ -83,12 +83,13 @@ def inlined(function: F) -> F:
 
 
 def lean(function: F) -> F:
-    """Compile `function` as `kernel` does, without counting references: it must allocate nothing.
+    """Compile `function` as `inlined` does, without counting references: it must allocate nothing.
 
     A call that passes many arrays otherwise counts a reference of each: 0.3 us for those of a
     walker in space, as much as one of its steps, and threads that share arrays wait for each other.
+    Inlined, such calls take a quarter less of a step, and no longer to compile.
     """
-    return _compiled(function, _nrt=False)
+    return _compiled(function, _nrt=False, forceinline=True)
 
 
 def entry(function: F, *arguments: Any) -> F:

@@ -1,20 +1,26 @@
 """Forces of elastic contacts in one implicit midpoint step (docs/physics.md section 7).
 
 Each contact has a normal spring with a damper, never adhesive, and a tangential spring whose force
-a Coulomb slider cuts at friction times the normal force. In the middle of the
+a Coulomb slider cuts at friction times the normal force (slider.py). In the middle of the
 step f = -k (x + h u / 2) - c u with u = u_free + h H f / 2, so that forces obey
-f / b + h H f / 2 = -k x / b - u_free, b = c + h k / 2: one linear system for given modes, which are
-corrected until each contact's force agrees with its mode. No order of contacts, no iteration
-between them, no limit on the step from any spring.
+f / b + h H f / 2 = -k x / b - u_free, b = c + h k / 2: one linear system for given modes and
+directions of sliding, which are corrected until each contact's force agrees with its mode and
+slip. No order of contacts, no iteration between them, no limit on the step from any spring.
+
+A contact that is open when a step begins, and touches in it, acts for its last share s: the mean of
+its force over the step is s times that of spring and damper at the middle of the share.
 """
 
 import math
 
 from walkergen.numerics.kernels import lean
+from walkergen.simulation.space.slider import dragged
 from walkergen.simulation.space.state import (
     B_N,
     B_T,
     C_N,
+    END_1,
+    END_2,
     FORCE,
     FREE,
     FRICTION,
@@ -28,7 +34,10 @@ from walkergen.simulation.space.state import (
     OPEN,
     ROW,
     SET,
+    SHARE,
     SLIDE,
+    SLIP_1,
+    SLIP_2,
     SPEED,
     STICK,
     STIFF,
@@ -41,6 +50,16 @@ from walkergen.simulation.space.state import (
 PASSES = 8
 """Corrections of the modes after which forces are cut to their limits as they are."""
 
+NEAR = 4.0
+"""Steps at its speed within which a contact is tried as landing; others that land are seen by
+where they end."""
+
+LOCATED, SHORTEST = 0.01, 1e-6
+"""Share of a step to which a touch is located, and the share below which it is left out."""
+
+TURNED = 0.02
+"""Change of a sliding direction, rad, below which a step is not solved anew."""
+
 JAMMED = 0.25
 """Part of its own compliance 1 / b to which sliding may reduce the equation of a contact: below it
 friction presses a foot on faster than the step, and the foot is taken to stick."""
@@ -49,25 +68,68 @@ friction presses a foot on faster than the step, and the foot is taken to stick.
 @lean
 def resist(contacts, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
-    contacts[i, STIFF], contacts[i, OFFSET] = k_n, 0.0
+    contacts[i, STIFF], contacts[i, OFFSET], contacts[i, SHARE] = k_n, 0.0, 1.0
     contacts[i, B_N] = contacts[i, C_N] + 0.5 * h * k_n
     contacts[i, B_T] = 0.5 * h * contacts[i, K_T]
+
+
+@lean
+def _touch(contacts, i, h, share):
+    """Set the same for contact i, which touches within the step and is closed for its last `share`.
+
+    Its springs are relaxed at touch. Its force is the mean over the whole step.
+    """
+    contacts[i, STIFF], contacts[i, OFFSET] = share * contacts[i, K_N], -contacts[i, GAP]
+    contacts[i, SHARE] = share
+    contacts[i, B_N] = share * (contacts[i, C_N] + 0.5 * share * h * contacts[i, K_N])
+    contacts[i, B_T] = 0.5 * share * share * h * contacts[i, K_T]
+
+
+@lean
+def _closed_share(contacts, i, u, h):
+    """Share of a step of h seconds, up to its end, in which contact i is closed; 0 if it is not.
+
+    It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
+    """
+    gap = contacts[i, GAP]
+    end = gap + h * u
+    return end / (end - gap) if end < 0.0 else 0.0
 
 
 @lean
 def guess(state, contacts, H, m, h, unloading, first):
     """Set first guesses of the modes of m near contacts; returns how many are closed.
 
+    Their velocities in the middle of the step are those expected by the forces of the last one.
     `unloading` is the stiffness of unloading over that of loading, `first` the state's first row.
     """
     closed = 0
     for i in range(m):
-        middle = contacts[i, GAP] + 0.5 * h * contacts[i, SPEED]
-        if middle >= 0.0:
-            contacts[i, TRIED] = OPEN
-            continue
-        closed += 1
         at = first + ROW * int(contacts[i, NUMBER])
+        mode = _guess_of(state, contacts, H, i, h, unloading, at)
+        contacts[i, TRIED] = mode
+        if mode != OPEN:
+            closed += 1
+    return closed
+
+
+@lean
+def _guess_of(state, contacts, H, i, h, unloading, at):
+    """First guess of the mode of contact i, whose row in the state is at `at`."""
+    gap = contacts[i, GAP]
+    if gap > 0.0:
+        share = 0.0
+        if gap < NEAR * h * abs(contacts[i, SPEED]):
+            share = _closed_share(contacts, i, contacts[i, MIDDLE], h)
+        if share == 0.0:
+            return OPEN
+        _touch(contacts, i, h, share)
+    else:
+        middle = gap + 0.5 * h * contacts[i, SPEED]
+        if middle >= 0.0:
+            return OPEN
+        if contacts[i, SHARE] != 1.0:
+            resist(contacts, i, h, contacts[i, K_N])
         if unloading > 1.0:
             stiff, offset = unloading * contacts[i, K_N], state[at + SET]
             if stiff * (-middle - offset) < -contacts[i, K_N] * middle:
@@ -75,23 +137,36 @@ def guess(state, contacts, H, m, h, unloading, first):
                 contacts[i, OFFSET] = offset
             else:
                 resist(contacts, i, h, contacts[i, K_N])
+    press = -contacts[i, STIFF] * (gap + contacts[i, OFFSET])
+    press = max(press - contacts[i, B_N] * contacts[i, MIDDLE], 0.0)
+    mode = int(state[at + MODE])
+    if mode == OPEN:
         t_1 = contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * contacts[i, SPEED + 1]
         t_2 = contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * contacts[i, SPEED + 2]
-        size = math.sqrt(t_1 * t_1 + t_2 * t_2)
-        mode = int(state[at + MODE])
-        if mode == OPEN:
-            press = (
-                -contacts[i, STIFF] * (contacts[i, GAP] + contacts[i, OFFSET])
-                - contacts[i, B_N] * contacts[i, SPEED]
-            )
-            mode = SLIDE if size > contacts[i, FRICTION] * max(press, 0.0) else STICK
-        if mode == SLIDE and size > 0.0:
-            contacts[i, TOWARD_1], contacts[i, TOWARD_2] = t_1 / size, t_2 / size
-            mode = STICK if _jams(contacts, H, i, h) else SLIDE
-        else:
-            mode = STICK
-        contacts[i, TRIED] = mode
-    return closed
+        limit = contacts[i, FRICTION] * press
+        mode = SLIDE if t_1 * t_1 + t_2 * t_2 > limit * limit else STICK
+    if mode == STICK:
+        return STICK
+    aim(contacts, i, contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2], press, h)
+    return STICK if _jams(contacts, H, i, h) else SLIDE
+
+
+@lean
+def aim(contacts, i, u_1, u_2, press, h):
+    """Point contact i along its stretch in the middle of its share of the step, and at its end.
+
+    It slips by (u_1, u_2), mm/s, under the normal force `press`. Returns how far the direction in
+    the middle has changed.
+    """
+    share = contacts[i, SHARE]
+    radius = contacts[i, FRICTION] * press / (share * contacts[i, K_T])
+    n_1, n_2, contacts[i, END_1], contacts[i, END_2] = dragged(
+        contacts[i, GAP + 1], contacts[i, GAP + 2], u_1, u_2, 0.5 * share * h, radius
+    )
+    turned = abs(n_1 - contacts[i, TOWARD_1]) + abs(n_2 - contacts[i, TOWARD_2])
+    contacts[i, TOWARD_1], contacts[i, TOWARD_2] = n_1, n_2
+    contacts[i, SLIP_1], contacts[i, SLIP_2] = u_1, u_2
+    return turned
 
 
 @lean
@@ -201,35 +276,65 @@ def _move(contacts, H, m, h):
 
 @lean
 def _correct(contacts, H, m, h):
-    """Change modes that the forces contradict; returns how many."""
+    """Change modes and directions that the forces contradict; returns how many."""
     changed = 0
     for i in range(m):
-        limit = contacts[i, FRICTION] * contacts[i, FORCE]
+        if contacts[i, GAP] > 0.0 and _landing_changes(contacts, H, i, h):
+            changed += 1
+            continue
+        press = contacts[i, FORCE]
+        limit = contacts[i, FRICTION] * press
         if contacts[i, TRIED] == STICK:
             size = math.sqrt(contacts[i, FORCE + 1] ** 2 + contacts[i, FORCE + 2] ** 2)
             if size > limit:
-                contacts[i, TOWARD_1], contacts[i, TOWARD_2] = (
-                    -contacts[i, FORCE + 1] / size,
-                    -contacts[i, FORCE + 2] / size,
-                )
+                aim(contacts, i, contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2], press, h)
                 if not _jams(contacts, H, i, h):
                     contacts[i, TRIED] = SLIDE
                     changed += 1
         elif contacts[i, TRIED] == SLIDE:
-            pull = contacts[i, TOWARD_1] * (
-                contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * contacts[i, MIDDLE + 1]
-            )
-            pull += contacts[i, TOWARD_2] * (
-                contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * contacts[i, MIDDLE + 2]
-            )
-            if pull < limit:
+            u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
+            # where its own stretch, moved along, is short of the limit, it sticks
+            share = contacts[i, SHARE]
+            t_1 = share * contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * u_1
+            t_2 = share * contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * u_2
+            if t_1 * t_1 + t_2 * t_2 < limit * limit:
                 contacts[i, TRIED] = STICK
+                changed += 1
+            elif (
+                abs(u_1 - contacts[i, SLIP_1]) + abs(u_2 - contacts[i, SLIP_2])
+                > TURNED * (abs(u_1) + abs(u_2))
+                and aim(contacts, i, u_1, u_2, press, h) > TURNED
+            ):
                 changed += 1
     return changed
 
 
 @lean
-def _cut(contacts, m):
+def _landing_changes(contacts, H, i, h):
+    """Locate the touch of contact i, open when the step began, anew; True if that changes it."""
+    r, u = 3 * i, contacts[i, MIDDLE]
+    if contacts[i, TRIED] == OPEN:
+        share = _closed_share(contacts, i, u, h)
+        if share < SHORTEST:
+            return False
+        _touch(contacts, i, h, share)
+        contacts[i, TRIED] = STICK
+        return True
+    # the velocity until it touches: without its own force
+    for p in range(3):
+        u -= 0.5 * h * H[r, r + p] * contacts[i, FORCE + p]
+    share = _closed_share(contacts, i, u, h)
+    if share < SHORTEST:
+        contacts[i, TRIED] = OPEN
+        return True
+    if abs(share - contacts[i, SHARE]) < LOCATED:
+        return False
+    _touch(contacts, i, h, share)
+    return True
+
+
+@lean
+def _cut(contacts, m, h):
     """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
     cut = False
     for i in range(m):
@@ -239,6 +344,8 @@ def _cut(contacts, m):
             if size > limit:
                 cut = True
                 contacts[i, TRIED] = SLIDE
+                u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
+                aim(contacts, i, u_1, u_2, contacts[i, FORCE], h)
                 contacts[i, FORCE + 1] *= limit / size
                 contacts[i, FORCE + 2] *= limit / size
     return cut
@@ -255,5 +362,5 @@ def solve(contacts, H, A, m, h):
         _move(contacts, H, m, h)
         if _correct(contacts, H, m, h) == 0:
             break
-    if _cut(contacts, m):
+    if _cut(contacts, m, h):
         _move(contacts, H, m, h)

@@ -19,11 +19,13 @@ from walkergen.simulation.space.state import (
     C_X,
     CARRIED,
     DRIFT,
+    FREE,
     FRICTION,
     IMPULSE,
     K_N,
     K_T,
     LEGS,
+    MIDDLE,
     MOTION,
     NOISE,
     NOW,
@@ -220,6 +222,7 @@ def load(world, work, lifted, h, t, m):
                 u += J[r, 6 + j] * state[LEGS + n + j]
             contacts[i, SPEED + p], contacts[i, DRIFT + p] = u, drift
             contacts[i, IMPULSE + p] = contacts[i, CARRIED + p] = 0.0
+            contacts[i, FREE + p] = contacts[i, MIDDLE + p] = 0.0
     for r in range(3 * m):
         for c in range(r + 1):
             total = 0.0

@@ -11,7 +11,10 @@ from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,
     C_N,
+    END_1,
+    END_2,
     FORCE,
+    FRICTION,
     GAP,
     IN_COMPRESSION,
     IN_RESTITUTION,
@@ -26,9 +29,11 @@ from walkergen.simulation.space.state import (
     OFFSET,
     OPEN,
     SET,
+    SHARE,
     SLIDING,
     SPEED,
     STICK,
+    STIFF,
     STOP,
     TRIED,
     U_A,
@@ -94,16 +99,24 @@ def settle(state, contacts, i, at, unloading, t, h, sums):
         if contacts[i, GAP] >= 0.0:
             state[at + SET] = 0.0
         return before != OPEN
+    share = contacts[i, SHARE]
     if before == OPEN:
-        _land(state, at, t - h, contacts[i, SPEED], contacts[i, SPEED + 1], contacts[i, SPEED + 2])
+        _land(
+            state, at, t - share * h,
+            contacts[i, SPEED], contacts[i, SPEED + 1], contacts[i, SPEED + 2],
+        )  # fmt: skip
         normal, _ = _released(contacts, i, state, at, unloading)
         sums[record.IMPACT_LOSS] -= normal
     contacts[i, GAP] = gap + h * u_n
+    if share < 1.0:  # what its springs and damper took is not what the mean force gave
+        given = -h * contacts[i, FORCE] * u_n - share * h * contacts[i, C_N] * u_n * u_n
+        depth = min(contacts[i, GAP], 0.0)
+        sums[record.IMPACT_LOSS] += given - 0.5 * contacts[i, K_N] * depth * depth
     for axis in range(3):
         state[at + J_N + axis] += h * contacts[i, FORCE + axis]
     if state[at + STOP] == SLIDING and contacts[i, MIDDLE + 1] * state[at + U_A] <= 0.0:
         state[at + STOP] = IN_COMPRESSION if u_n < 0.0 else IN_RESTITUTION
-    sums[record.IMPACT_LOSS] += h * contacts[i, C_N] * u_n * u_n
+    sums[record.IMPACT_LOSS] += share * h * contacts[i, C_N] * u_n * u_n
     if unloading > 1.0:
         state[at + SET], lost = _pressed(contacts, i, unloading, state[at + SET])
         sums[record.IMPACT_LOSS] += lost
@@ -117,7 +130,7 @@ def settle(state, contacts, i, at, unloading, t, h, sums):
 def _pressed(contacts, i, unloading, lasting):
     """Lasting compression (mm) of a hysteretic foot after a step, and the energy that it took."""
     lost, after = 1.0 - 1.0 / unloading, contacts[i, GAP]
-    if contacts[i, OFFSET] != 0.0 or -after * lost <= lasting:
+    if (contacts[i, OFFSET] != 0.0 and contacts[i, SHARE] == 1.0) or -after * lost <= lasting:
         return lasting, 0.0
     deepest = lasting / lost
     return -after * lost, 0.5 * lost * contacts[i, K_N] * (after * after - deepest * deepest)
@@ -126,15 +139,25 @@ def _pressed(contacts, i, unloading, lasting):
 @lean
 def _rub(contacts, i, h):
     """Move the tangential springs of a contact; returns the energy that the slider takes."""
-    taken = 0.0
-    for axis in (1, 2):
-        stretch, u = contacts[i, GAP + axis], contacts[i, MIDDLE + axis]
-        if contacts[i, TRIED] == STICK:
-            contacts[i, GAP + axis] = stretch + h * u
-        else:
-            # The spring carries the slider's force
-            force = contacts[i, FORCE + axis]
-            moved = -force / contacts[i, K_T]
-            taken -= h * force * u + 0.5 * contacts[i, K_T] * (moved * moved - stretch * stretch)
-            contacts[i, GAP + axis] = moved
-    return taken
+    share, k_t = contacts[i, SHARE], contacts[i, K_T]
+    e_1, e_2 = contacts[i, GAP + 1], contacts[i, GAP + 2]
+    u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
+    given = -h * (contacts[i, FORCE + 1] * u_1 + contacts[i, FORCE + 2] * u_2)
+    before = e_1 * e_1 + e_2 * e_2
+    if contacts[i, TRIED] == STICK:
+        e_1, e_2 = e_1 + share * h * u_1, e_2 + share * h * u_2
+    else:  # dragged along, the spring carries what friction allows at the end of the step
+        radius = contacts[i, FRICTION] * _press_at_end(contacts, i) / k_t
+        e_1, e_2 = radius * contacts[i, END_1], radius * contacts[i, END_2]
+    contacts[i, GAP + 1], contacts[i, GAP + 2] = e_1, e_2
+    return given - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
+
+
+@lean
+def _press_at_end(contacts, i):
+    """Normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
+    stiff, offset = contacts[i, STIFF], contacts[i, OFFSET]
+    if contacts[i, SHARE] < 1.0:
+        stiff, offset = contacts[i, K_N], 0.0
+    u = 2.0 * contacts[i, MIDDLE] - contacts[i, SPEED]
+    return max(-stiff * (contacts[i, GAP] + offset) - contacts[i, C_N] * u, 0.0)

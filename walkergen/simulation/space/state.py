@@ -108,7 +108,7 @@ class Options(NamedTuple):
 
     step: float
     """Longest step while a foot may touch, s."""
-    frame: int = 12
+    frame: int = 24
     """Steps for which pose and contact directions are frozen."""
 
 
@@ -116,13 +116,16 @@ class Options(NamedTuple):
 # normal, along, across. Its number among all points, then its mode, and what does not change:
 NUMBER, TRIED, FRICTION, K_N, K_T, C_N = range(6)
 # stiffness and lasting compression of the branch it is on (loading, unloading), its resistances
-# c + h k / 2, the direction of its sliding, and its first unknown in the equations:
-STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, UNKNOWN = range(6, 13)
+# c + h k / 2, the directions of its stretch as it slides, in the middle and at the end of the step,
+# and the slip (mm/s) that they follow from, its first unknown in the equations, and the share of
+# the step, up to its end, in which it touches:
+STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, END_1, END_2, SLIP_1, SLIP_2 = range(6, 16)
+UNKNOWN, SHARE = 16, 17
 # gap and stretches (mm), velocities over the surface (mm/s), the same in the middle of a step
 # without and with contact forces, forces (g mm/s^2), accelerations by all but contacts and legs,
 # impulses since the frame began (g mm/s) and their integrals (g mm):
-GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(13, 37, 3)
-COLUMNS_OF_CONTACT = 37
+GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(18, 42, 3)
+COLUMNS_OF_CONTACT = 42
 
 
 class Work(NamedTuple):

@@ -1,10 +1,9 @@
 """Time stepping in space: frozen frames of implicit midpoint steps, and flights between them.
 
 Within a frame the pose's directions and Jacobians are held, so that corner velocities obey linear
-equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact acts in a step
-when its gap in the middle of the step is negative: landings and departures inside a step are not
-located, and err by first order in the mean, sliding and flight by second. While no contact can
-close, the walker flies (flight.py).
+equations with Coulomb's cones; exact gaps are taken anew in every frame. A contact that touches
+within a step acts for the rest of it (forces.py): landings, sliding and flight all err by second
+order. While no contact can close, the walker flies (flight.py).
 """
 
 import math
@@ -31,6 +30,7 @@ from walkergen.simulation.space.state import (
     ACTING,
     ALONG,
     BEFORE,
+    C_N,
     C_X,
     CARRIED,
     CLEAR,
@@ -48,14 +48,17 @@ from walkergen.simulation.space.state import (
     MOTION,
     MOVED,
     NUMBER,
+    OFFSET,
     OPEN,
     PITCH,
     PULL,
     QUIET,
     ROW,
     SET,
+    SHARE,
     SPEED,
     STICK,
+    STIFF,
     SWING,
     TRIED,
     V_X,
@@ -107,7 +110,10 @@ def _gather(walker, state, work, t):
 
 @lean
 def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
-    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact."""
+    """Fill the legs' accelerations and the mid-step velocities of m contacts without contact.
+
+    Those with contact become the ones expected by the forces of the last step.
+    """
     n = len(springs)
     for i in range(n):
         legs[PULL, i] = 0.0
@@ -121,7 +127,9 @@ def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
             total = contacts[i, DRIFT + p]
             for j in range(n):
                 total += J[3 * i + p, 6 + j] * legs[PULL, j]
-            contacts[i, FREE + p] = contacts[i, SPEED + p] + 0.5 * h * total
+            free = contacts[i, SPEED + p] + 0.5 * h * total
+            contacts[i, MIDDLE + p] += free - contacts[i, FREE + p]
+            contacts[i, FREE + p] = free
 
 
 @lean
@@ -152,35 +160,79 @@ def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, t
         if settle(state, contacts, i, at, unloading, t, h, sums):
             leave(state, at, k, upward[k] == 0, tally)
         sums[record.PLATE_WORK] += h * lifted * contacts[i, FORCE + upward[k]]
+        span = 0.5 * h * contacts[i, SHARE]
         for p in range(3):
             contacts[i, SPEED + p] = 2.0 * contacts[i, MIDDLE + p] - contacts[i, SPEED + p]
             push = h * contacts[i, FORCE + p]
-            contacts[i, CARRIED + p] += h * (contacts[i, IMPULSE + p] + 0.5 * push)
+            contacts[i, CARRIED + p] += h * contacts[i, IMPULSE + p] + span * push
             contacts[i, IMPULSE + p] += push
 
 
 @lean
+def _touched_late(state, contacts, H, MJ, n, m, h):
+    """Take back what a force from the step's start on would have moved, of contacts that touched
+    within it: their force began later, and moved contacts and legs for a shorter time.
+    """
+    for i in range(m):
+        late = 0.5 * h * h * (1.0 - contacts[i, SHARE])
+        if contacts[i, TRIED] == OPEN or late == 0.0:
+            continue
+        for p in range(3):
+            short, c = late * contacts[i, FORCE + p], 3 * i + p
+            for j in range(m):
+                contacts[j, GAP] -= short * H[3 * j, c]
+                if contacts[j, TRIED] != OPEN and contacts[j, SHARE] == 1.0:
+                    contacts[j, GAP + 1] -= short * H[3 * j + 1, c]
+                    contacts[j, GAP + 2] -= short * H[3 * j + 2, c]
+            for j in range(n):
+                state[LEGS + j] -= short * MJ[c, 6 + j]
+
+
+@lean
+def _closed_time(state, contacts, m, first, h):
+    """Time (s) within a step of h seconds in which any of m near contacts is closed.
+
+    One that opens in it does so where its force, linear in time, vanishes: before the step's start
+    where it counted to the end of the last one.
+    """
+    begin, end = 1.0, -0.5
+    for i in range(m):
+        if contacts[i, TRIED] != OPEN:
+            begin, end = min(begin, 1.0 - contacts[i, SHARE]), 1.0
+        elif state[first + ROW * int(contacts[i, NUMBER]) + MODE] != OPEN:
+            k, c = contacts[i, STIFF], contacts[i, C_N]
+            now = -k * (contacts[i, GAP] + contacts[i, OFFSET]) - c * contacts[i, SPEED]
+            falls = (
+                k * contacts[i, SPEED] + 2.0 * c * (contacts[i, MIDDLE] - contacts[i, SPEED]) / h
+            )
+            begin = 0.0
+            if falls > 0.0:
+                end = max(end, min(max(now / (falls * h), -0.5), 1.0))
+    return h * (end - begin) if begin < 1.0 else 0.0
+
+
+@lean
 def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
-    """Take `count` steps of h seconds from `begin` on; returns in how many a contact was closed.
+    """Take `count` steps of h seconds from `begin` on.
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
     contacts, J, MJ, H, A, legs = work.contacts, work.J, work.MJ, work.H, work.A, work.legs
     springs, dampers, unloading = walker.stiffness, walker.damping, walker.unloading
-    upward, sums, first, busy = walker.upward, tally.sums, first_row(walker), 0
+    upward, sums, first = walker.upward, tally.sums, first_row(walker)
     for step in range(count):
         _swing_freely(state, contacts, J, legs, springs, dampers, m, h)
         if guess(state, contacts, H, m, h, unloading, first) > 0:
             solve(contacts, H, A, m, h)
-            busy += 1
         else:
             for i in range(m):
                 for p in range(3):
                     contacts[i, FORCE + p], contacts[i, MIDDLE + p] = 0.0, contacts[i, FREE + p]
+        sums[record.CONTACT_TIME] += _closed_time(state, contacts, m, first, h)
         sums[record.DAMPING_LOSS] += _move_legs(state, contacts, MJ, legs, dampers, m, h)
         t, speed = begin + (step + 1) * h, lifted + (step + 0.5) * h * lifting
         _move_contacts(state, contacts, m, first, unloading, upward, t, h, speed, tally)
-    return busy
+        _touched_late(state, contacts, H, MJ, len(springs), m, h)
 
 
 @lean
@@ -219,8 +271,7 @@ def _frame(world, state, work, begin, h, count, tally):
     accelerate(world, work.midway, work)
     load(world, work, lifted, h, t, m)
     lifting = plate_acceleration(world, work.midway)
-    busy = _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
-    tally.sums[record.CONTACT_TIME] += busy * h
+    _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally)
     _move_body(walker, state, work, m, t)
     pass_time(world, state, t)
 

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
@@ -25,11 +26,13 @@ from walkergen.walker.mass import LegMass, MassProperties, Spatial, joined
 LEVELS = 8
 """Tabulated flights: the longest takes 2^(LEVELS - 1) steps."""
 
-RESOLVED = 0.6
-"""Length of a step times the largest normal frequency of the feet."""
+RESOLVED, SIDEWAYS, DAMPED = 0.6, 1.5, 0.9
+"""Length of a step times the largest frequency of the feet along the normal, and sideways (where
+they stick and slip), and times the largest rate at which their dampers stop them."""
 
 COARSEST = 1.0
-"""The same beyond which steps are refused: at 1.3 speeds are 20 % low."""
+"""Length of a step times the largest normal frequency beyond which steps are refused: at 1.3 speeds
+are 20 % low."""
 
 LONGEST = 1e-5
 """Longest step of soft feet, s: the drive and the legs are held for a frame of steps."""
@@ -168,40 +171,54 @@ def _with_feet(
     # The label is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
     damper = 2.0 * ratio * np.sqrt(spring[:, 0] / np.where(own > 0.0, own, np.inf))
-    on_plate = np.flatnonzero(~wall)
-    block = H[np.ix_(3 * on_plate, 3 * on_plate)]
-    fastest = _fastest(block, spring[on_plate, 0] * each[0].unloading)
-    step = _step(case.scene.run.step_us, fastest)
+    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, each[0].unloading)
+    step = _step(case.scene.run.step_us, own_step, fastest)
     return walker._replace(
         spring=spring, damper=damper, unloading=each[0].unloading,
         flights=_flights(walker, step, n),
     ), Options(step)  # fmt: skip
 
 
-def _fastest(block: Array, springs: Array) -> float:
-    """Largest normal frequency (rad/s) of feet with the mobility `block` (1/g) on springs, g/s^2.
+def _own_step(
+    H: Array, on_plate: npt.NDArray[np.int64], spring: Array, damper: Array, unloading: float
+) -> tuple[float, float]:
+    """Step (s) that resolves all modes of the feet at rest on the plate, and their largest normal
+    frequency (rad/s).
 
-    Of equal springs it is that of the mobility's largest eigenvalue.
+    `H`: mobility of all contacts, shape (3 k, 3 k), 1/g; `on_plate`: numbers of those of the feet.
     """
-    if np.all(springs == springs[0]):
-        return math.sqrt(float(springs[0]) * float(np.linalg.eigvalsh(block)[-1]))
-    roots = np.sqrt(springs)
-    return math.sqrt(float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1]))
+    up = 3 * on_plate
+    sideways = np.concatenate([up + 1, up + 2])
+    normal = H[np.ix_(up, up)]
+    fastest = math.sqrt(_largest(normal, unloading * spring[on_plate, 0]))
+    slip = math.sqrt(_largest(H[np.ix_(sideways, sideways)], np.tile(spring[on_plate, 1], 2)))
+    stop = _largest(normal, damper[on_plate])
+    longest = min(LONGEST, RESOLVED / fastest, SIDEWAYS / slip)
+    return min(longest, DAMPED / stop) if stop > 0.0 else longest, fastest
 
 
-def _step(given_us: float | None, fastest: float) -> float:
-    """Length of a step, s, for feet whose fastest normal oscillation is `fastest` rad/s.
+def _largest(block: Array, factors: Array) -> float:
+    """Largest eigenvalue of a mobility (1/g) times springs (g/s^2) or dampers (g/s)."""
+    if np.all(factors == factors[0]):
+        return float(factors[0]) * float(np.linalg.eigvalsh(block)[-1])
+    roots = np.sqrt(factors)
+    return float(np.linalg.eigvalsh(roots[:, None] * block * roots)[-1])
 
-    Raises InputError for a given length that would step over whole contacts.
+
+def _step(given_us: float | None, own: float, fastest: float) -> float:
+    """Length of a step, s: the feet's own, or a given one.
+
+    Raises InputError for one that would step over whole contacts, whose normal oscillation is
+    `fastest` rad/s.
     """
     if given_us is None:
-        return min(RESOLVED / fastest, LONGEST)
+        return own
     longest = min(COARSEST / fastest, 10.0 * LONGEST)
     if 1e-6 * given_us > longest:
         raise InputError(
             f"run.step_us = {given_us:g}: steps over the contacts of these feet, which oscillate "
             f"at {1e-3 * fastest / (2.0 * math.pi):.3g} kHz; at most {1e6 * longest:.3g}, or leave "
-            f"the key out ({1e6 * min(RESOLVED / fastest, LONGEST):.3g})"
+            f"the key out ({1e6 * own:.3g})"
         )
     return 1e-6 * given_us
 
@@ -211,7 +228,8 @@ def coarser(world: World, factor: float) -> World:
     walker, step = world.walker, factor * world.options.step
     flights = _flights(walker, step, len(walker.stiffness))
     return world._replace(
-        walker=walker._replace(flights=flights), options=world.options._replace(step=step)
+        walker=walker._replace(flights=flights),
+        options=world.options._replace(step=step, finest=factor * world.options.finest),
     )
 
 
