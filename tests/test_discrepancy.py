@@ -13,12 +13,12 @@ from walkergen.discrepancy import Place, UnknownError
 from walkergen.exploring.evaluate import evaluate
 from walkergen.exploring.point import Point
 from walkergen.jobs.discrepancies import cases, fit, make
-from walkergen.scene import Scene
+from walkergen.scene import Drive, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
 
-DESIGN, SCENE = Design(), Scene()
+DESIGN, SCENE = Design(), Scene(drive=Drive(frequency_hz=90.0, gamma=1.8))
 MASS = solids.mass_of(DESIGN)
 
 
@@ -35,16 +35,14 @@ def speed_at(tilt, **keys):
 def test_rows_of_the_table_are_what_the_model_in_space_gives():
     """Chaotic runs: equal to the bit on one machine, elsewhere within errors of four runs."""
     stored, compared = make.read(), 0
-    for case in list(cases.cases(200))[:6]:
+    for case in list(cases.cases(make.COUNT))[:6]:
         row = make.row(case, evaluate(Point(case.design, case.scene, simulated=True)))
         if row is None:
             continue
-        every = list(cases.cases(make.COUNT))
-        assert any(one.design == case.design for one in every[:1]) or len(every) > 200
-        assert row.shape == stored[0].shape
-        found = discrepancy.speeds(Place(*row[1:17]), 1.0, bool(row[0]))
-        y, se = discrepancy.transformed(row[17], row[18])
-        assert abs(found.centre[0] - y) < 5.0 * math.hypot(found.sd[0], se)
+        nearest = stored[np.argmin(np.abs(stored[:, :17] - row[:17]).sum(axis=1))]
+        assert nearest[:17] == pytest.approx(row[:17], abs=1e-3)
+        # Five standard errors of a difference: t of three freedoms passes them once in 80.
+        assert abs(nearest[17] - row[17]) <= 5.0 * math.hypot(nearest[18], row[18]) + 0.02
         compared += 1
     assert compared >= 3
 
@@ -131,7 +129,7 @@ def test_a_fit_knows_its_function_its_error_and_the_scatter_between_prints():
 
 
 def test_predictions_import_none_of_the_large_libraries():
-    """A fresh `predict` is near its bare imports; each of these takes longer than a hundred rows."""
+    """A fresh `predict` is near its bare imports; each of these takes longer than many rows."""
     code = (
         "import sys; from walkergen import prediction; from walkergen.scene import Scene; "
         "from walkergen.walker import solids; from walkergen.walker.design import Design; "

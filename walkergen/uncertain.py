@@ -6,6 +6,7 @@ and fit take from the same list those that they read.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -85,11 +86,20 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
 
 
 def draws(known: Sequence[Input], count: int, seed: int) -> Array:
-    """Draws of the inputs, shape (count, inputs), that are spread evenly (see `even`)."""
-    if not known:
-        return np.empty((count, 0))
+    """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
+
+    They are kept, since members of a family share them.
+    """
+    return _draws(tuple(known), count, seed)
+
+
+@lru_cache(maxsize=8)
+def _draws(known: tuple[Input, ...], count: int, seed: int) -> Array:
     cube = even(len(known), count, seed)
-    return np.column_stack([quantiles(one, cube[:, place]) for place, one in enumerate(known)])
+    columns = [quantiles(one, cube[:, place]) for place, one in enumerate(known)]
+    drawn = np.column_stack(columns) if columns else np.empty((count, 0))
+    drawn.flags.writeable = False
+    return drawn
 
 
 LATTICE = (

@@ -16,8 +16,8 @@ from walkergen.walker.limbs import Kind, Legs
 
 SEED = 12
 
-RUN = Run(seconds=1.5, discard_seconds=0.3, runs=4)
-"""Runs of a row: 7.2 simulated seconds. Many rows with noise tell more than few without."""
+RUN = Run(seconds=1.5, discard_seconds=0.3, runs=6)
+"""Runs of a row: 10.8 simulated seconds. Many rows with noise tell more than few without."""
 
 ALL = Effects(unevenness=True, second_harmonic=True, plate_slope=True)
 """Effects that rows without them have too, to no effect: else every combination is compiled."""
@@ -93,9 +93,9 @@ class Group(NamedTuple):
 
 
 GROUPS = (
-    Group("flexible", PAPER, 0.45),
-    Group("flexible", USUAL, 0.3),
-    Group("flexible", WIDE, 0.22),
+    Group("flexible", PAPER, 0.55),
+    Group("flexible", USUAL, 0.25),
+    Group("flexible", WIDE, 0.17),
     Group("braced", USUAL, 0.03),
 )
 

@@ -84,8 +84,14 @@ def table(made: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
     ranges, errors = {}, {}
     for kind in ("flexible", "braced"):
         rows = rows_of(made, kind == "braced")
-        low, high = rows.places.min(axis=0).tolist(), rows.places.max(axis=0).tolist()
-        ranges[kind] = {name: [low[k], high[k]] for k, name in enumerate(Place._fields)}
+        low, high = Place(*rows.places.min(axis=0)), Place(*rows.places.max(axis=0))
+        # Mirror images, and upright walkers between them, are in the table too
+        steepest = max(high.slope_ratio, -low.slope_ratio)
+        low = low._replace(root_tilt=0.0, slope_ratio=-steepest)
+        high = high._replace(slope_ratio=steepest)
+        ranges[kind] = {
+            name: [float(getattr(low, name)), float(getattr(high, name))] for name in Place._fields
+        }
         arrays |= _of_kind(kind, rows, cores, steps)
         errors[kind] = json.loads(str(arrays.pop(f"{kind}_told")))
     facts = {"ranges": ranges, "errors": errors, "versions": versions()}
@@ -132,7 +138,9 @@ def _networks(
     seen = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
     parts = [Values(*(column[rows] for column in given)) for rows in seen]
     with ProcessPoolExecutor(cores) as pool:
-        networks = list(pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS)))
+        networks = list(
+            pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
+        )
     total = np.zeros(len(given.values))
     for layers, rows in zip(networks, seen, strict=True):
         outputs = network.evaluated(layers, given.inputs[~rows])
