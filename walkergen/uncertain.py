@@ -114,8 +114,9 @@ LATTICE = (
 def even(wide: int, count: int, seed: int) -> Array:
     """Points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
 
-    Its first 2^m points are evenly spread. Quantiles of a speed over 512 of them err by half of
-    what random numbers do, as those of Sobol's sequence, whose import takes a third of a second.
+    Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
+    what random numbers do, by up to a third more than Sobol's (tried on a sum with a ridge), whose
+    import takes a third of a second.
     """
     bits = max(math.ceil(math.log2(max(count, 1))), 1)
     numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
