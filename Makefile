@@ -27,4 +27,4 @@ site:
 	NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict
 
 calibrate-models:
-	$(PYTHON) -m walkergen.jobs.discrepancies.make
+	$(PYTHON) -m walkergen.jobs.discrepancies.make $(ARGS)

@@ -89,3 +89,26 @@ def test_shares_of_a_product_are_those_of_the_closed_form():
         assert share.first == pytest.approx(first, abs=4.0 * share.first_se + 1e-3)
         assert share.total == pytest.approx(total, abs=4.0 * share.total_se + 1e-3)
     assert next(iter(found)) == "b"
+
+
+def test_even_points_are_even_in_every_number_and_tell_quantiles_better_than_random_ones():
+    cube = uncertain.even(9, 512, 3)
+    for column in cube.T:
+        assert np.array_equal(np.sort((column * 512).astype(int)), np.arange(512))
+    even, random = [], []
+    for seed in range(40):
+        for points, errors in (
+            (uncertain.even(9, 512, seed), even),
+            (np.random.default_rng(seed).random((512, 9)), random),
+        ):
+            speeds = np.exp(0.5 * points[:, :3].sum(axis=1)) + points[:, 3:].prod(axis=1)
+            errors.append(np.quantile(speeds, uncertain.QUANTILES))
+    assert np.all(np.std(even, axis=0) < 0.6 * np.std(random, axis=0))
+
+
+def test_members_of_a_family_share_draws_that_nobody_can_change():
+    known = (Input("contact.friction", 0.25, 0.02),)
+    first, again = uncertain.draws(known, 64, 1), uncertain.draws(list(known), 64, 1)
+    assert first is again
+    with pytest.raises(ValueError, match="read-only"):
+        first[0] = 0.0

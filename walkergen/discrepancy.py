@@ -1,8 +1,8 @@
-"""Theory's own error: its speeds against those of the model in space, from a stored table.
+"""Speed of the model in space, from a table: what a simulation would give, in microseconds.
 
-`make calibrate-models` simulates a thousand walkers (walkergen/jobs/discrepancies) and fits the
-lengths of a Gaussian process to their speeds; here it is evaluated, and refused outside their
-range.
+`make calibrate-models` simulates some ten thousand walkers (walkergen/jobs/discrepancies) and fits
+small networks to their speeds, and smooth functions to the scatter between prints and to the error
+of the fit; here they are evaluated, and refused outside the range of the table.
 """
 
 import hashlib
@@ -16,14 +16,14 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import WalkergenError
-from walkergen.numerics import emulator
-from walkergen.scene import LEAST_LABEL, Feet, Scene
+from walkergen.numerics import network
+from walkergen.scene import LEAST_LABEL, Feet, Plate, Scene
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 Array = npt.NDArray[np.float64]
 
-TABLE = Path(__file__).with_suffix(".json")
+TABLE = Path(__file__).with_suffix(".npz")
 
 LINEAR_BELOW = 0.25
 """Speed over the plate's peak speed below which the table's transform, asinh, is about linear:
@@ -32,13 +32,20 @@ slow walkers scatter by an amount, fast ones by a share."""
 FAR_OFF = 2.5
 """Logarithm of tan(tilt) over friction beyond which feet stick, or slide, as they do at it."""
 
+SLIGHT_DEG = 1.0
+"""Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
+
+MOST_SLOPE_DEG = 5.0
+
 EDGE = 0.02
-"""Share of a number's range by which a walker may lie outside it: Sobol's points leave out the
-ends."""
+"""Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
 
 
 class Place(NamedTuple):
-    """Dimensionless numbers on which a simulated speed over the plate's peak speed depends."""
+    """Dimensionless numbers on which a simulated speed over the plate's peak speed depends.
+
+    A walker of the other tilt on the other slope is the mirror image: it has the same place.
+    """
 
     root_tilt: float | Array
     """Square root of the magnitude of the tilt in degrees."""
@@ -55,38 +62,84 @@ class Place(NamedTuple):
     """Logarithm of the body's radius of gyration over the distance of the feet."""
     unevenness_ratio: float | Array
     """Unevenness of the feet over the plate's amplitude."""
+    log_foot_ratio: float | Array
+    """Logarithm of the frequency of the body on a leg's axial stiffness over the drive's."""
+    log_amplitude_ratio: float | Array
+    """Logarithm of the plate's amplitude over the distance of the feet."""
+    log_width_ratio: float | Array
+    """Logarithm of the width of a foot over the distance of the feet."""
+    slope_ratio: float | Array
+    """tan(slope) over friction, positive where the slope helps a walker of this tilt along."""
+    harmonic_cos: float | Array
+    """Ratio of the second harmonic times the cosine of its phase."""
+    harmonic_sin: float | Array
+    noise_ratio: float | Array
+    """Root mean square of the plate's random speed over the drive's peak speed."""
+
+    def drawn(
+        self,
+        restitution: Array,
+        friction: Array,
+        thickness: Array,
+        modulus: Array,
+        body_mass: Array,
+        leg_mass: Array,
+        unevenness: Array,
+    ) -> "Place":
+        """Places of draws of a walker: restitution, friction and unevenness (over the plate's
+        amplitude) as they are, the others over those of this place; each of shape (n,).
+        """
+        safe = np.maximum(friction, 1e-9)
+        return self._replace(
+            restitution=restitution,
+            log_friction=np.log(safe),
+            log_hinge_ratio=self.log_hinge_ratio
+            + np.log(thickness * np.sqrt(modulus * thickness / leg_mass)),
+            log_mass_ratio=self.log_mass_ratio + np.log(leg_mass / body_mass),
+            log_foot_ratio=self.log_foot_ratio + 0.5 * np.log(thickness * modulus / body_mass),
+            slope_ratio=self.slope_ratio * math.exp(float(self.log_friction)) / safe,
+            unevenness_ratio=unevenness,
+        )
 
 
 class UnknownError(WalkergenError):
-    """The theory's own error is unknown here; the text says which number lies outside the table."""
+    """The speed in space is unknown here; the text says which number lies outside the table."""
 
 
 class Found(NamedTuple):
-    """Simulated speeds over the plate's peak speed: normal after asinh; arrays of shape (n,)."""
+    """Speeds in space over the plate's peak speed: normal after asinh; arrays of shape (n,)."""
 
     centre: Array
     sd: Array
     """Standard deviation after asinh: from print to print, and by the interpolation."""
+    between_prints: Array
+    """Part of it by which prints of one walker differ, as their feet are uneven."""
 
     def at(self, deviation: Array) -> Array:
         """Speeds over the plate's peak speed, so many standard deviations from the middle."""
         return np.asarray(LINEAR_BELOW * np.sinh(self.centre + self.sd * deviation))
 
 
-def coordinates(rows: Array) -> Array:
-    """Coordinates of the process, shape (n, 9): places with the friction seen against the tilt.
-
-    Speeds change most where the tilt passes the angle of friction, there feet stick.
-    """
-    found = rows.copy()
-    tilt = np.radians(np.maximum(rows[:, 0] ** 2, 1e-3))
-    found[:, 2] = np.clip(np.log(np.tan(tilt)) - rows[:, 2], -FAR_OFF, FAR_OFF)
-    return found
-
-
 def transformed(speed: Array, se: Array) -> tuple[Array, Array]:
     """Speeds over the plate's peak speed and their standard errors, after asinh."""
     return np.arcsinh(speed / LINEAR_BELOW), se / np.hypot(speed, LINEAR_BELOW)
+
+
+def coordinates(places: Array) -> tuple[Array, Array]:
+    """Inputs of the networks, shape (n, 18), and the odd factors of their outputs, shape (n, 2).
+
+    Speeds change most where the tilt passes the angle of friction, where feet stick. What turns
+    about with the walker and its plate, tilt and slope, comes into the inputs by products that
+    stay: so a walker without tilt on a level plate has no speed, and the mirror image the other.
+    """
+    root, slope = places[:, 0], places[:, 12]
+    tilt = root**2
+    odd = tilt / (tilt + SLIGHT_DEG)
+    against = np.log(np.tan(np.radians(np.maximum(tilt, 1e-3)))) - places[:, 2]
+    inputs = places.copy()
+    inputs[:, 12] = odd * slope
+    more = np.clip(against, -FAR_OFF, FAR_OFF), slope**2
+    return np.column_stack([inputs, *more]), np.column_stack([odd, slope])
 
 
 def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
@@ -96,27 +149,37 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """
     if not design.alike:
         raise UnknownError(
-            "no bounds: the theory's own error is known for two equal legs only, not for [[legs]]"
+            "no bounds: speeds in space are known for two equal legs only, not for [[legs]]"
         )
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
+    modulus = 1e9 * design.material.youngs_modulus_gpa
     if not mass.rigid:
-        second_moment = limb.width * limb.thickness**3 / 12.0
-        spring = 3e9 * design.material.youngs_modulus_gpa * second_moment / limb.length
+        spring = modulus * limb.width * limb.thickness**3 / (4.0 * limb.length)
         turning = float(leg.j) + float(leg.m) * float(leg.c_A @ leg.c_A)
         hinge = math.sqrt(spring / turning) / drive.omega
         mass_ratio = float(leg.m) / float(mass.M)
-    gyration = float(mass.J) / float(mass.M) / span**2
+    axial = modulus * limb.width * limb.thickness / limb.length
+    friction = max(scene.contact.friction, 1e-9)
+    phase = math.radians(drive.second_harmonic_phase_deg)
+    along = math.copysign(1.0, design.tilt_deg)
     return Place(
         math.sqrt(abs(design.tilt_deg)),
         max(scene.contact.restitution, LEAST_LABEL),
-        math.log(max(scene.contact.friction, 1e-9)),
+        math.log(friction),
         drive.peak_gamma,
         math.log(hinge),
         limb.length / span,
         math.log(mass_ratio),
-        0.5 * math.log(gyration),
+        0.5 * math.log(float(mass.J) / float(mass.M) / span**2),
         1e-3 * scene.feet.unevenness_um / drive.amplitude,
+        0.5 * math.log(axial / float(mass.M)) - math.log(drive.omega),
+        math.log(drive.amplitude / span),
+        math.log(limb.width / span),
+        along * math.tan(math.radians(scene.plate.slope_deg)) / friction,
+        drive.second_harmonic_ratio * math.cos(phase),
+        drive.second_harmonic_ratio * math.sin(phase),
+        scene.plate.noise_ratio,
     )
 
 
@@ -124,23 +187,26 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
     """Refuse walkers and scenes that the table does not cover. Raises UnknownError."""
     plate, feet = scene.plate, scene.feet
     plain = Feet(unevenness_um=feet.unevenness_um, unevenness_sd_um=feet.unevenness_sd_um)
-    for told, neutral in (
-        ("a sloping plate", plate.slope_deg == 0.0),
-        ("plate noise", plate.noise_ratio == 0.0),
+    band = (plate.noise_low_hz, plate.noise_high_hz) == (
+        Plate().noise_low_hz,
+        Plate().noise_high_hz,
+    )
+    for told, covered in (
+        (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
+        ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),
         ("a rough plate", plate.roughness_um == 0.0),
-        ("a second harmonic", scene.drive.second_harmonic_ratio == 0.0),
         ("other feet than the usual", feet == plain),
     ):
-        if not neutral:
-            raise UnknownError(f"no bounds: the theory's own error is not known for {told}")
-    names = ("restitution", "log_friction", "gamma") if braced else Place._fields
-    for name in names:
-        low, high = _table()["ranges"][name]
+        if not covered:
+            raise UnknownError(f"no bounds: speeds in space are not known for {told}")
+    ranges = _facts()["ranges"]["braced" if braced else "flexible"]
+    for name in Place._fields:
+        low, high = ranges[name]
         value, margin = getattr(place, name), EDGE * (high - low)
         if not low - margin <= value <= high + margin:
             told, seen, ends = _in_words(name, value, low, high)
             raise UnknownError(
-                f"no bounds: the theory's own error is known for {told} in {ends}, not at {seen}"
+                f"no bounds: speeds in space are known for {told} in {ends}, not at {seen}"
             )
 
 
@@ -155,42 +221,51 @@ def _in_words(name: str, value: float, low: float, high: float) -> tuple[str, st
 
 
 def speeds(place: Place, tilt_deg: float, braced: bool) -> Found:
-    """Simulated speeds over the plate's peak speed at places with at least one array, shape (n,).
+    """Speeds in space at places, numbers or arrays of shape (n,).
 
     Numbers outside the table's range are taken at its end (see `check`). Tilts of the other sign
     run the other way.
     """
-    table = _table()
-    count = np.broadcast(*place).size
-    if braced:  # rigid legs do not run: a scatter about zero
-        return Found(np.zeros(count), np.full(count, table["braced_sd"]))
-    low, high = np.array([table["ranges"][name] for name in Place._fields]).T
-    x = np.column_stack([np.broadcast_to(column, count) for column in place])
-    scaled = coordinates(np.clip(x, low, high)) / table["lengths"]
-    with emulator.alone():
-        centre, sd = _process().predict(scaled, return_std=True)
-    return Found(math.copysign(1.0, tilt_deg) * centre, np.hypot(sd, table["sd"]))
+    kind = "braced" if braced else "flexible"
+    places = np.empty((np.broadcast(*place).size, len(place)))
+    for column, number in enumerate(place):
+        places[:, column] = number
+    low, high = _ends(kind)
+    found = fitted(_arrays(), kind, np.minimum(np.maximum(places, low), high))
+    return found._replace(centre=math.copysign(1.0, tilt_deg) * found.centre)
+
+
+def fitted(arrays: dict[str, Any], kind: str, places: Array) -> Found:
+    """Speeds at places, shape (n, 16), all within the ranges, by the arrays of a table."""
+    inputs, odd = coordinates(places)
+    inputs = (inputs - arrays[f"{kind}_middle"]) / arrays[f"{kind}_scale"]
+    layers = network.layers_of(arrays, kind)
+    centre = (network.evaluated(layers, inputs).mean(axis=0) * odd).sum(axis=1)
+    features = network.features(inputs)
+    error = network.smooth(features, arrays[f"{kind}_error"])
+    prints = places[:, 8] * network.smooth(features, arrays[f"{kind}_prints"])
+    return Found(centre, np.hypot(error, prints), prints)
 
 
 @cache
-def _table() -> dict[str, Any]:
-    """The stored table; `sd` after asinh, `braced_sd` in the plate's peak speed over the linear."""
-    found: dict[str, Any] = json.loads(TABLE.read_text(encoding="utf-8"))
+def _arrays() -> dict[str, Any]:
+    """Arrays of the stored table."""
+    with np.load(TABLE) as stored:
+        return {name: stored[name] for name in stored.files}
+
+
+@cache
+def _facts() -> dict[str, Any]:
+    """What the stored table says of itself: ranges of places by kind of legs, and errors."""
+    found: dict[str, Any] = json.loads(str(_arrays()["facts"]))
     return found
 
 
 @cache
-def _process() -> Any:
-    """Gaussian process through the table, with the lengths and noise stored in it."""
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern
-
-    table = _table()
-    rows = np.array(table["rows"])
-    y, se = transformed(rows[:, -3], rows[:, -2])
-    kernel = ConstantKernel(table["amplitude"], "fixed") * Matern(1.0, "fixed", nu=1.5)
-    process = GaussianProcessRegressor(kernel, alpha=(table["noise"] ** 2 + se**2), optimizer=None)
-    return process.fit(coordinates(rows[:, :-3]) / table["lengths"], y)
+def _ends(kind: str) -> tuple[Array, Array]:
+    """Ends of the table's ranges, each of shape (16,)."""
+    low, high = np.array([_facts()["ranges"][kind][name] for name in Place._fields]).T
+    return low, high
 
 
 def digest() -> str:

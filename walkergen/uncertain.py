@@ -6,11 +6,13 @@ and fit take from the same list those that they read.
 
 import math
 from collections.abc import Callable, Mapping, Sequence
+from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.numerics import normal
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -84,34 +86,54 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
 
 
 def draws(known: Sequence[Input], count: int, seed: int) -> Array:
-    """Draws of the inputs, shape (count, inputs), by a scrambled Sobol sequence.
+    """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
 
-    The sequence is balanced when `count` is a power of two.
+    They are kept, since members of a family share them.
     """
-    if not known:
-        return np.empty((count, 0))
+    return _draws(tuple(known), count, seed)
+
+
+@lru_cache(maxsize=8)
+def _draws(known: tuple[Input, ...], count: int, seed: int) -> Array:
     cube = even(len(known), count, seed)
-    return np.column_stack([quantiles(one, cube[:, place]) for place, one in enumerate(known)])
+    columns = [quantiles(one, cube[:, place]) for place, one in enumerate(known)]
+    drawn = np.column_stack(columns) if columns else np.empty((count, 0))
+    drawn.flags.writeable = False
+    return drawn
+
+
+LATTICE = (
+    1, 182667, 469891, 498753, 110745, 446247, 250185, 118627, 245333, 283199, 408519, 391023,
+    246327, 126539, 399185, 461527, 300343, 69681, 516695, 436179, 106383, 238523, 413283, 70841,
+    47719, 300129, 113029, 123925, 410745, 211325, 17489, 511893,
+)  # fmt: skip
+"""Generating vector of a lattice whose first 2^m points, m up to 20, are each a good lattice
+(R. Cools, F. Y. Kuo and D. Nuyens, SIAM J. Sci. Comput. 28, 2162, 2006)."""
 
 
 def even(wide: int, count: int, seed: int) -> Array:
-    """Points of a scrambled Sobol sequence in the unit cube, shape (count, wide)."""
-    from scipy.stats import qmc
+    """Points of a lattice with a random shift in the unit cube, shape (count, wide), wide <= 32.
 
-    sequence = qmc.Sobol(wide, rng=np.random.default_rng(seed))
-    return np.asarray(sequence.random_base2(math.ceil(math.log2(max(count, 1))))[:count])
+    Its first 2^m points are evenly spread. Ends of bounds over 512 of them err by 0.4 to 0.8 of
+    what random numbers do, by up to a third more than Sobol's (tried on a sum with a ridge), whose
+    import takes a third of a second.
+    """
+    bits = max(math.ceil(math.log2(max(count, 1))), 1)
+    numbers, turned = np.arange(2**bits), np.zeros(2**bits, np.int64)
+    for bit in range(bits):
+        turned |= (numbers >> bit & 1) << (bits - 1 - bit)
+    places = turned[:count, None] * np.array(LATTICE[:wide]) % 2**bits / 2**bits
+    return np.asarray((places + np.random.default_rng(seed).random(wide)) % 1.0)
 
 
 def quantiles(one: Input, shares: Array) -> Array:
     """Quantiles of an input's distribution; shares in (0, 1), any shape."""
-    from scipy.special import ndtr, ndtri
-
     low = -math.inf if one.folded else (one.low - one.mean) / one.sd
     high = math.inf if one.folded else (one.high - one.mean) / one.sd
-    bottom, top = ndtr(low), ndtr(high)
+    bottom, top = normal.below(low), normal.below(high)
     tiny = np.finfo(float).tiny
     within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
-    found = np.asarray(one.mean + one.sd * ndtri(within))
+    found = np.asarray(one.mean + one.sd * normal.quantiles(within))
     return np.asarray(np.abs(found) if one.folded else np.clip(found, one.low, one.high))
 
 

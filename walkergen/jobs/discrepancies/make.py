@@ -1,189 +1,145 @@
 """Table of speeds of the model in space over the range in which people build walkers.
 
-`python -m walkergen.jobs.discrepancies.make` writes walkergen/discrepancy.json anew; the theory's
-own error is interpolated in it (walkergen/discrepancy.py).
+`make calibrate-models` simulates its rows and writes walkergen/discrepancy.npz, which predictions
+read, and rows.csv beside this file, from which the table can be fitted anew (`--refit`). Rows are
+points of the store that sweeps use: what was computed before, or by a run that was killed, is not
+computed again.
 """
 
+import argparse
+import csv
+import io
 import json
 import sys
-import warnings
-from collections.abc import Iterator
-from typing import Any, NamedTuple
+import time
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy, uncertain
-from walkergen.discrepancy import LINEAR_BELOW, Place
-from walkergen.errors import GeometryError
+from walkergen import discrepancy
+from walkergen.discrepancy import Place
+from walkergen.exploring import crew, run
+from walkergen.exploring.point import Point, Record
+from walkergen.exploring.store import Store
 from walkergen.files import output
-from walkergen.scene import Arena, Contact, Drive, Feet, Run, Scene
-from walkergen.simulation import points
-from walkergen.simulation.points import Asked
-from walkergen.simulation.run import ENDED_WELL
+from walkergen.jobs.discrepancies import fit
+from walkergen.jobs.discrepancies.cases import Case, cases
 from walkergen.walker import solids
-from walkergen.walker.body import Body
-from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind, Legs
 
 Array = npt.NDArray[np.float64]
 
-FAR, NEAR, BRACED, SEED = 1024, 512, 64, 12
-RUNS, SECONDS, DISCARD_S = 6, 2.0, 0.5
+ROWS = Path(__file__).with_name("rows.csv")
 
-RANGES = {
-    "tilt_share": (0.0, 1.0),
-    "restitution": (0.02, 1.0),
-    "log_friction": (np.log(0.05), np.log(0.6)),
-    "gamma": (1.1, 3.0),
-    "log_frequency_hz": (np.log(50.0), np.log(150.0)),
-    "thickness_mm": (0.25, 0.8),
-    "length_mm": (5.0, 10.0),
-    "spacing_mm": (9.0, 17.0),
-    "unevenness": (-0.1, 0.25),
-    "body_length_mm": (22.0, 36.0),
-    "body_thickness_mm": (2.0, 5.0),
-    "depth_mm": (5.0, 12.0),
-}
-"""Ranges that are sampled evenly: tilts from 0 to 45 degrees, half of them below 20, where speeds
-change most; negative unevenness (over the plate's amplitude) means none."""
+COUNT = 8000
+"""Rows of the table, about: 86 000 simulated seconds."""
 
-USUAL = RANGES | {
-    "tilt_share": (0.07, 0.6),
-    "restitution": (0.1, 0.95),
-    "log_friction": (np.log(0.1), np.log(0.5)),
-    "gamma": (1.3, 2.6),
-    "log_frequency_hz": (np.log(70.0), np.log(120.0)),
-    "thickness_mm": (0.3, 0.6),
-    "length_mm": (6.0, 9.0),
-    "spacing_mm": (11.0, 15.0),
-}
-"""Ranges in which most walkers are made, sampled once more."""
+COLUMNS = ("braced", *Place._fields, "speed", "se", "runs")
+"""Columns of rows.csv: 1 for braced legs; numbers without unit; speeds and their standard errors
+over the plate's peak speed."""
 
 
-class Case(NamedTuple):
-    """Walker and scene of one row of the table."""
-
-    scene: Scene
-    design: Design
-
-
-def cases(
-    kind: Kind, ranges: dict[str, tuple[float, float]], count: int, seed: int = SEED
-) -> Iterator[Case]:
-    """Walkers and scenes, by a scrambled Sobol sequence; what cannot be built is left out."""
-    low, high = np.array(list(ranges.values())).T
-    for values in low + (high - low) * uncertain.even(len(ranges), count, seed):
-        one = dict(zip(ranges, values.tolist(), strict=True))
-        body = Body(length_mm=one["body_length_mm"], thickness_mm=one["body_thickness_mm"],
-                    depth_mm=one["depth_mm"])  # fmt: skip
-        legs = Legs(
-            kind=kind,
-            tilt_deg=45.0 * one["tilt_share"] ** np.emath.logn(0.5, 20.0 / 45.0),
-            length_mm=one["length_mm"],
-            flexible_thickness_mm=one["thickness_mm"],
-            contact_spacing_mm=one["spacing_mm"],
-        )
-        drive = Drive(frequency_hz=float(np.exp(one["log_frequency_hz"])), gamma=one["gamma"])
-        scene = Scene(
-            drive=drive,
-            contact=Contact(restitution=one["restitution"],
-                            friction=float(np.exp(one["log_friction"]))),
-            arena=Arena(kind="plane"),
-            feet=Feet(unevenness_um=1e3 * drive.amplitude * max(one["unevenness"], 0.0)),
-            run=Run(seconds=SECONDS, discard_seconds=DISCARD_S, runs=RUNS),
-        )  # fmt: skip
-        try:
-            yield Case(scene, Design(body=body, legs=legs))
-        except GeometryError:
-            continue
+def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
+    """Rows of the table, simulated or found in the store; none of runs that end badly."""
+    asked = [Point(case.design, case.scene, simulated=True) for case in every]
+    progress = Progress(len(asked))
+    with crew.local(cores) as workers:
+        for case, done in zip(every, run.each(asked, Store(), workers), strict=True):
+            progress.add(0.0 if done.known else _seconds(case))
+            numbers = row(case, done.record)
+            if numbers is not None:
+                yield numbers
+    progress.end()
 
 
-def measure(case: Case) -> list[float] | None:
-    """Simulate one row: place, speed over plate speed, its standard error, runs.
+def with_settings(case: Case, settings: Sequence[str]) -> Case:
+    """Case with keys of its scene set anew, each as in "run.step_us=2"."""
+    values = dict(one.split("=", 1) for one in settings)
+    return case._replace(scene=case.scene.variant(**{k: json.loads(v) for k, v in values.items()}))
 
-    None when fewer than two runs ended well.
-    """
-    mass = solids.mass_of(case.design)
-    point = points.measure(Asked(case.scene, case.design, mass), lambda what, done, total: None)
-    good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    if len(good) < 2:
+
+def row(case: Case, record: Record) -> Array | None:
+    """Numbers of a row in the order of COLUMNS; None without a speed that has an error."""
+    speed, se, runs = (record.get(name) for name in ("speed_mm_s", "se_mm_s", "runs"))
+    if speed is None or se is None or runs is None:
         return None
-    speeds = np.array(good) / case.scene.drive.peak_speed
-    error = float(speeds.std(ddof=1) / np.sqrt(len(good)))
-    place = discrepancy.place_of(case.scene, case.design, mass)
-    return [float(f"{value:.6g}") for value in (*place, speeds.mean(), error, len(good))]
+    place = discrepancy.place_of(case.scene, case.design, solids.mass_of(case.design))
+    peak = case.scene.drive.peak_speed
+    return np.array([case.design.braced, *place, float(speed) / peak, float(se) / peak, runs])
 
 
-def fitted(flexible: Array, braced: Array) -> dict[str, Any]:
-    """Table with the lengths and the noise of the process that is most likely to have made it.
-
-    Rows as `measure` makes them. What varies from print to print is in the noise of six prints'
-    mean and in `sd` that of one.
-    """
-    from sklearn.exceptions import ConvergenceWarning
-    from sklearn.gaussian_process import GaussianProcessRegressor
-    from sklearn.gaussian_process.kernels import ConstantKernel, Matern, WhiteKernel
-
-    errors = discrepancy.transformed(flexible[:, -3], flexible[:, -2])[1]
-    prints = float(np.median(np.sqrt(flexible[:, -1]) * errors))
-    flexible = np.vstack([flexible, upright(flexible)])
-    places = flexible[:, :-3]
-    x = discrepancy.coordinates(places)
-    y, se = discrepancy.transformed(flexible[:, -3], flexible[:, -2])
-    scale = x.std(axis=0)
-    kernel = ConstantKernel(1.0, (1e-2, 1e3)) * Matern(np.full(x.shape[1], 3.0), (0.2, 200.0),
-                                                       nu=1.5)  # fmt: skip
-    process = GaussianProcessRegressor(kernel + WhiteKernel(0.02, (4e-4, 1.0)), alpha=se**2)
-    with warnings.catch_warnings():
-        # A length at its bound says that a number does not matter: that is an answer.
-        warnings.simplefilter("ignore", ConvergenceWarning)
-        process.fit(x / scale, y)
-    found = process.kernel_
-    noise = float(np.sqrt(found.k2.noise_level))
-    low, high = places.min(axis=0), places.max(axis=0)
-    return {
-        "ranges": {name: [low[k], high[k]] for k, name in enumerate(Place._fields)},
-        "lengths": (scale * found.k1.k2.length_scale).tolist(),
-        "amplitude": float(found.k1.k1.constant_value),
-        "noise": noise,
-        "sd": float(np.hypot(noise, prints)),
-        "braced_sd": float(np.sqrt(np.mean(np.arcsinh(braced[:, -3] / LINEAR_BELOW) ** 2))),
-        "columns": [*Place._fields, "speed", "se", "runs"],
-        "rows": flexible.tolist(),
-    }
+def _seconds(case: Case) -> float:
+    run = case.scene.run
+    return run.runs * (run.seconds + run.discard_seconds)
 
 
-def upright(rows: Array) -> Array:
-    """Every eighth walker with its legs upright, which does not run: by symmetry, not simulated."""
-    found = rows[::8].copy()
-    found[:, 0], found[:, -3:] = 0.0, (0.0, 0.01, 1)
-    return found
+class Progress:
+    """Lines on the error stream: what is done, what it cost, what is left."""
+
+    def __init__(self, count: int) -> None:
+        self.count, self.done, self.simulated = count, 0, 0.0
+        self.started = self.told = time.monotonic()
+
+    def add(self, seconds: float) -> None:
+        """Count a row, and the seconds that were simulated for it."""
+        self.done += 1
+        self.simulated += seconds
+        if time.monotonic() - self.told > 10.0:
+            self.told = time.monotonic()
+            self._tell()
+
+    def end(self) -> None:
+        """Tell the cost of the whole."""
+        self._tell()
+
+    def _tell(self) -> None:
+        taken = time.monotonic() - self.started
+        left = taken / self.done * (self.count - self.done)
+        print(
+            f"{self.done} of {self.count} rows in {taken / 60:.1f} min, {self.simulated:.0f} s "
+            f"simulated; about {left / 60:.1f} min left",
+            file=sys.stderr, flush=True,
+        )  # fmt: skip
+
+
+def read() -> Array:
+    """Rows of rows.csv, in the order of COLUMNS."""
+    with ROWS.open(encoding="utf-8", newline="") as stream:
+        reader = csv.reader(stream)
+        if tuple(next(reader)) != COLUMNS:
+            raise SystemExit(f"{ROWS.name} is of another walkergen: simulate anew")
+        return np.array([[float(value) for value in line] for line in reader])
+
+
+def write(table: Array) -> None:
+    """Write rows.csv, numbers with five digits."""
+    text = io.StringIO()
+    writer = csv.writer(text, lineterminator="\n")
+    writer.writerow(COLUMNS)
+    writer.writerows([f"{value:.5g}" for value in row] for row in table)
+    output.write(ROWS, text.getvalue().encode())
 
 
 def main() -> None:
-    """Write the table, with its progress on the error stream."""
-    made: dict[Kind, list[list[float]]] = {"flexible": [], "braced": []}
-    every = [
-        *cases("flexible", RANGES, FAR),
-        *cases("flexible", USUAL, NEAR),
-        *cases("braced", RANGES, BRACED),
-    ]
-    for number, case in enumerate(every, start=1):
-        row = measure(case)
-        if row is not None:
-            made[case.design.kind].append(row)
-        if number % 16 == 0 or number == len(every):
-            print(f"{number} of {len(every)}", file=sys.stderr, flush=True)
-    write(np.array(made["flexible"]), np.array(made["braced"]))
-
-
-def write(flexible: Array, braced: Array) -> None:
-    """Write the table, a row a line."""
-    table = fitted(flexible, braced)
-    rows = ",\n".join(json.dumps(row) for row in table.pop("rows"))
-    text = json.dumps(table, indent=1)[:-2] + f',\n "rows": [\n{rows}\n ]\n}}\n'
-    output.write(discrepancy.TABLE, text.encode())
+    """Simulate the rows, or read them, and write the table with its errors."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawTextHelpFormatter
+    )
+    parser.add_argument("--cores", type=int, default=crew.cores(), help="processes to simulate in")
+    parser.add_argument("--rows", type=int, default=COUNT, help="rows of the table, about")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE",
+                        help="key of every row's scene, such as run.step_us=2")  # fmt: skip
+    parser.add_argument(
+        "--refit", action="store_true", help="fit rows.csv anew, without simulating"
+    )
+    options = parser.parse_args()
+    if not options.refit:
+        every = [with_settings(case, options.set) for case in cases(options.rows)]
+        write(np.array(list(rows(every, options.cores))))
+    fitted = fit.table(read(), options.cores)
+    output.write(discrepancy.TABLE, fit.as_bytes(fitted))
+    print(fit.report(fitted))
 
 
 if __name__ == "__main__":

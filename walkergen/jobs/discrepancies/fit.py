@@ -1,0 +1,285 @@
+"""From simulated rows to a table: networks for the middle, smooth functions for what scatters.
+
+Every network is trained without two tenths of the rows, other tenths each, so that every row is
+left out by two of them: their mean there says how well the table interpolates. The table itself is
+the mean of all ten.
+"""
+
+import io
+import json
+import math
+from concurrent.futures import ProcessPoolExecutor
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen import discrepancy
+from walkergen.discrepancy import Place
+from walkergen.files.output import versions
+from walkergen.numerics import network
+from walkergen.numerics.network import Layer, Values
+
+Array = npt.NDArray[Any]
+
+TENTHS, OUT = 10, 2
+"""Parts of the rows, and number of those that a network leaves out; as many networks as parts."""
+
+HIDDEN = {"flexible": (32, 32, 32), "braced": (8,)}
+"""Widths of the networks' layers by kind of legs."""
+
+DECAY, STEPS = 0.5, 500
+
+ROUGH = 0.1
+"""Error after asinh up to which no row counts more than another: the fit errs by as much."""
+
+PRIOR = 2.0
+"""Precision about zero of the weights of smooth features."""
+
+WIDEST = 6.0
+"""Scales of an input within its range, at most."""
+
+PRIOR_RUNS = 3
+"""Freedoms that the smooth scatter of runs counts for beside a row's own."""
+
+PEAK_MM_S = 31.2
+"""Peak speed of the paper's plate, at which errors are told in mm/s."""
+
+GOAL_SHARE, GOAL_MM_S = 0.04, 0.5
+"""Error that half of the rows shall not exceed: of the two the larger."""
+
+SLOW = 0.1
+"""Speed over the plate's peak speed below which errors in per cent say nothing."""
+
+NORMAL_MEDIAN = 0.6745
+"""Median of the magnitude of a normal number."""
+
+PAPERS_SHAPE, SAME = (7.5 / 13.0, -0.47, math.log(8.0 / 13.0)), 0.01
+"""Length ratio, logarithms of gyration and width ratio of the paper's flexible walker."""
+
+
+class Rows(NamedTuple):
+    """Rows of one kind of legs, after asinh."""
+
+    places: Array
+    speed: Array
+    """Speeds over the plate's peak speed."""
+    y: Array
+    spread: Array
+    """Standard deviation of a row's runs."""
+    runs: Array
+
+
+def rows_of(table: Array, braced: bool) -> Rows:
+    """Rows of one kind of legs, of a table in the order of `make.COLUMNS`."""
+    chosen = table[table[:, 0] == braced]
+    speed, se, runs = chosen[:, -3:].T
+    y, se = discrepancy.transformed(speed, se)
+    return Rows(chosen[:, 1:-3], speed, y, se * np.sqrt(runs), runs)
+
+
+def table(made: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
+    """Arrays of the table, with `facts` in JSON: ranges of places and errors by kind of legs."""
+    arrays: dict[str, Array] = {}
+    ranges, errors = {}, {}
+    for kind in ("flexible", "braced"):
+        rows = rows_of(made, kind == "braced")
+        low, high = Place(*rows.places.min(axis=0)), Place(*rows.places.max(axis=0))
+        # Mirror images, and upright walkers between them, are in the table too
+        steepest = max(high.slope_ratio, -low.slope_ratio)
+        low = low._replace(root_tilt=0.0, slope_ratio=-steepest)
+        high = high._replace(slope_ratio=steepest)
+        ranges[kind] = {
+            name: [float(getattr(low, name)), float(getattr(high, name))] for name in Place._fields
+        }
+        arrays |= _of_kind(kind, rows, cores, steps)
+        errors[kind] = json.loads(str(arrays.pop(f"{kind}_told")))
+    facts = {"ranges": ranges, "errors": errors, "versions": versions()}
+    return arrays | {"facts": np.array(json.dumps(facts))}
+
+
+def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> dict[str, Array]:
+    """Arrays of one kind of legs, and under "told" its errors in JSON."""
+    inputs, factors = discrepancy.coordinates(rows.places)
+    middle = inputs.mean(axis=0)
+    scale = np.maximum(inputs.std(axis=0), np.ptp(inputs, axis=0) / WIDEST)  # most have no extras
+    scale = np.where(scale > 0.0, scale, 1.0)
+    inputs = (inputs - middle) / scale
+    features = network.features(inputs)
+    in_time, between = _scatter(features, rows)
+    uneven = rows.places[:, Place._fields.index("unevenness_ratio")]
+    variance = network.smooth(features, in_time) ** 2
+    variance += (uneven * network.smooth(features, between)) ** 2
+    own = rows.runs - 1.0
+    noise = (own * rows.spread**2 + PRIOR_RUNS * variance) / (own + PRIOR_RUNS) / rows.runs
+    weights = 1.0 / (noise + ROUGH**2)
+    given = Values(inputs, factors, rows.y, weights / weights.mean())
+    networks, left_out = _networks(given, HIDDEN[kind], cores, steps)
+    residual = left_out - rows.y
+    error = _log_sd(features, residual, noise)
+    found = {
+        **network.arrays_of(networks, kind),
+        f"{kind}_middle": middle,
+        f"{kind}_scale": scale,
+        f"{kind}_error": error,
+        f"{kind}_prints": between,
+    }
+    told = _errors(rows, left_out, np.sqrt(noise), network.smooth(features, error))
+    prints = uneven * network.smooth(features, between)
+    told["all"]["prints_sd_median_percent"] = 100.0 * _median(prints[uneven > 0.0])
+    return found | {f"{kind}_told": np.array(json.dumps(told))}
+
+
+def _networks(
+    given: Values, hidden: tuple[int, ...], cores: int, steps: int
+) -> tuple[list[list[Layer]], Array]:
+    """The networks, and values at every row by those that have not seen it."""
+    tenth = np.random.default_rng(TENTHS).permutation(len(given.values)) % TENTHS
+    seen = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
+    parts = [Values(*(column[rows] for column in given)) for rows in seen]
+    with ProcessPoolExecutor(cores) as pool:
+        networks = list(
+            pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
+        )
+    total = np.zeros(len(given.values))
+    for layers, rows in zip(networks, seen, strict=True):
+        outputs = network.evaluated(layers, given.inputs[~rows])
+        total[~rows] += (outputs * given.factors[~rows]).sum(axis=1) / OUT
+    return networks, total
+
+
+def _trained(given: Values, hidden: tuple[int, ...], steps: int, seed: int) -> list[Layer]:
+    """A network, on one thread: several are trained at a time."""
+    from threadpoolctl import threadpool_limits
+
+    with threadpool_limits(1):
+        return network.trained(given, hidden, DECAY, steps, seed)
+
+
+def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
+    """Logarithms of the scatter of runs in time, and of that of prints over unevenness.
+
+    As weights of smooth features: the likeliest of variances of `rows.runs` normal numbers each.
+    """
+    uneven = rows.places[:, Place._fields.index("unevenness_ratio")]
+    half, observed = 0.5 * (rows.runs - 1.0), np.maximum(rows.spread**2, 1e-6)
+
+    def loss(values: Array) -> tuple[float, Array]:
+        in_time, between = values.reshape(2, -1)
+        first = network.smooth(features, in_time) ** 2
+        second = (uneven * network.smooth(features, between)) ** 2
+        variance = first + second
+        found = float(half @ (np.log(variance) + observed / variance))
+        slope = 2.0 * half * (1.0 - observed / variance) / variance
+        slopes = np.concatenate([features.T @ (slope * first), features.T @ (slope * second)])
+        return found + PRIOR * float(values @ values), slopes + 2.0 * PRIOR * values
+
+    start = np.zeros(2 * features.shape[1])
+    start[0], start[features.shape[1]] = -3.0, -1.0
+    in_time, between = _least(loss, start).reshape(2, -1)
+    return in_time, between
+
+
+def _log_sd(features: Array, residual: Array, noise: Array) -> Array:
+    """Logarithm of the standard deviation of residuals beyond their noise's variance, as weights
+    of smooth features: the likeliest of normal residuals.
+    """
+
+    def loss(weights: Array) -> tuple[float, Array]:
+        own = network.smooth(features, weights) ** 2
+        variance = own + noise
+        found = 0.5 * float(np.sum(np.log(variance) + residual**2 / variance))
+        slope = (1.0 - residual**2 / variance) / variance * own
+        return found + PRIOR * float(weights @ weights), features.T @ slope + 2.0 * PRIOR * weights
+
+    return _least(loss, np.r_[-2.0, np.zeros(features.shape[1] - 1)])
+
+
+def _least(loss: Any, start: Array) -> Array:
+    from scipy.optimize import minimize
+
+    bounds = [(-6.0, 6.0)] * len(start)
+    first = float(np.linalg.norm(loss(start)[1]))  # so that the first step is a short one
+
+    def scaled(values: Array) -> tuple[float, Array]:
+        found, slopes = loss(values)
+        return found / first, slopes / first
+
+    found = minimize(scaled, start, jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.asarray(found.x)
+
+
+def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, Any]:
+    """Errors at rows left out by tens, which hold the noise of the rows themselves as well.
+
+    That noise is a tenth of the error's size where it is a tenth of its square; what the table
+    says of the error, "interpolation", is without it.
+    """
+    speed = discrepancy.LINEAR_BELOW * np.sinh(left_out)
+    slope = np.hypot(rows.speed, discrepancy.LINEAR_BELOW)
+    peak = PEAK_MM_S
+    found = {}
+    for group, chosen in _groups(rows.places).items():
+        if not chosen.any():
+            continue
+        off, size = np.abs(speed - rows.speed)[chosen], np.abs(rows.speed)[chosen]
+        share = 100.0 * off[size > SLOW] / size[size > SLOW]
+        z = ((left_out - rows.y) / np.hypot(noise, sd))[chosen]
+        allowed = np.maximum(GOAL_SHARE * size, GOAL_MM_S / peak)
+        found[group] = {
+            "rows": int(chosen.sum()),
+            "median_mm_s": peak * _median(off),
+            "ninety_percent_mm_s": peak * _quantile(off, 0.9),
+            "median_percent": _median(share),
+            "ninety_percent_percent": _quantile(share, 0.9),
+            "median_over_goal": _median(off / allowed),
+            "noise_over_goal": NORMAL_MEDIAN * _median((noise * slope)[chosen] / allowed),
+            "interpolation_sd_median_percent": 100.0 * _median(sd[chosen]),
+            "z_rms": float(np.sqrt(np.mean(z**2))),
+            "z_within_68": float(np.mean(np.abs(z) < 1.0)),
+            "z_within_95": float(np.mean(np.abs(z) < 1.96)),
+        }
+    return found
+
+
+def _groups(places: Array) -> dict[str, npt.NDArray[np.bool_]]:
+    """Rows of which errors are told: all, by what they have beside the usual, and the paper's."""
+    named = Place(*places.T)
+    slope, noise = named.slope_ratio != 0.0, named.noise_ratio != 0.0
+    harmonic = np.hypot(named.harmonic_cos, named.harmonic_sin) != 0.0
+    plain = ~(slope | noise | harmonic)
+    shape = np.abs(places[:, [5, 7, 11]] - PAPERS_SHAPE).max(axis=1) < SAME
+    return {
+        "all": np.ones(len(places), bool),
+        "paper's walker": plain & shape,
+        "other walkers": plain & ~shape,
+        "second harmonic": harmonic,
+        "slope": slope,
+        "noise": noise,
+    }
+
+
+def _median(values: Array) -> float:
+    return _quantile(values, 0.5)
+
+
+def _quantile(values: Array, share: float) -> float:
+    return float(np.quantile(values, share)) if len(values) else 0.0
+
+
+def report(arrays: dict[str, Array]) -> str:
+    """Errors of a table, as text."""
+    errors = json.loads(str(arrays["facts"]))["errors"]
+    lines = ["error at rows left out by tens, their own noise within (mm/s of a plate at 31 mm/s)"]
+    for kind, groups in errors.items():
+        for group, told in groups.items():
+            numbers = ", ".join(f"{name} {value:.3g}" for name, value in told.items())
+            lines.append(f"{kind}, {group}: {numbers}")
+    return "\n".join(lines)
+
+
+def as_bytes(arrays: dict[str, Array]) -> bytes:
+    """File of the table, for `numpy.load`; equal arrays give equal bytes."""
+    stream = io.BytesIO()
+    np.savez(stream, allow_pickle=False, **arrays)
+    return stream.getvalue()

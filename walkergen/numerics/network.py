@@ -1,0 +1,141 @@
+"""Small networks through noisy values of a slow function, evaluated in microseconds.
+
+Layers of tanh, whose outputs are multiplied by given factors and summed: what must vanish, or
+change its sign, does so by its factor.
+"""
+
+from collections.abc import Mapping, Sequence
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[Any]
+
+FARTHEST = 3.0
+"""Standard deviations beyond which a feature stays as it is there."""
+
+EXPONENTS = (-6.0, 1.0)
+"""Exponents of a smooth function: beyond these it is as there."""
+
+BLOCK = 256
+"""Inputs that are evaluated together: products so small that no library shares them out to threads,
+which wait for one another, on a busy machine for a hundred times the time of the work."""
+
+
+class Layer(NamedTuple):
+    """One layer of a network, or of several, then with a leading axis."""
+
+    weights: Array
+    """Shape (..., inputs, outputs)."""
+    bias: Array
+    """Shape (..., 1, outputs)."""
+
+
+def evaluated(layers: Sequence[Layer], inputs: Array) -> Array:
+    """Outputs at inputs of shape (n, d), shape (..., n, outputs), in single precision."""
+    starts = range(0, len(inputs), BLOCK)
+    return np.concatenate([_passed(layers, inputs[k : k + BLOCK]) for k in starts], axis=-2)
+
+
+def _passed(layers: Sequence[Layer], inputs: Array) -> Array:
+    values = inputs.astype(np.float32)
+    for layer in layers[:-1]:
+        values = np.matmul(values, layer.weights)
+        values += layer.bias
+        np.tanh(values, out=values)
+    return np.asarray(values @ layers[-1].weights + layers[-1].bias)
+
+
+def layers_of(arrays: Mapping[str, Array], name: str) -> list[Layer]:
+    """Layers that `arrays_of` has put under this name."""
+    weights = sorted(key for key in arrays if key.startswith(f"{name}_weights"))
+    return [Layer(arrays[key], arrays[key.replace("weights", "bias")]) for key in weights]
+
+
+def arrays_of(networks: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
+    """Arrays, in single precision, of networks of one form, by names that begin with `name`."""
+    found = {}
+    for place, layers in enumerate(zip(*networks, strict=True)):
+        found[f"{name}_weights{place}"] = np.stack([layer.weights for layer in layers])
+        found[f"{name}_bias{place}"] = np.stack([layer.bias for layer in layers])
+    return {key: value.astype(np.float32) for key, value in found.items()}
+
+
+def features(inputs: Array) -> Array:
+    """One, the inputs and their squares, of what a smooth function is made; shape (n, 1 + 2 d)."""
+    near = np.clip(inputs, -FARTHEST, FARTHEST)
+    return np.column_stack([np.ones(len(inputs)), near, near**2])
+
+
+def smooth(terms: Array, weights: Array) -> Array:
+    """Positive function of features: the exponential of their weighted sum, shape (n,)."""
+    return np.asarray(np.exp(np.clip(terms @ weights, *EXPONENTS)))
+
+
+class Values(NamedTuple):
+    """Values that a network shall give."""
+
+    inputs: Array
+    """Shape (n, d), each of about unit scatter."""
+    factors: Array
+    """Factors of the outputs, shape (n, outputs)."""
+    values: Array
+    """Shape (n,)."""
+    weights: Array
+    """What an error counts, shape (n,)."""
+
+
+def trained(
+    given: Values, hidden: Sequence[int], decay: float, steps: int, seed: int
+) -> list[Layer]:
+    """Network with the least squares of weighted errors, and of `decay` times its own weights."""
+    from scipy.optimize import minimize
+
+    rng = np.random.default_rng(seed)
+    sizes = [given.inputs.shape[1], *hidden, given.factors.shape[1]]
+    start = []
+    for wide, high in pairwise(sizes):
+        start += [rng.normal(0.0, wide**-0.5, wide * high), np.zeros(high)]
+
+    def loss(values: Array) -> tuple[float, Array]:
+        layers = _layers(values, sizes)
+        return _loss(layers, given, decay)
+
+    options = {"maxiter": steps, "maxfun": 2 * steps, "maxcor": 30}
+    best = minimize(loss, np.concatenate(start), jac=True, method="L-BFGS-B", options=options)
+    return _layers(best.x, sizes)
+
+
+def _layers(values: Array, sizes: Sequence[int]) -> list[Layer]:
+    """Layers of the numbers of a network in a row."""
+    layers, first = [], 0
+    for wide, high in pairwise(sizes):
+        middle = first + wide * high
+        layers.append(
+            Layer(values[first:middle].reshape(wide, high), values[None, middle : middle + high])
+        )
+        first = middle + high
+    return layers
+
+
+def _loss(layers: Sequence[Layer], given: Values, decay: float) -> tuple[float, Array]:
+    """Loss of a network, and its derivatives by its numbers in their order."""
+    passed = [given.inputs]
+    for layer in layers[:-1]:
+        passed.append(np.tanh(passed[-1] @ layer.weights + layer.bias))
+    outputs = passed[-1] @ layers[-1].weights + layers[-1].bias
+    error = (outputs * given.factors).sum(axis=1) - given.values
+    found = 0.5 * float(given.weights @ error**2)
+    back = (given.weights * error)[:, None] * given.factors
+    slopes: list[Array] = []
+    for place in range(len(layers) - 1, -1, -1):
+        layer = layers[place]
+        found += 0.5 * decay * float(np.sum(layer.weights**2))
+        slopes = [
+            (passed[place].T @ back + decay * layer.weights).ravel(), back.sum(axis=0), *slopes
+        ]  # fmt: skip
+        if place > 0:
+            back = (back @ layer.weights.T) * (1.0 - passed[place] ** 2)
+    return found, np.concatenate(slopes)
