@@ -41,6 +41,14 @@ PAPER: Ranges = {
 """The paper's walker on its plate, in any contact. Tilts are those of `tilt_of`; negative
 unevenness (over the plate's amplitude) means none."""
 
+PRINTED: Ranges = PAPER | {
+    "tilt_share": (0.0, 0.95),
+    "log_friction": (math.log(0.17), math.log(0.33)),
+    "gamma": (1.8, 1.8),
+    "thickness_mm": (0.34, 0.47),
+}
+"""The same as its authors printed and drove it: the first walker that people ask about."""
+
 USUAL: Ranges = PAPER | {
     "log_frequency_hz": (math.log(70.0), math.log(125.0)),
     "gamma": (1.3, 2.6),
@@ -75,6 +83,8 @@ EXTRAS: Ranges = {
 }
 """What most rows have none of: see `_extra`."""
 
+NO_EXTRAS = dict.fromkeys(EXTRAS, 0.0)
+
 WITH_EXTRA = 0.1
 """Share of the rows that have a second harmonic, and as many each a slope and noise."""
 
@@ -90,13 +100,16 @@ class Group(NamedTuple):
     ranges: Ranges
     share: float
     """Share of all rows."""
+    extras: bool = True
+    """False for rows without second harmonic, slope and noise."""
 
 
 GROUPS = (
-    Group("flexible", PAPER, 0.55),
-    Group("flexible", USUAL, 0.25),
-    Group("flexible", WIDE, 0.17),
-    Group("braced", USUAL, 0.03),
+    Group("flexible", PRINTED, 0.35, extras=False),
+    Group("flexible", PAPER, 0.3),
+    Group("flexible", USUAL, 0.17),
+    Group("flexible", WIDE, 0.14),
+    Group("braced", USUAL, 0.04),
 )
 
 
@@ -133,7 +146,8 @@ def _samples(group: Group, count: int, seed: int) -> Iterator[dict[str, float]]:
     ranges = group.ranges | EXTRAS
     low, high = np.array(list(ranges.values())).T
     for values in low + (high - low) * uncertain.even(len(ranges), count, seed):
-        yield dict(zip(ranges, values.tolist(), strict=True))
+        row = dict(zip(ranges, values.tolist(), strict=True))
+        yield row if group.extras else row | NO_EXTRAS
 
 
 def tilt_of(share: float) -> float:
