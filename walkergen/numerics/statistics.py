@@ -64,10 +64,10 @@ def quantiles_of_another(values: Array, shares: Sequence[float]) -> Array:
     Between the least and the largest value by Weibull's plotting positions i / (n + 1), which hold
     for any continuous distribution. Ends rarer than 1 / (n + 1) lie beyond them: further from the
     median than the outermost value in the ratio of Student's t, of n - 1 degrees of freedom, at
-    both probabilities. Bounds of 95 % between 16 and 38 values hold 94 to 97 % of normal, skewed
-    (log-normal, exponential) and triangular distributions, 92.5 to 94.5 % of Student's t of three
-    degrees, and 96 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 %
-    and from 4 values 88 to 94 %. Without the step beyond they hold (n - 1) / (n + 1).
+    both probabilities. So bounds of 95 % from 16 to 38 values hold 94 to 97 % of normal, skewed
+    (log-normal, exponential) and triangular distributions, 92.5 to 95 % of Student's t of three
+    degrees, and 95 to 98.5 % of uniform ones and of those with two modes; from 8 values 91 to 98 %
+    and from 4 values 88 to 94 %. The outermost values themselves hold (n - 1) / (n + 1).
     """
     from scipy.special import stdtrit
 
