@@ -17,7 +17,6 @@ import walkergen as wg
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.notebook.speed import speed_of
 from walkergen.notebook.table import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
@@ -162,7 +161,8 @@ def test_a_prediction_is_the_commands(run):
     assert found.row._asdict() == row
     assert found.speed.value == row["speed_mm_s"]
     assert found.speed.se == row["speed_sd_mm_s"]
-    assert found.speed[2:] == (row["speed_low_95_mm_s"], row["speed_high_95_mm_s"])
+    bounds = found.speed.low_95, found.speed.high_95
+    assert bounds == (row["speed_low_95_mm_s"], row["speed_high_95_mm_s"])
     assert str(found.speed).endswith("14.8 to 147.3")
     assert "predicted speed</th><td>60 ± 26 mm/s" in found._repr_html_()
     several = wg.predict(PAPER, LANE, tilt=(5, 10), legs=("flexible", "braced"))
@@ -192,10 +192,10 @@ def test_a_simulation_is_the_commands(run, runs):
     )
     assert runs.summary.impacts_per_s == pytest.approx(told["impacts_per_s"], rel=0.05)
     plain = json.loads(run("simulate", "koumakis2016", "--tilt", "10", *SHORT_FLAGS, "--json"))
-    assert runs.speed == speed_of(
-        *(plain[name] for name in ("speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
-                                   "speed_high_95_mm_s"))
-    )  # fmt: skip
+    assert runs.speed.value == plain["speed_mm_s"]
+    assert runs.speed.orbit == plain["orbit"]["kind"]
+    bounds = runs.speed.low_95, runs.speed.high_95
+    assert bounds == (plain["speed_low_95_mm_s"], plain["speed_high_95_mm_s"])
     found, (first, *_) = runs.trajectory(50), Path("all.csv").read_text().splitlines()
     assert list(found.columns) == first.split(",")
     rows = np.loadtxt("all.csv", delimiter=",", skiprows=1)

@@ -121,8 +121,9 @@ def simulate(
             met = _met(error, of, resolved_scene, chosen, mass, progress)
             resolved_scene = met.scene
             found = make.measured(
-                met.point, points.Asked(met.scene, chosen, mass), {met.of: met.choice.bias_bound}
-            )
+                met.point, points.Asked(met.scene, chosen, mass),
+                {met.of: met.choice.bias_bound}, progress,
+            )  # fmt: skip
             one = make.asked(met.scene, chosen, mass, interval)
         done, wished = found.point.summary.runs, resolved_scene.run.runs
         if trajectory is not None and done == wished:
@@ -184,6 +185,8 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
         plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
         title = f"{members[0].name} on {scene.name}, {plate}"
         show.table(several.to_table(rows, title))
+        for note in several.notes(rows):
+            show.text(note)
     if missing := members[len(rows) :]:
         told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
         print(f"missing: {told}", file=sys.stderr)
@@ -207,6 +210,7 @@ def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> d
     if found.landings:
         data["landings"] = tables.landings_as_dict(found)
     data["step"] = tables.step_as_dict(found)
+    data["orbit"] = None if found.orbit is None else tables.orbit_as_dict(found.orbit)
     if met is not None:
         obtained = None if math.isinf(met.error) else met.error
         data["chosen"] = met.choice._asdict() | {
@@ -256,7 +260,10 @@ def _show_summary(
         if measured.point.model == "space":
             speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
         speed += tables.speed_by_step(measured)
-        speed += "; standard error unknown: needs 4 runs" if bars is None else ""
+        if measured.orbit is not None:
+            speed += f"; {measured.orbit.kind}: all runs end so, and tell no error"
+        elif bars is None:
+            speed += "; standard error unknown: needs 4 runs"
     correlation = found.correlation_time_s
     rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
     for name, value in (
@@ -264,7 +271,7 @@ def _show_summary(
         ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
         ("model", tables.model_in_words(measured, scene)),
         ("mean speed", speed),
-        *tables.bound_rows(found),
+        *tables.bound_rows(measured),
         *(_met_rows(met) if met is not None else ()),
         *tables.motion_rows(measured),
         ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),

@@ -63,10 +63,14 @@ class Simulation(Result):
 
     @property
     def speed(self) -> Speed:
-        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step."""
+        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step.
+
+        Where all runs end on one orbit they tell no error, and bounds are those of prints.
+        """
         one = self.summary
+        kind = "" if self.found.orbit is None else self.found.orbit.kind
         return speed_of(
-            one.speed_mm_s, one.speed_se_mm_s, one.speed_low_95_mm_s, one.speed_high_95_mm_s
+            one.speed_mm_s, one.speed_se_mm_s, one.speed_low_95_mm_s, one.speed_high_95_mm_s, kind
         )
 
     @property
@@ -89,6 +93,8 @@ class Simulation(Result):
         )
         yield "model", tables.model_in_words(self.found, self.scene)
         yield "mean speed", str(self.speed)
+        if self.found.orbit is not None:
+            yield "prints", tables.over_prints(self.found.orbit)
         yield from tables.motion_rows(self.found)
         if self.met is not None:
             choice = self.met.choice
@@ -158,7 +164,7 @@ def simulate(
         return Simulation(one, make.measure(one, tell))
     met = choose.meet(ground, member, mass, wanted.parse(error), tell)
     one = Asked(met.scene, member, mass)
-    found = make.measured(met.point, one, {met.of: met.choice.bias_bound})
+    found = make.measured(met.point, one, {met.of: met.choice.bias_bound}, tell)
     return Simulation(make.asked(met.scene, member, mass), found, met)
 
 

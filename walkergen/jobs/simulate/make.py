@@ -9,7 +9,9 @@ from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
 from walkergen.exploring.runs import motion_of
-from walkergen.files.progress import Progress
+from walkergen.files.progress import Progress, silent
+from walkergen.jobs.simulate import orbit
+from walkergen.jobs.simulate.orbit import Orbit
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve
@@ -37,6 +39,8 @@ class Simulated(NamedTuple):
     """Values of the same observables."""
     errors: Mapping[str, float | None]
     """Their standard errors, of the runs and the step together; None where either is unknown."""
+    orbit: Orbit | None = None
+    """Orbit that all runs share: they tell no error then, and the bounds are those of prints."""
     motion: Motion | None = None
     untold: str = ""
     """Reason why a walker in space has no `motion`; "" when it has one."""
@@ -62,10 +66,13 @@ def measure(one: Asked, progress: Progress) -> Simulated:
     """
     if one.sample_interval is not None:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-    return measured(points.measure(one, progress), one)
+    return measured(points.measure(one, progress), one, progress=progress)
 
 
-def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = None) -> Simulated:
+def measured(
+    point: Point, one: Asked, studied: Mapping[str, float] | None = None,
+    progress: Progress = silent,
+) -> Simulated:  # fmt: skip
     """What a simulated point says of its step, and in space of motion and landings.
 
     `studied` are largest errors (95 %) of the step that are known better, by name.
@@ -75,8 +82,12 @@ def measured(point: Point, one: Asked, studied: Mapping[str, float] | None = Non
     verdicts |= {name: Verdict(error) for name, error in (studied or {}).items()}
     values = resolution.values(point.summary)
     errors = resolution.errors(verdicts, point.summary)
-    point = point._replace(summary=resolution.bounded(verdicts, point.summary))
-    found = Simulated(point, verdicts, resolution.warnings(plan), values, errors)
+    summary = resolution.bounded(verdicts, point.summary)
+    shared = orbit.of(point, one, progress)
+    if shared is not None:
+        summary, errors = orbit.of_prints(summary, shared), dict.fromkeys(errors)
+    point = point._replace(summary=summary)
+    found = Simulated(point, verdicts, resolution.warnings(plan), values, errors, shared)
     if point.model != "space":
         return found
     good = [result for result in point.results if result.outcome in ENDED_WELL]

@@ -10,6 +10,7 @@ from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.tables import csv_text
 from walkergen.jobs.simulate.uncertain import Uncertain
+from walkergen.numerics import statistics
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -39,9 +40,28 @@ def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
             else f"± {words.number(step, 2)} mm/s"
         ),
     )
-    yield "statistical", f"± {found.statistical_mm_s:.1f} mm/s of each short run, not in the bounds"
+    yield "statistical", f"± {words.number(found.statistical_mm_s, 2)} mm/s of each short run"
     outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())
     yield "runs", f"model {found.model}, a run a draw: {outcomes}"
+    for note in notes(found):
+        yield "note", note
+
+
+def notes(found: Uncertain) -> Iterator[str]:
+    """Statements on what the bounds hold, and on what was taken out of them."""
+    if found.draws < statistics.ENOUGH_FOR_95:
+        yield (
+            f"95 % of prints: {found.draws} draws do not reach its ends, which are extrapolated by "
+            "Student's t; they hold 93 to 98 %, by the shape of the scatter; "
+            f"{statistics.ENOUGH_FOR_95} draws need none"
+        )
+    if found.statistical_mm_s > found.between_prints_mm_s:
+        yield (
+            "runs so short scatter more than prints do: half of the variance is taken out of the "
+            "bounds, which are too wide; longer --seconds narrows them"
+        )
+    else:
+        yield "the statistical error of short runs is taken out of the bounds"
 
 
 def as_dict(found: Uncertain) -> dict[str, Any]:
@@ -63,6 +83,7 @@ def as_dict(found: Uncertain) -> dict[str, Any]:
         "by_step_mm_s": found.by_step_mm_s,
         "shares": [share._asdict() for share in found.shares],
         "unexplained": unexplained if found.shares else None,
+        "notes": list(notes(found)),
     }
 
 

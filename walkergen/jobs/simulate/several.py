@@ -1,7 +1,7 @@
 """Simulation of several walkers in one scene: a row each, theory and simulation side by side."""
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rich import box
 from rich.table import Table
@@ -9,6 +9,7 @@ from rich.table import Table
 from walkergen import prediction
 from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.files.progress import Progress
+from walkergen.jobs.simulate import orbit, tables
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution
 from walkergen.simulation.ensemble import listed
@@ -16,6 +17,9 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
+
+ORBIT = "(o)"
+"""Mark of a speed whose runs all end on one orbit."""
 
 
 class Row(NamedTuple):
@@ -32,10 +36,12 @@ class Row(NamedTuple):
     speed_se_mm_s: float | None
     speed_low_95_mm_s: float | None
     speed_high_95_mm_s: float | None
-    """Bounds of 95 % by runs and step; None when they are unknown."""
+    """Bounds of 95 % by runs and step, or of prints on an orbit; None when they are unknown."""
     runs: int
     outcomes: Mapping[str, int]
     warnings: Sequence[str]
+    orbit: Mapping[str, Any] | None
+    """Orbit that all runs share, so that they tell no error; None where they differ."""
 
 
 def asked(scene: Scene, members: Sequence[Design]) -> list[Asked]:
@@ -57,11 +63,15 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
     ):
         plan = prepare(one.scene, one.design, one.mass)
         found = resolution.bounded(resolution.judge(plan, point.summary), point.summary)
+        shared = orbit.of(point, one, progress)
+        if shared is not None:
+            found = orbit.of_prints(found, shared)
         theory = prediction.predict(one.design, one.mass, one.scene).speed_mm_s
         yield Row(
             name, one.design.tilt_deg, one.design.kind, point.model, point.method, theory,
             found.speed_mm_s, found.speed_se_mm_s, found.speed_low_95_mm_s,
             found.speed_high_95_mm_s, found.runs, found.outcomes, resolution.warnings(plan),
+            None if shared is None else tables.orbit_as_dict(shared),
         )  # fmt: skip
 
 
@@ -80,10 +90,20 @@ def to_table(rows: Sequence[Row], title: str) -> Table:
     return table
 
 
+def notes(rows: Sequence[Row]) -> list[str]:
+    """Notes below the table: what marks mean."""
+    kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
+    return [
+        f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    ] * bool(kinds)
+
+
 def _speed(row: Row) -> str:
     """Mean speed of the runs with its standard error."""
     if row.speed_mm_s is None:
         return "none"
+    if row.orbit is not None:
+        return f"{row.speed_mm_s:.2f} {ORBIT}"
     if row.speed_se_mm_s is None:
         return f"{row.speed_mm_s:.2f} ± ?"
     return with_error(Estimate(row.speed_mm_s, row.speed_se_mm_s))

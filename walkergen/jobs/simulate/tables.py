@@ -12,9 +12,9 @@ from walkergen.analysis.landings import CORNERS, TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
 from walkergen.files import words
 from walkergen.jobs.simulate.make import Simulated
+from walkergen.jobs.simulate.orbit import Orbit
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
-from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.observables import POWER_ROWS
 
 MOVED = {
@@ -104,8 +104,12 @@ def speed_by_step(found: Simulated) -> str:
     return f" ± {words.number(verdict.error, 2)} by the step (95 %)" if verdict.error else ""
 
 
-def bound_rows(found: Summary) -> Iterator[tuple[str, str]]:
-    """Row of a summary with the bounds of the mean speed, where runs and step give any."""
+def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
+    """Row of a summary with the bounds of the mean speed; of prints where runs share an orbit."""
+    if simulated.orbit is not None:
+        yield "prints", over_prints(simulated.orbit)
+        return
+    found = simulated.point.summary
     low, high = found.speed_low_95_mm_s, found.speed_high_95_mm_s
     if low is not None and high is not None:
         yield (
@@ -115,6 +119,17 @@ def bound_rows(found: Summary) -> Iterator[tuple[str, str]]:
                 "scene do not know"
             ),
         )
+
+
+def over_prints(orbit: Orbit) -> str:
+    """Statement of how speeds differ from print to print, where runs share an orbit."""
+    if orbit.bounds_mm_s is None:
+        return f"unknown how they differ: {orbit.reason}"
+    low2, low1, high1, high2 = orbit.bounds_mm_s
+    return (
+        f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %), by "
+        f"{orbit.draws} draws of what design and scene do not know; --uncertain tells which does it"
+    )
 
 
 def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
@@ -138,6 +153,8 @@ def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> st
     verdict, value = found.verdicts[name], scale * found.values[name]
     if verdict.error is None:
         return f"{words.number(value, 4)}{unit} {_marks(found)[verdict.reason]}"
+    if found.orbit is not None:
+        return f"{words.number(value, 4)}{unit}"
     error = found.errors[name]
     both = (
         f"{words.number(value, 4)} ± ?"
@@ -268,3 +285,8 @@ def step_as_dict(found: Simulated) -> dict[str, Any]:
             reasons.setdefault(one.reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
     return {"errors_95": known, "not_resolved": unresolved, "warnings": list(found.warnings)}
+
+
+def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:
+    """Orbit that all runs share, for JSON; bounds of prints stand in the speed's own."""
+    return {"kind": orbit.kind, "draws": orbit.draws, "note": over_prints(orbit)}

@@ -1,0 +1,71 @@
+"""Runs that share an orbit agree to rounding: no error is printed of them, but what prints do."""
+
+import json
+
+import numpy as np
+from typer.testing import CliRunner
+
+import walkergen as wg
+from walkergen.analysis import orbits
+from walkergen.cli import app
+
+LOCKED = ("simulate", "--scene", "lane-90hz", "--model", "relaxed", "--seconds", "1", "--runs", "4")
+
+
+def simulate(*words):
+    result = CliRunner().invoke(app, [*LOCKED, *words])
+    assert result.exit_code == 0, result.exception
+    return result.stdout
+
+
+def test_only_runs_that_agree_to_rounding_share_an_orbit():
+    locked = 97.4 + 1e-6 * np.arange(4)
+    assert orbits.shared(locked, 31.2) == orbits.ORBIT
+    assert orbits.shared(np.zeros(4), 31.2) == orbits.REST
+    assert orbits.shared(locked[:3], 31.2) == ""  # three may agree by chance
+    assert orbits.shared(np.array([*locked, 97.5]), 31.2) == ""
+    assert orbits.shared(np.random.default_rng(1).normal(97.0, 0.1, 4), 31.2) == ""
+
+
+def test_runs_on_one_orbit_tell_no_error_and_prints_the_bounds():
+    found = json.loads(simulate("--tilt", "10", "--json"))
+    assert found["orbit"]["kind"] == orbits.ORBIT
+    assert found["orbit"]["draws"] == 24
+    assert found["speed_se_mm_s"] is None
+    assert set(found["errors"].values()) == {None}
+    # As `--uncertain` has it: 97 mm/s, a standard deviation of 11 between prints.
+    assert 55.0 < found["speed_low_95_mm_s"] < found["speed_low_68_mm_s"] < 97.0
+    assert 97.0 < found["speed_high_68_mm_s"] < found["speed_high_95_mm_s"] < 150.0
+    assert json.loads(simulate("--tilt", "5", "--json"))["orbit"] is None  # chaotic
+
+
+def test_the_summary_and_the_table_say_so():
+    text = " ".join(simulate("--tilt", "10").split())
+    assert "97.54 mm/s; one periodic orbit: all runs end so, and tell no error" in text
+    assert "(95 %), by 24 draws" in text
+    assert "e-" not in text.partition("unaccounted")[0]  # no error of 1e-9 anywhere
+    table = " ".join(simulate("--tilt", "5,10").split())
+    assert "97.54 (o)" in table
+    assert "(o): all runs end so (one periodic orbit) and tell no error" in table
+
+
+def test_without_anything_uncertain_the_reason_is_given():
+    keys = ("scene.contact.restitution_sd", "scene.contact.friction_sd", "legs.thickness_sd_mm",
+            "weighed.mass_sd_percent")  # fmt: skip
+    certain = [word for key in keys for word in ("--set", f"{key}=0")]
+    found = json.loads(simulate("--tilt", "10", "--json", *certain))
+    assert found["speed_low_95_mm_s"] is None
+    assert "no standard deviation above 0" in found["orbit"]["note"]
+
+
+def test_in_python_too():
+    runs = wg.simulate("koumakis2016", "lane-90hz", tilt=10, model="relaxed", seconds=1, runs=4)
+    assert np.isnan(runs.speed.se)
+    assert str(runs.speed).startswith("97.54 mm/s, one periodic orbit; 95 % of prints ")
+    assert runs.speed.low_95 < 97.5 < runs.speed.high_95
+    assert "draws of what design and scene do not know" in dict(runs.rows())["prints"]
+
+
+def test_a_walker_at_rest_is_told_so():
+    text = " ".join(simulate("--tilt", "10", "--gamma", "0.5").split())
+    assert "0.00 mm/s; at rest: all runs end so, and tell no error" in text
