@@ -27,6 +27,9 @@ the sheet over its width, at most."""
 RULER = 0.4
 """Length of the scale bar over the body's, at most."""
 
+SEAM = 0.8
+"""Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
+
 ROUNDING_MM = 1e-6
 """Largest error, mm, of the heights of a mesh."""
 
@@ -36,10 +39,14 @@ class Part(NamedTuple):
 
     design: Design
     mesh: Mesh
+    caption: str = ""
+    """Words below the picture in place of its own."""
 
     @property
     def label(self) -> str:
         """Words below the picture: the tilt, unless every leg has its own, and the kind of legs."""
+        if self.caption:
+            return self.caption
         kind = self.design.kind
         return f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
 
@@ -136,6 +143,6 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
     faces = PolyCollection(
         list(corners[order][:, :, :2] - middle + at),
-        facecolors=colours, edgecolors=colours, linewidths=0.3,
+        facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round",
     )  # fmt: skip
     axes.add_collection(faces)
