@@ -178,7 +178,7 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], drive=list(range(10, 80, 10)))
     found, panels_ = drawn(table)
     assert [axes.get_title() for axes in panels_] == [
-        f"contact.friction {friction}" for friction in (0.1, 0.2, 0.3)
+        f"friction {friction}" for friction in (0.1, 0.2, 0.3)
     ]
     meshes = [one for axes in panels_ for one in axes.collections if isinstance(one, QuadMesh)]
     assert len(meshes) == 3
@@ -194,7 +194,7 @@ def test_three_keys_with_few_values_are_small_multiples_of_lines():
     found, panels_ = drawn(table)
     assert [axes.get_title() for axes in panels_] == ["law of restitution poisson", "law of restitution newton"]
     assert [len(lines_of(axes)) for axes in panels_] == [3, 3]
-    assert said(found) == ["contact.friction 0.1", "0.2", "0.3"]
+    assert said(found) == ["friction 0.1", "0.2", "0.3"]
     assert len({axes.get_ylim() for axes in panels_}) == 1
 
 
@@ -203,8 +203,8 @@ def test_more_panels_than_a_page_holds_are_counted():
     table = columns(tilt=list(range(16)), mu=frictions, drive=list(range(10, 180, 10)))
     found, panels_ = drawn(table)
     assert len(panels_) == figures.MOST_PANELS
-    assert panels_[0].get_title() == "contact.friction 0.05"
-    assert panels_[-1].get_title() == "contact.friction 0.75"
+    assert panels_[0].get_title() == "friction 0.05"
+    assert panels_[-1].get_title() == "friction 0.75"
     title = " ".join(found.get_suptitle().split())
     assert title == "a sweep; 3 of 15 values of scene.contact.friction left out"
 

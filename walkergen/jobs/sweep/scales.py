@@ -19,7 +19,7 @@ below this share of the last: values in even steps stay on a linear axis."""
 
 MOST_WORD_TICKS = 12
 
-NAME_INCHES = 1.9
+NAME_INCHES = 2.1
 """Length of a line of an axis's name, inches: about a panel's."""
 
 
