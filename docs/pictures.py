@@ -48,7 +48,7 @@ MOVIE = (
     "--slow 150"
 )
 MAP = "walkergen sweep koumakis2016 --set legs.tilt_deg=0:45:2.5 --set scene.drive.gamma=1.2:3:0.1"
-CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 10 --only models --budget 60s"
+CHOICE = "walkergen accuracy koumakis2016 --scene lane-90hz --tilt 10 --only models --budget 2min"
 SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 "
     "--set scene.run.runs=8"
@@ -167,7 +167,7 @@ def said(path: Path) -> bytes:
         return bare(data.decode()).encode()
     if path.suffix == ".toml":
         return json.dumps(tomllib.loads(data.decode()), sort_keys=True).encode()
-    return data
+    return b"".join(data.split())  # ends of lines differ between systems
 
 
 def bare(source: str) -> str:
@@ -213,7 +213,9 @@ def facts(picture: Picture) -> dict[str, str]:
 def stamped(data: bytes, told: dict[str, str]) -> bytes:
     """PNG with facts as chunks of text, or GIF with them as a comment of a line each."""
     if data.startswith(b"\x89PNG"):
-        chunks = b"".join(_chunk(f"{key}\0{value}".encode("latin-1")) for key, value in told.items())
+        chunks = b"".join(
+            _chunk(f"{key}\0{value}".encode("latin-1")) for key, value in told.items()
+        )
         return data[:33] + chunks + data[33:]  # behind the header
     comment = "\n".join(f"{key}: {value}" for key, value in told.items()).encode()
     colours = 3 * 2 ** ((data[10] & 7) + 1) if data[10] & 0x80 else 0

@@ -188,7 +188,9 @@ def test_the_front_is_the_least_error_of_the_complete_model_for_a_time(drawn):
 
 def test_what_a_budget_did_not_resolve_ends_in_an_open_mark(drawn):
     axes = drawn["choice"].axes[0]
-    marks = [line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())]
+    marks = [
+        line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())
+    ]
     assert len(marks) == 2  # steps of 1.2 and 2.3 us
     assert {line.get_markerfacecolor() for line in marks} == {"white"}
     ends = sorted(float(line.get_ydata()[0]) for line in marks)

@@ -192,7 +192,10 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
 def test_three_keys_with_few_values_are_small_multiples_of_lines():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], law=["poisson", "newton"])
     found, panels_ = drawn(table)
-    assert [axes.get_title() for axes in panels_] == ["law of restitution poisson", "law of restitution newton"]
+    assert [axes.get_title() for axes in panels_] == [
+        "law of restitution poisson",
+        "law of restitution newton",
+    ]
     assert [len(lines_of(axes)) for axes in panels_] == [3, 3]
     assert said(found) == ["friction 0.1", "0.2", "0.3"]
     assert len({axes.get_ylim() for axes in panels_}) == 1
@@ -237,7 +240,8 @@ def test_samples_of_more_keys_are_a_panel_each():
     table = cloud(40, TILT, MU, DRIVE, "legs.length_mm", missing=[3], doubtful=[5])
     _, panels_ = drawn(table)
     assert [axes.get_xlabel() for axes in panels_] == [
-        "tilt of the legs (deg)", "friction", "peak speed of the plate (mm/s)", "length of the legs (mm)"
+        "tilt of the legs (deg)", "friction", "peak speed of the plate (mm/s)",
+        "length of the legs (mm)",
     ]  # fmt: skip
     for axes in panels_:
         assert not lines_of(axes)

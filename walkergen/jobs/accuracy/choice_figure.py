@@ -28,8 +28,8 @@ FLAT = 0.1
 """Share of the statistical error in the bias at which the line of a known bias ends: more time
 would change nothing."""
 
-NAMED = 0.06
-"""Decades, along cost and error together, below which a part of the front has no name."""
+SHORT = 0.06
+"""Decades, along cost and error together, below which a part of the front is as good as none."""
 
 LINE = 9.5
 """Distance of two names above one another, points."""
@@ -77,7 +77,9 @@ def choice_figure(
     axes.set_xscale("log")
     axes.set_yscale("log")
     _limit(axes, drawn, rungs)
-    parts = front([line for line in drawn if line.worth])
+    parts = [
+        part for part in front([line for line in drawn if line.worth]) if _length(part) > SHORT
+    ]
     named = {line.name for line, _, _ in parts}
     _draw_rest(axes, [line for line in drawn if line.name not in named])
     _draw_front(axes, parts)
@@ -119,9 +121,7 @@ def front(lines: Sequence[Line]) -> list[Part]:
     if not lines:
         return []
     cost = np.unique(np.concatenate([line.cost for line in lines]))
-    errors = np.array(
-        [np.interp(cost, line.cost, line.error, left=np.inf) for line in lines]
-    )
+    errors = np.array([np.interp(cost, line.cost, line.error, left=np.inf) for line in lines])
     least = errors.argmin(axis=0)
     starts = [0, *(np.flatnonzero(np.diff(least)) + 1), len(cost)]
     parts = []
@@ -133,6 +133,12 @@ def front(lines: Sequence[Line]) -> list[Part]:
         if len(at):
             parts.append((line, at, np.interp(at, line.cost, line.error)))
     return parts
+
+
+def _length(part: Part) -> float:
+    """Length of a part of the front, decades along cost and error together."""
+    _, cost, error = part
+    return float(np.log10(cost[-1] / cost[0]) + np.log10(error[0] / error[-1]))
 
 
 def _limit(axes: Axes, lines: Sequence[Line], rungs: Sequence[Rung]) -> None:
@@ -154,11 +160,11 @@ def _draw_front(axes: Axes, parts: Sequence[Part]) -> None:
         # The geometric middle of the errors: a line falls first, and flattens then
         place = int(np.argmin(np.abs(np.log(error) - 0.5 * np.log(error[0] * error[-1]))))
         at = axes.transData.transform((cost[place], error[place]))
-        length = np.log10(cost[-1] / cost[0]) + np.log10(error[0] / error[-1])
-        if length < NAMED or last - at[1] < LINE * axes.figure.dpi / 72.0:
-            continue
-        last = at[1]
-        _say(axes, line.name, (cost[place], error[place]), (-7, -3), FRONT, "right")
+        scale = 72.0 / axes.figure.dpi
+        shift = min(0.0, scale * (last - at[1]) - LINE)
+        last = at[1] + shift / scale
+        if line.name not in {text.get_text() for text in axes.texts}:
+            _say(axes, line.name, (cost[place], error[place]), (-7, shift - 3), FRONT, "right")
 
 
 def _draw_rest(axes: Axes, lines: Sequence[Line]) -> None:
@@ -189,6 +195,7 @@ def _end(axes: Axes, line: Line, colour: str) -> None:
 def _draw_formulas(axes: Axes, rungs: Sequence[Rung]) -> None:
     """Draw formulas, which have no line, as stars; the names of two stand below and above."""
     for number, rung in enumerate(rungs):
+        assert rung.error is not None
         axes.plot(rung.cpu_s, rung.error, "*", color="black", markersize=7, zorder=4)
         _say(axes, rung.series, (rung.cpu_s, rung.error), (6, LINE * (number - 0.5)), "black",
              "left")  # fmt: skip

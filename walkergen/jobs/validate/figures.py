@@ -74,7 +74,8 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> bytes:
             _mark(axes, "disagree", places, [top + 0.5] * len(places))
             top += 1.0
         axes.axhline(top, color="0.8", linewidth=0.6)
-    _dress(axes, ticks, names, top)
+    left = min((at for own in groups.values() for _, at, _ in _swarm(own)), default=0.0)
+    _dress(axes, min(left, 0.0) - DOT, ticks, names, top)
     for word, colour in COLOURS.items():
         number = sum(one.verdict == word for one in claims)
         axes.plot([], [], MARKERS[word], color=colour, markersize=4, label=f"{number} {word}")
@@ -92,8 +93,10 @@ def _rows(claims: Sequence[Claim]) -> list[Row]:
 
 
 def _subject(claims: Sequence[Claim]) -> str:
-    """Name of claims with one reason, if need be what stands before its colon; words in which they
-    differ are left out."""
+    """Name of claims with one reason, without the words in which they differ.
+
+    Of one with a long name it is what stands before the colon.
+    """
     first = claims[0].quantity
     if len(claims) > 1:
         words = zip(*(one.quantity.partition(":")[0].split() for one in claims), strict=False)
@@ -164,15 +167,16 @@ def _mark(axes: Axes, word: Word, x: Sequence[float], y: Sequence[float]) -> Non
     )  # fmt: skip
 
 
-def _dress(axes: Axes, ticks: Sequence[float], names: Sequence[str], bottom: float) -> None:
-    """Name both axes; what is allowed is shaded."""
-    widest = min((min(line.get_xdata(), default=0.0) for line in axes.get_lines()), default=0.0)
-    axes.set_xlim(widest - DOT, _at(LARGEST))
-    axes.axvspan(widest - DOT, 1.0, color="#0072B2", alpha=0.07, linewidth=0, zorder=0)
+def _dress(
+    axes: Axes, left: float, ticks: Sequence[float], names: Sequence[str], bottom: float
+) -> None:
+    """Name both axes, which end at `left` and at the `bottom`; what is allowed is shaded."""
+    axes.set_xlim(left, _at(LARGEST))
+    axes.axvspan(left, 1.0, color="#0072B2", alpha=0.07, linewidth=0, zorder=0)
     axes.axvline(1.0, color="black", linewidth=0.8, zorder=2)
     axes.axvline(0.0, color="0.8", linewidth=0.6, zorder=1)
     axes.set_xticks([_at(tick) for tick in TICKS], [f"{tick:g}" for tick in TICKS])
-    axes.set_xlabel("gap over what errors and margin allow (left of 0: none to speak of)")
+    axes.set_xlabel(f"gap over what errors and margin allow (left of 0: less than {EXACT:g})")
     axes.set_yticks(ticks, names)
     for tick in axes.get_yticklabels():
         if "\n" in tick.get_text():  # of a group
