@@ -53,7 +53,7 @@ SIMULATED = (
     "walkergen family koumakis2016 --scene plane-90hz --simulate --set scene.run.seconds=2 "
     "--set scene.run.runs=8"
 )
-REPRODUCE = "walkergen reproduce --seconds 4 --gamma 1.5,1.8"
+REPRODUCE = "walkergen reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "walkergen validate"
 OTHERS = {
     "two-materials": "rough foot behind, smooth ahead",
@@ -119,7 +119,7 @@ def page(folder: Path) -> bytes:
 
 
 PICTURES = (
-    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/family/preview.py"), 6,
+    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/family/preview.py"), 15,
             "preview.png"),
     Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/family/figures.py"), 0,
             "speed.png"),
@@ -128,19 +128,19 @@ PICTURES = (
     Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/family/preview.py"), 2,
             mechanisms),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/sweep/*.py"), 5, "sweep.png"),
-    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/movie/*.py"), 20,
+    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/movie/*.py"), 30,
             "movie.gif"),
     Picture("choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/accuracy/*.py"),
-            130, "choice.png"),
+            190, "choice.png"),
     Picture("simulated.png", SIMULATED,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/family/figures.py"), 30,
+            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/family/figures.py"), 40,
             "speed.png"),
     Picture("reproduced.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/paper/*.py"), 120, "figure2.png"),
+            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/paper/*.py"), 190, "figure2.png"),
     Picture("figure6.png", REPRODUCE,
             (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/paper/*.py"), 0, "figure6.png"),
     Picture("validation.png", VALIDATE,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/validate/*.py"), 170,
+            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/validate/*.py"), 180,
             "validation.png", beside=("validation.md",), program="prusa-slicer",
             package="prusa-slicer"),
 )  # fmt: skip
