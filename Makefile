@@ -1,4 +1,4 @@
-.PHONY: check quick test nightly bench site calibrate-models
+.PHONY: check quick test nightly bench site pictures calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -8,7 +8,7 @@ check:
 	$(PYTHON) -c "from importlinter.cli import lint_imports_command; lint_imports_command()"
 
 quick:
-	$(PYTHON) -m pytest -m "not nightly and not slow and not programs"
+	$(PYTHON) -m pytest -m "not nightly and not slow and not programs and not pictures"
 
 test:
 	$(PYTHON) -m pytest
@@ -25,6 +25,10 @@ bench:
 
 site:
 	NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict
+
+# Pictures of docs/ whose code has moved on; ONLY=choice,speed: these; ONLY=all: every one
+pictures:
+	$(PYTHON) docs/pictures.py $(ONLY)
 
 calibrate-models:
 	$(PYTHON) -m walkergen.jobs.discrepancies.make $(ARGS)

@@ -13,10 +13,12 @@ from synthetic_tracks import film
 
 from walkergen.analysis import motion
 from walkergen.analysis.speeds import Measured as Speeds
+from walkergen.analysis.tracks import Track
 from walkergen.files import figures
 from walkergen.jobs.accuracy import figures as precision
+from walkergen.jobs.accuracy.choice_figure import choice_figure, front
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.accuracy.setting import Measured, Setting, Unit
+from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.jobs.analyse import figures as analysed
 from walkergen.jobs.family import beside
 from walkergen.jobs.family import figures as family
@@ -75,18 +77,26 @@ def ladder(along):
     return Ladder("x", title, "bias of the mean speed", "CPU time, s", "", known, (), along)
 
 
-def choice_figure():
+BIASES = {1.2: (0.0, 0.5), 2.3: (0.6, 1.1), 4.6: (-1.7, 0.7), 5.8: (-7.4, 1.8), 7.4: (-5.1, 1.4)}
+"""Biases in space (mm/s) and their standard errors by step: all but the last three may be zero."""
+
+
+def choices():
+    def bias(one, reference):
+        return Bias(*BIASES.get(one.setting.step_us, (20.0, 0.5)))
+
     survey = SimpleNamespace(
         unit=lambda reference: Unit(100.0, "share of the mean speed", True, 1.0),
-        bound=lambda one, reference: 0.2 * (one.setting.step_us or 30.0),
-    )
-    steps = [Setting("space", "step", step) for step in (1.2, 2.3, 4.6, 5.8, 7.4)]
-    others = [Setting("rigid", "event", None), Setting("compliant", "step", 2.3)]
+        bias=bias, bound=lambda *pair: bias(*pair).bound, complete="space",
+    )  # fmt: skip
+    steps = [Setting("space", "step", step) for step in BIASES]
+    others = [Setting("rigid", "event", None), Setting("compliant", "step", None)]
     found = [
-        Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0, None, "") for one in (*steps, *others)
-    ]  # fmt: skip
+        Measured(one, 100.0, 0.6, 16, 2.0, 0.3, 5.0 / (one.step_us or 9.0), None, "")
+        for one in (*steps, *others)
+    ]
     formulas = [Rung("paper's eq. 15", "", 0.39, None, 3.6e-4, {})]
-    return precision.choice_figure(survey, found, found[0], formulas, TITLE)
+    return choice_figure(survey, found, found[0], formulas, TITLE)
 
 
 @pytest.fixture(scope="module")
@@ -103,7 +113,7 @@ def drawn(tracks):
         "named": speed_figure(ROWS[::2], beside.Beside({}), SIMULATED[:2], named=True),
         "steps": precision.ladder_figure(ladder("step_us")),
         "models": precision.ladder_figure(ladder("")),
-        "choice": choice_figure(),
+        "choice": choices(),
         **dict(analysed.figures(found, tracks, "films/a_film_with_a_long_name_of_2026.csv")),
     }
     with figures.style():
@@ -160,13 +170,31 @@ def test_lines_against_the_step_never_loop_back(drawn):
     assert words == ["by events"]
 
 
-def test_settings_of_another_model_are_black_and_steps_are_told_by_their_dashes(drawn):
-    lines = {line.get_label(): line for line in drawn["choice"].axes[0].get_lines()}
-    steps = [line for name, line in lines.items() if name.startswith("space, step")]
-    assert len({line.get_marker() for line in steps}) == len(steps) == 5
-    assert lines["compliant, step 2.3 us"].get_color() == "#000000"
-    shares = [tick.get_text() for tick in drawn["choice"].axes[1].get_yticklabels()]
-    assert set(shares) >= {"20 %", "1 %"}
+def test_the_front_is_the_least_error_of_the_complete_model_for_a_time(drawn):
+    axes = drawn["choice"].axes[0]
+    parts = [line for line in axes.get_lines() if len(set(line.get_ydata())) > 1]
+    thick = [line for line in parts if line.get_linewidth() > 2.0]
+    lines = [line for line in parts if line not in thick]
+    assert len(thick) >= 2
+    names = [text.get_text() for text in axes.texts]
+    assert sorted(names) == sorted(set(names))  # each setting once, on its line
+    assert any(name.startswith("space, step") for name in names)
+    for part in thick:
+        for cost, error in zip(*part.get_data(), strict=True):
+            others = [np.interp(cost, *line.get_data(), left=np.inf) for line in lines]
+            assert error <= 1.02 * min(others)  # up to where the next one begins
+    assert front([]) == []
+
+
+def test_what_a_budget_did_not_resolve_ends_in_an_open_mark(drawn):
+    axes = drawn["choice"].axes[0]
+    marks = [
+        line for line in axes.get_lines() if line.get_marker() == "v" and len(line.get_xdata())
+    ]
+    assert len(marks) == 2  # steps of 1.2 and 2.3 us
+    assert {line.get_markerfacecolor() for line in marks} == {"white"}
+    ends = sorted(float(line.get_ydata()[0]) for line in marks)
+    assert ends == pytest.approx([0.02, 0.056], rel=0.05)  # twice the bound that is known
 
 
 def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():
@@ -186,6 +214,18 @@ def test_ticks_of_a_logarithmic_axis_are_plain_and_do_not_collide():
     assert [figures._power(value) for value in (0.02, 1000.0, 1e-5, 2e6)] == [
         "0.02", "1000", "$10^{-5}$", r"$2 \times 10^{6}$",
     ]  # fmt: skip
+
+
+def test_walkers_that_do_not_turn_have_neither_correlation_nor_tracks_from_above():
+    turning, straight = film(1, 3, 5.0), film(1, 3, 5.0)
+    line = [Track(one.particle, one.position[:, :1] * [1.0, 1e-3], 1e-3 * one.heading)
+            for one in straight.tracks]  # fmt: skip
+    straight = straight._replace(tracks=tuple(line))
+    for tracks, names in ((turning, {"correlation"}), (straight, set())):
+        found = dict(analysed.figures(motion.analyse(tracks), tracks, "title"))
+        assert {"correlation"} & found.keys() == names
+        label = found["trajectories"].axes[0].get_xlabel()
+        assert label == ("x (mm); arrows: headings" if names else "time (s)")
 
 
 def test_arrows_point_where_the_tracks_head(tracks, drawn):

@@ -9,6 +9,7 @@ from matplotlib.colors import to_rgb
 from matplotlib.text import Text
 
 from walkergen.files import figures as files
+from walkergen.files import key_names
 from walkergen.jobs.sweep import figures, panels, scales
 from walkergen.jobs.sweep.figures import Columns
 
@@ -67,7 +68,7 @@ def test_one_key_is_a_line_with_its_bounds_as_bars():
     (bars,) = axes.containers
     ends = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
     np.testing.assert_allclose(ends, np.transpose([table.low, table.high]))
-    assert axes.get_xlabel() == "legs.tilt (deg)"
+    assert axes.get_xlabel() == "tilt of the legs (deg)"
     assert axes.get_ylabel() == "speed (mm/s), bounds of 95 %"
     assert found.get_suptitle() == "a sweep"
     assert not found.legends
@@ -113,7 +114,7 @@ def test_words_are_categories_that_no_line_joins():
     _, (axes,) = drawn(columns(law=["poisson", "newton", "stronge"]))
     assert [tick.get_text() for tick in axes.get_xticklabels()] == ["poisson", "newton", "stronge"]
     assert not lines_of(axes)
-    assert axes.get_xlabel() == "contact.law"
+    assert axes.get_xlabel() == "law of restitution"
 
 
 @pytest.mark.parametrize("order", [("tilt", "drive"), ("drive", "tilt")])
@@ -128,8 +129,8 @@ def test_few_values_of_one_key_are_lines_of_their_own(order):
         rows = np.array(table.keys[TILT]) == tilt
         np.testing.assert_array_equal(line.get_xdata(), np.array(table.keys[DRIVE])[rows])
         np.testing.assert_array_equal(line.get_ydata(), table.speed[rows])
-    assert axes.get_xlabel() == "drive.peak speed (mm/s)"
-    assert said(found) == ["legs.tilt 5 deg", "10 deg", "15 deg", "20 deg"]
+    assert axes.get_xlabel() == "peak speed of the plate (mm/s)"
+    assert said(found) == ["tilt of the legs 5 deg", "10 deg", "15 deg", "20 deg"]
     handles = found.legends[0].legend_handles
     for look in ("get_linestyle", "get_marker", "get_color"):
         assert len({getattr(one, look)() for one in handles}) == 4
@@ -144,7 +145,7 @@ def test_two_keys_are_a_map_with_labelled_contours():
     across, up = mesh.get_coordinates()[0, :, 0], mesh.get_coordinates()[:, 0, 1]
     np.testing.assert_allclose(across, [-2.5, 2.5, 7.5, 15, 30, 42.5, 47.5])
     np.testing.assert_allclose(up, [0.05, 0.15, 0.25, 0.4, 0.55, 0.65, 0.75])
-    assert (axes.get_xlabel(), axes.get_ylabel()) == ("legs.tilt (deg)", "contact.friction")
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("tilt of the legs (deg)", "friction")
     labels = [float(text.get_text()) for text in axes.texts]
     assert labels == sorted(set(labels))
     assert 1 <= len(labels) <= 8
@@ -177,7 +178,7 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], drive=list(range(10, 80, 10)))
     found, panels_ = drawn(table)
     assert [axes.get_title() for axes in panels_] == [
-        f"contact.friction {friction}" for friction in (0.1, 0.2, 0.3)
+        f"friction {friction}" for friction in (0.1, 0.2, 0.3)
     ]
     meshes = [one for axes in panels_ for one in axes.collections if isinstance(one, QuadMesh)]
     assert len(meshes) == 3
@@ -191,9 +192,12 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
 def test_three_keys_with_few_values_are_small_multiples_of_lines():
     table = columns(tilt=list(range(7)), mu=[0.1, 0.2, 0.3], law=["poisson", "newton"])
     found, panels_ = drawn(table)
-    assert [axes.get_title() for axes in panels_] == ["contact.law poisson", "contact.law newton"]
+    assert [axes.get_title() for axes in panels_] == [
+        "law of restitution poisson",
+        "law of restitution newton",
+    ]
     assert [len(lines_of(axes)) for axes in panels_] == [3, 3]
-    assert said(found) == ["contact.friction 0.1", "0.2", "0.3"]
+    assert said(found) == ["friction 0.1", "0.2", "0.3"]
     assert len({axes.get_ylim() for axes in panels_}) == 1
 
 
@@ -202,8 +206,8 @@ def test_more_panels_than_a_page_holds_are_counted():
     table = columns(tilt=list(range(16)), mu=frictions, drive=list(range(10, 180, 10)))
     found, panels_ = drawn(table)
     assert len(panels_) == figures.MOST_PANELS
-    assert panels_[0].get_title() == "contact.friction 0.05"
-    assert panels_[-1].get_title() == "contact.friction 0.75"
+    assert panels_[0].get_title() == "friction 0.05"
+    assert panels_[-1].get_title() == "friction 0.75"
     title = " ".join(found.get_suptitle().split())
     assert title == "a sweep; 3 of 15 values of scene.contact.friction left out"
 
@@ -236,7 +240,8 @@ def test_samples_of_more_keys_are_a_panel_each():
     table = cloud(40, TILT, MU, DRIVE, "legs.length_mm", missing=[3], doubtful=[5])
     _, panels_ = drawn(table)
     assert [axes.get_xlabel() for axes in panels_] == [
-        "legs.tilt (deg)", "contact.friction", "drive.peak speed (mm/s)", "legs.length (mm)"
+        "tilt of the legs (deg)", "friction", "peak speed of the plate (mm/s)",
+        "length of the legs (mm)",
     ]  # fmt: skip
     for axes in panels_:
         assert not lines_of(axes)
@@ -256,7 +261,7 @@ def test_there_is_no_figure_of_nothing():
     assert figures.figure(columns(tilt=[5, 6], missing=[0, 1]), [TILT], "") is None
     # A key with one value is left out: what is drawn is the other.
     found, (axes,) = drawn(columns(tilt=[5], mu=[0.1, 0.2, 0.3]))
-    assert axes.get_xlabel() == "contact.friction"
+    assert axes.get_xlabel() == "friction"
     assert found is not None
 
 
@@ -283,20 +288,20 @@ def test_cells_of_a_logarithmic_axis_meet_half_way():
 @pytest.mark.parametrize(
     ("key", "label"),
     [
-        ("legs.tilt_deg", "legs.tilt (deg)"),
-        ("scene.drive.gamma", "drive.gamma"),
-        ("scene.drive.peak_speed_mm_s", "drive.peak speed (mm/s)"),
-        ("legs[2].flexible_thickness_mm", "legs[2].flexible thickness (mm)"),
-        ("material.density_g_cm3", "material.density (g/cm³)"),
-        ("material.youngs_modulus_gpa", "material.youngs modulus (GPa)"),
-        ("scene.run.discard_seconds", "run.discard (s)"),
-        ("scene.run.seconds", "run.seconds"),
-        ("scene.run.step_us", "run.step (µs)"),
-        ("weighed.body_mass_g", "weighed.body mass (g)"),
+        ("legs.tilt_deg", "tilt of the legs (deg)"),
+        ("scene.drive.gamma", "peak acceleration of the plate (g)"),
+        ("scene.drive.peak_speed_mm_s", "peak speed of the plate (mm/s)"),
+        ("legs[2].flexible_thickness_mm", "flexible thickness of leg 2 (mm)"),
+        ("material.density_g_cm3", "density of the material (g/cm³)"),
+        ("material.youngs_modulus_gpa", "Young's modulus of the material (GPa)"),
+        ("scene.run.discard_seconds", "discarded time (s)"),
+        ("scene.run.seconds", "measured time (s)"),
+        ("scene.run.step_us", "step (µs)"),
+        ("weighed.body_mass_g", "body mass (g)"),
     ],
 )
 def test_axes_are_named_in_words_with_units(key, label):
-    assert scales.label(key) == label
+    assert key_names.label(key) == label
 
 
 @pytest.mark.parametrize("count", [1, 2, 3])

@@ -30,9 +30,9 @@ QUICK = Effort(quick=True)
 
 DISAGREE = {
     "first frequency of a leg on a held body",
-    "the same 3 times as high on concrete, over Housner's",
-    "the same 5 times as high on concrete, over Housner's",
-    "the same 5 times as high on rubber, over Housner's",
+    "rocking block 3 times as high as wide on concrete: spin kept, over Housner's",
+    "rocking block 5 times as high as wide on concrete: spin kept, over Housner's",
+    "rocking block 5 times as high as wide on rubber: spin kept, over Housner's",
     "spin after an impact, foot stopped and slid back",
 }
 """Claims without chance on which walkergen and the world differ; docs/validation.md says why."""

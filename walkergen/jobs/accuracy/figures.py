@@ -1,35 +1,18 @@
 """Work-precision figures: error against CPU time, or both against the step; logarithmic axes."""
 
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.ticker import FixedLocator, FuncFormatter, NullFormatter, NullLocator
 
 from walkergen.files.figures import PAGE, SERIES, SMALLEST, logarithmic, style, wrapped
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.accuracy.setting import Measured
-from walkergen.jobs.accuracy.speeds import Survey
-
-OTHERS: tuple[tuple[str, Any, str], ...] = (
-    ("#000000", "--", "p"), ("#000000", ":", "h"), ("#000000", "-.", "<"),
-)  # fmt: skip
-"""Looks of settings that are not one more step of the same model."""
-
-FORMULAS = ("*", "H", "d")
-"""Markers of formulas, which are points."""
-
-SHARES = (0.2, 0.1, 0.05, 0.02, 0.01)
-"""Relative errors that the figure of choices marks with a line."""
 
 YLABEL = 1.5
 """Length of the lines of a vertical axis's name, inches."""
-
-APART = 30
-"""Points of a curve between its markers."""
 
 UNSURE = "open: not told from 0; |error| + 2 SE"
 
@@ -90,10 +73,13 @@ def _draw(
     look: tuple[str, Any, str],
     label: str,
 ) -> None:
-    """Draw points (x, y, sure) in the order of x, so that no line loops back; 0 stands apart."""
+    """Draw points (x, y, sure) in the order of x, so that no line loops back; 0 stands apart.
+
+    What is not sure is a bound: no line joins it.
+    """
     colour, line, marker = look
     shown = sorted((at, y, sure) for at, y, sure in points if y > 0)
-    joined = np.array([(at, y) for at, y, _ in shown if at > 0]).reshape(-1, 2).T
+    joined = np.array([(at, y) for at, y, sure in shown if at > 0 and sure]).reshape(-1, 2).T
     axes.plot(*joined, color=colour, ls=line, linewidth=0.9)
     for at, y, sure in shown:
         axes.plot(at or apart, y, marker, color=colour, markerfacecolor=colour if sure else "white")
@@ -119,69 +105,3 @@ def _shown(rung: Rung) -> tuple[float, bool]:
     if rung.error_sd is None or rung.error > 2.0 * rung.error_sd:
         return rung.error, True
     return rung.error + 2.0 * rung.error_sd, False
-
-
-@style()
-def choice_figure(
-    survey: Survey,
-    found: Sequence[Measured],
-    reference: Measured,
-    formulas: Iterable[Rung],
-    title: str,
-) -> Figure:
-    """Draw the total error with 95 % confidence against CPU time, a line for each setting.
-
-    It falls as statistics improve, down to the bound of the setting's bias; formulas are points.
-    """
-    unit = survey.unit(reference)
-    figure = Figure(figsize=(PAGE, 3.4), layout="constrained")
-    axes = figure.add_subplot()
-    for rung, marker in zip(formulas, FORMULAS, strict=False):
-        assert rung.error is not None
-        axes.plot(rung.cpu_s, rung.error, marker, color="black", markersize=6, label=rung.series)
-    looks = _looks(found)
-    for number, (one, (colour, line, marker)) in enumerate(zip(found, looks, strict=True)):
-        bound = survey.bound(one, reference)
-        if bound is None:
-            continue
-        time = np.geomspace(0.5, 1e5, 200)
-        cost = one.cpu_per_s * (time + one.runs * one.discard_seconds)
-        error = bound + 2.0 * np.sqrt(one.variance_time / time)
-        axes.plot(
-            cost, error / unit.size, color=colour, ls=line, marker=marker, label=one.setting.label,
-            markevery=(5 * number % APART, APART),
-        )  # fmt: skip
-    _label(axes, "CPU time, s (one core)", f"error of the mean speed, 95 %, {unit.name}")
-    if unit.relative:
-        _mark_shares(axes)
-    figure.suptitle(wrapped(title, PAGE - 0.2))
-    figure.legend(loc="outside right center")
-    return figure
-
-
-def _looks(found: Sequence[Measured]) -> list[tuple[str, Any, str]]:
-    """Colour, line and marker of each setting: of steps in the order of steps, black of others."""
-    model = found[0].setting.model
-    own = [one.setting.step_us for one in found if one.setting.model == model]
-    steps = sorted(step for step in own if step is not None)
-    others = iter(OTHERS)
-    return [
-        SERIES[steps.index(one.setting.step_us) % len(SERIES)]
-        if one.setting.model == model and one.setting.step_us in steps
-        else next(others)
-        for one in found
-    ]
-
-
-def _mark_shares(axes: Axes) -> None:
-    """Mark round shares of the speed by lines, named on the right, where nothing is drawn."""
-    for share in SHARES:
-        axes.axhline(share, color="0.8", linewidth=0.6, zorder=0)
-    right = axes.twinx()
-    right.set_yscale("log")
-    right.set_ylim(axes.get_ylim())
-    right.yaxis.set_major_locator(FixedLocator(SHARES))
-    right.yaxis.set_major_formatter(FuncFormatter(lambda share, _: f"{100 * share:g} %"))
-    right.yaxis.set_minor_locator(NullLocator())
-    right.yaxis.set_minor_formatter(NullFormatter())
-    right.tick_params(length=0)

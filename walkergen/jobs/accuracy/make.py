@@ -148,7 +148,7 @@ def _write(ladder: Ladder, target: Folder) -> None:
 def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> list[Answer]:
     """Answer what to run for which error, as a table and a figure."""
     from walkergen.files import figures as pictures
-    from walkergen.jobs.accuracy import figures as precision
+    from walkergen.jobs.accuracy.choice_figure import choice_figure
 
     found = choose.candidates(survey, progress)
     reference = survey.reference(progress)
@@ -158,7 +158,7 @@ def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> li
     answers = [_answer(survey, error, progress) for error in errors]
     formulas = models.formulas(survey, reference)
     others = [survey.known[one] for one in survey.simpler if one in survey.known]
-    figure = precision.choice_figure(survey, [*found, *others], reference, formulas, title)
+    figure = choice_figure(survey, [*found, *others], reference, formulas, title)
     target.write("choice.png", pictures.png(figure))
     target.write("choice.pdf", pictures.pdf(figure))
     table = as_markdown(ladders.answers_table(answers, markdown=True))

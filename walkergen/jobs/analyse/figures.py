@@ -27,6 +27,10 @@ MOST_TRACKS = 24
 DRAWN = 0.5
 """Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
 
+STRAIGHT = 0.05
+"""Width of all tracks over their length, or share of the direction that is lost, below which
+walkers do not turn, as in a lane: from above their tracks are one line."""
+
 MOST_POINTS = 4000
 """Largest number of points drawn of a track: more only make the PDF large."""
 
@@ -133,20 +137,25 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
 
 @style()
 def tracks_figure(tracks: Tracks, title: str) -> Figure:
-    """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5)."""
+    """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5).
+
+    Tracks along x that do not turn are drawn as those of a lane.
+    """
     drawn = tracks.tracks[:MOST_TRACKS]
     if len(drawn) < len(tracks.tracks):
         title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
     figure, axes = axes_of(title)
     everywhere = np.concatenate([one.position for one in drawn])
-    size = float(np.max(np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)))
+    extent = np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)
+    size = float(np.max(extent))
+    along = tracks.lane or extent[1] < STRAIGHT * extent[0]
     for number, track in enumerate(drawn):
         colour, line, marker = SERIES[number % len(SERIES)]
         stride = len(track.position) // MOST_POINTS + 1
         seen = track.position[~np.isnan(track.position).any(axis=1)]
         start = seen[0]
         path = track.position[::stride]
-        if tracks.lane:
+        if along:
             time = np.arange(len(track.position))[::stride] * tracks.interval
             axes.plot(time, path[:, 0] - start[0], color=colour, ls=line, lw=0.8)
         else:
@@ -154,9 +163,9 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
             axes.plot(*start, marker, color=colour, markersize=4)
             if track.heading is not None:
                 _head(axes, track, size, colour)
-    if tracks.lane:
+    if along:
         axes.set_xlabel("time (s)")
-        axes.set_ylabel("displacement along the lane (mm)")
+        axes.set_ylabel(f"displacement along {'the lane' if tracks.lane else 'x'} (mm)")
     else:
         axes.set_aspect("equal", adjustable="datalim")
         axes.set_xlabel("x (mm)" + ("; arrows: headings" if drawn[0].heading is not None else ""))
@@ -206,9 +215,15 @@ def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, F
         drawn.append(("msd", msd_figure(motion, title)))
     if len(motion.parallel.at):
         drawn.append(("density", density_figure(motion, title)))
-    if len(motion.correlation.at):
+    if _turns(motion):
         drawn.append(("correlation", correlation_figure(motion, title)))
     return drawn
+
+
+def _turns(motion: Motion) -> bool:
+    """Whether enough of the direction is lost for a figure of it to say anything."""
+    kept = motion.correlation.value
+    return bool((kept < (1.0 - STRAIGHT) * kept[:1]).any())
 
 
 def _points(axes: Axes, curve: Curve, label: str) -> None:

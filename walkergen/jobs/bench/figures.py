@@ -32,7 +32,7 @@ def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | No
         band = hand.seen - hand.spread, hand.seen + hand.spread
         axes.fill_between(hand.at, *band, color=ORANGE, alpha=0.2, linewidth=0)
     _draw_measured(axes, measured)
-    axes.set_xlabel("restitution of the feet (contact.restitution)")
+    axes.set_xlabel("restitution of the feet (label)")
     axes.set_ylabel("rebound of the whole walker")
     axes.set_xlim(0, 1)
     axes.set_ylim(0, 1)
@@ -64,7 +64,7 @@ def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
         axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9,
                   label="upper foot slips (statics)")  # fmt: skip
     _draw_measured(axes, measured)
-    axes.set_xlabel("friction (contact.friction); open: it falls over")
+    axes.set_xlabel("friction; open: it falls over")
     axes.set_ylabel("slope at which it gives way (deg)")
     axes.set_xlim(left=0.0)
     axes.set_ylim(bottom=0.0)
@@ -87,7 +87,7 @@ def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Point
     hinge = hertz * found.held.frequency / found.cantilever
     bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
     _draw_measured(bottom, measured)
-    bottom.set_xlabel("Young's modulus (material.youngs_modulus_gpa)")
+    bottom.set_xlabel("Young's modulus (GPa)")
     bottom.set_ylabel("frequency (Hz)")
     bottom.legend(loc="upper left", frameon=True, framealpha=0.9, edgecolor="none")
     return figure

@@ -6,6 +6,7 @@ from matplotlib.figure import Figure
 
 from walkergen.exploring.point import THEORY
 from walkergen.files.figures import COLUMN, PAGE, style, wrapped
+from walkergen.files.key_names import label
 from walkergen.jobs.design.tables import title
 from walkergen.jobs.design.wish import UNITS
 
@@ -56,7 +57,7 @@ def trade_off(result: "Result") -> Figure:
                           label="designs" if number == 1 else None)  # fmt: skip
             axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,
                           textcoords="offset points", fontweight="bold")  # fmt: skip
-        axes.set_xlabel(span.key)
+        axes.set_xlabel(label(span.key))
         if job.wish.logarithmic:
             axes.set_yscale("log")
     for axes in panels[count:]:

@@ -27,6 +27,9 @@ the sheet over its width, at most."""
 RULER = 0.4
 """Length of the scale bar over the body's, at most."""
 
+SEAM = 0.8
+"""Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
+
 ROUNDING_MM = 1e-6
 """Largest error, mm, of the heights of a mesh."""
 
@@ -36,17 +39,23 @@ class Part(NamedTuple):
 
     design: Design
     mesh: Mesh
+    caption: str = ""
+    """Lines below the picture in place of its own."""
+    low: bool = False
+    """True to see a body in plan view as other bodies are, with its legs."""
 
     @property
     def label(self) -> str:
         """Words below the picture: the tilt, unless every leg has its own, and the kind of legs."""
+        if self.caption:
+            return self.caption
         kind = self.design.kind
         return f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
 
     @property
     def view(self) -> Array:
         """Camera that shows the shape: bodies in plan view from higher above."""
-        return FROM_ABOVE if self.design.body.flat else VIEW
+        return FROM_ABOVE if self.design.body.flat and not self.low else VIEW
 
 
 def _view(nod_deg: float) -> Array:
@@ -68,7 +77,8 @@ def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
     inches = PART_INCHES if len(parts) <= FEW else SHEET_INCHES
     scale = inches / (1.12 * size[0])
-    pitch = np.array([1.12 * size[0], size[1] + 3.2 * LABEL / 72.0 / scale])
+    lines = 2.0 + 1.2 * max(1 + part.label.count("\n") for part in parts)
+    pitch = np.array([1.12 * size[0], size[1] + lines * LABEL / 72.0 / scale])
     rows = _rows(parts, pitch[1] / pitch[0])
     columns = max(len(row) for row in rows)
     middle, half = 0.5 * (columns - 1) * pitch[0], max(0.5 * columns * pitch[0], 1.7 / scale)
@@ -117,7 +127,8 @@ def _rule(axes: Axes, part: Part, at: Array) -> None:
 def _draw(axes: Axes, part: Part, at: Array) -> None:
     """Draw a part by the painter's algorithm without back faces: exact enough for a prism.
 
-    Of a body in plan view legs come first, below it, and its upper side last: nothing hides that.
+    Legs come before a body that is flat below, for from above they hide no part of it, and its
+    upper side comes last.
     """
     standing = part.mesh.vertices[part.mesh.triangles]
     corners = standing @ part.view.T
@@ -126,7 +137,7 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
     facing = normals[:, 2] > 0
     corners, normals = corners[facing], normals[facing]
     storey = np.zeros(len(corners))
-    if part.design.body.flat:
+    if part.design.body.flat or part.design.body.plain:
         half = 0.5 * part.design.size.thickness - ROUNDING_MM
         lowest = standing[facing][:, :, 1].min(axis=1)
         storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
@@ -136,6 +147,6 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
     faces = PolyCollection(
         list(corners[order][:, :, :2] - middle + at),
-        facecolors=colours, edgecolors=colours, linewidths=0.3,
+        facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round",
     )  # fmt: skip
     axes.add_collection(faces)

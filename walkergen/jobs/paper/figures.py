@@ -27,7 +27,8 @@ THEORY = {"coulomb": ("#0072B2", "-"), "paper": ("#56B4E9", "--")}
 # From dark to light in the order of TYPES; hatches where greys come close.
 FILLS = (("#0072B2", ""), ("#56B4E9", ""), ("#E69F00", "//"), ("#F0E442", ".."), ("#FFFFFF", ""),
          ("#FFFFFF", "xx"))  # fmt: skip
-STAR: Any = {"marker": "*", "color": "black", "markersize": 9, "linestyle": "none"}
+STAR: Any = {"marker": "*", "color": "black", "markersize": 9, "linestyle": "none",
+             "markerfacecolor": "white"}  # fmt: skip
 LABELS = {"from rest": "from rest", "mirrored": "backward before, then stops"}
 PANEL_INCHES = 2.0
 """Width of a panel of three side by side."""
@@ -92,9 +93,9 @@ def _mark_facts(axes: Axes) -> None:
     axes.errorbar(
         [tilt.value], [speed.value], xerr=[[tilt.value - tilt.low], [tilt.high - tilt.value]],
         yerr=[[speed.value - speed.low], [speed.high - speed.value]], fmt="none", ecolor="black",
-        elinewidth=1.0, zorder=5,
+        elinewidth=1.0, zorder=2,
     )  # fmt: skip
-    axes.plot([tilt.value], [speed.value], label="the paper's stated peak", zorder=5, **STAR)
+    axes.plot([tilt.value], [speed.value], label="the paper's stated peak", zorder=2, **STAR)
     axes.axhspan(
         braced.low, braced.high, color="0.8", linewidth=0, zorder=-1,
         label="the paper's braced walkers: no significant speed",
@@ -200,7 +201,7 @@ def _mark_drive(axes: Axes, one: Assumption) -> None:
     """Mark the speed that the paper states for this drive, at its best tilt."""
     peak, tilt = FACTS["peak speed"], FACTS["peak tilt"]
     axes.plot(
-        [one.scene.drive.peak_speed], [peak.value], markerfacecolor="white", zorder=5,
+        [one.scene.drive.peak_speed], [peak.value], zorder=5,
         label=f"the paper's stated peak (at {tilt.value:g} deg)", **STAR,
     )  # fmt: skip
 

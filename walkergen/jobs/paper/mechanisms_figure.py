@@ -17,6 +17,9 @@ BODY, LEG = "0.55", "0.25"
 SEGMENTS = 16
 """Edges of a round foot."""
 
+RULER_MM = 10.0
+"""Length of the scale bar."""
+
 
 def draw(found: Sequence[Mechanism]) -> Figure:
     """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
@@ -50,8 +53,10 @@ def _profile(axes: Axes, design: Design) -> None:
             at = (limb.along, ground - 0.8)
             axes.annotate(f"μ {limb.friction:g}", at, ha="center", va="top", fontsize=SMALLEST)
     axes.annotate("", (18.0, 0.0), (14.5, 0.0), arrowprops={"arrowstyle": "->"})
+    axes.plot([-18.0, -18.0 + RULER_MM], [-17.0] * 2, "|-", color="black", linewidth=0.8)
+    axes.annotate(f"{RULER_MM:g} mm", (-7.0, -17.0), ha="left", va="center", fontsize=SMALLEST)
     axes.set_xlim(-19.0, 19.0)
-    axes.set_ylim(-16.0, 3.0)
+    axes.set_ylim(-18.0, 3.0)
     axes.set_aspect("equal")
     axes.set_axis_off()
 

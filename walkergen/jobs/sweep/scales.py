@@ -8,19 +8,19 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.ticker import LogLocator, NullFormatter, StrMethodFormatter
 
-Array = npt.NDArray[np.float64]
+from walkergen.files.figures import wrapped
+from walkergen.files.key_names import label
 
-UNITS = {
-    "_g_cm3": "g/cm³", "_mm_s": "mm/s", "_percent": "%", "_seconds": "s", "_gpa": "GPa",
-    "_deg": "deg", "_mm": "mm", "_um": "µm", "_us": "µs", "_hz": "Hz", "_g": "g", "_s": "s",
-}  # fmt: skip
-"""Units by the ends of keys, the longest first where one ends in another."""
+Array = npt.NDArray[np.float64]
 
 WIDE, LOW = 30.0, 1 / 3
 """Ratio of the ends of positive values beyond which their axis is logarithmic, if their median lies
 below this share of the last: values in even steps stay on a linear axis."""
 
 MOST_WORD_TICKS = 12
+
+NAME_INCHES = 2.1
+"""Length of a line of an axis's name, inches: about a panel's."""
 
 
 class Scale(NamedTuple):
@@ -63,17 +63,8 @@ def _word(value: Any) -> str:
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
-def label(key: str) -> str:
-    """Key in words with its unit: "legs.tilt (deg)" of legs.tilt_deg."""
-    own = key.removeprefix("scene.")
-    for end, unit in UNITS.items():
-        if own.endswith(end):
-            return f"{own.removesuffix(end).replace('_', ' ')} ({unit})"
-    return own.replace("_", " ")
-
-
 def told(scale: Scale, number: int, named: bool = True) -> str:
-    """One value of a scale in words: "legs.tilt 10 deg" or, not named, "10 deg"."""
+    """One value of a scale in words: "tilt of the legs 10 deg" or, not named, "10 deg"."""
     name, _, unit = label(scale.key).partition(" (")
     value = scale.values[number]
     shown = value if scale.words else f"{value:.5g}"
@@ -94,7 +85,7 @@ def edges(scale: Scale) -> Array:
 def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
     """Name an axis, and make it logarithmic, or of words, where its scale is."""
     axis = axes.xaxis if direction == "x" else axes.yaxis
-    axis.set_label_text(label(scale.key))
+    axis.set_label_text(wrapped(label(scale.key), NAME_INCHES))
     if scale.log:
         axes.set(**{f"{direction}scale": "log"})
         decades = np.log10(scale.places[-1] / scale.places[0])

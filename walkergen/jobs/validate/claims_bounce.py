@@ -225,7 +225,8 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
         )  # fmt: skip
     for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"),
                                      (5.0, 0.67, "rubber")):  # fmt: skip
-        told = f"the same {slenderness:g} times as high on {base}, over Housner's"
+        block = f"rocking block {slenderness:g} times as high as wide on {base}"
+        told = f"{block}: spin kept, over Housner's"
         ours = rocking(slenderness) / housner(slenderness)
         why = (
             "A rigid block on two corners, plastic, loses only what changing corners costs; a real "

@@ -65,7 +65,7 @@ def write(claims: Sequence[Claim], command: str, folder: Path) -> list[Path]:
     from walkergen.jobs.validate import figures, page
 
     made = {
-        "validation.png": figures.deviations(claims),
+        "validation.png": figures.deviations(claims, TITLES),
         "validation.csv": page.as_csv(claims).encode(),
         "validation.md": page.as_markdown(claims, command, TITLES).encode(),
     }

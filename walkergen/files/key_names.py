@@ -1,0 +1,43 @@
+"""Names of keys in words with their units, as axes bear them."""
+
+import re
+
+UNITS = {
+    "_g_cm3": "g/cm³", "_mm_s": "mm/s", "_percent": "%", "_seconds": "s", "_gpa": "GPa",
+    "_deg": "deg", "_mm": "mm", "_um": "µm", "_us": "µs", "_hz": "Hz", "_g": "g", "_s": "s",
+}  # fmt: skip
+"""Units by the ends of keys, the longest first where one ends in another."""
+
+WHOLE = {
+    "drive.gamma": "peak acceleration of the plate (g)",
+    "contact.law": "law of restitution",
+    "run.discard_seconds": "discarded time (s)",
+    "run.seconds": "measured time (s)",
+    "run.step_us": "step (µs)",
+}
+"""Keys whose name is not made of their parts."""
+
+THINGS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
+"""Things that the tables of keys are about, where their names do not say it; "" for none."""
+
+LEG = re.compile(r"legs\[(\d+)\]")
+
+
+def label(key: str) -> str:
+    """Key in words with its unit: "tilt of the legs (deg)" of legs.tilt_deg."""
+    own = key.removeprefix("scene.")
+    if own in WHOLE:
+        return WHOLE[own]
+    end = next((end for end in UNITS if own.endswith(end)), "")
+    *tables, name = own.removesuffix(end).split(".")
+    words = name.replace("_", " ").replace("youngs", "Young's")
+    thing = _thing(tables[-1]) if tables else ""
+    return (f"{words} of {thing}" if thing else words) + (f" ({UNITS[end]})" if end else "")
+
+
+def _thing(table: str) -> str:
+    """Thing that a table of keys is about: "the legs", "leg 2"."""
+    numbered = LEG.fullmatch(table)
+    if numbered:
+        return f"leg {numbered[1]}"
+    return THINGS.get(table, f"the {table.replace('_', ' ')}")
