@@ -147,27 +147,14 @@ def close(coarse, fine, names):
 @pytest.mark.slow
 @pytest.mark.parametrize(
     ("tilt", "label", "kind"), [(10.0, 0.5, "flexible"), (20.0, 0.8, "flexible"),
-                                (12.0, 0.25, "flexible"), (10.0, 0.6, "braced")],
+                                (12.0, 0.25, "flexible"), (10.0, 0.6, "braced"),
+                                (10.0, 0.05, "flexible")],
 )  # fmt: skip
 def test_in_space_a_step_five_times_finer_changes_nothing_by_more_than_its_error(tilt, label, kind):
     coarse = plan_of("space", tilt, kind, label, seconds=2.0)
     fine = coarse.world.options.step / 5.0
     told = plan_of("space", tilt, kind, label, seconds=1.0, step_us=1e6 * fine)
     assert close(measured(coarse), measured(told), observables.NAMES) == []
-
-
-@pytest.mark.slow
-def test_low_labels_need_finer_steps_and_say_so():
-    own = plan_of("space", label=0.05)
-    assert resolution.fair_step(own) == pytest.approx(0.25 * own.world.options.step)
-    found = measured(own)
-    assert all("--step" in one.reason for one in found[2].values())
-    fair = plan_of("space", label=0.05, step_us=1e6 * resolution.fair_step(own))
-    fine = plan_of("space", label=0.05, step_us=3e5 * resolution.fair_step(own), seconds=0.5)
-    fair, fine = measured(fair), measured(fine)
-    assert close(fair, fine, observables.NAMES) == []
-    # The reason of the mark: with the limits of a fair step the own step would be wrong.
-    assert close((*found[:2], fair[2]), fine, observables.NAMES) != []
 
 
 def test_finer_steps_have_smaller_errors_and_coarser_none():

@@ -18,27 +18,28 @@ LANDED, GROUPED, MOTION = "landings", "groups", "motion"
 corners, and all that tracks tell."""
 
 LIMITS = {
-    observables.SPEED: (0.10, 0.04),
-    observables.IMPACTS: (0.15, 0.06),
-    observables.CONTACT: (0.06, 0.04),
-    f"{observables.POWERS}.from_plate": (0.07, 0.04),
-    f"{observables.POWERS}.impacts": (0.08, 0.05),
-    f"{observables.POWERS}.friction": (0.12, 0.05),
-    f"{observables.POWERS}.damping": (0.10, 0.05),
-    LANDED: (0.18, 0.08),
-    GROUPED: (0.40, 0.15),
+    observables.IMPACTS: 0.05,
+    observables.CONTACT: 0.03,
+    f"{observables.POWERS}.from_plate": 0.05,
+    f"{observables.POWERS}.impacts": 0.05,
+    f"{observables.POWERS}.friction": 0.06,
+    f"{observables.POWERS}.damping": 0.06,
+    LANDED: 0.06,
+    GROUPED: 0.15,
 }
-"""Largest errors (95 %) in space at the step that feet of a `FAIR` label take by themselves, and at
-half of it, as shares of the value: the largest of 14 settings (tilts of 0 to 35 deg, labels of 0.2
-to 0.8, friction 0.1 and 0.25, 60 and 90 Hz, 1.8 and 2.6 g, viscous and hysteretic, braced) against
-a tenth of the step, 24 s each."""
+"""Largest errors (95 %) in space at the step that feet take by themselves, as shares of the value;
+they fall with its square. The largest of 18 settings (tilts of 0 to 35 deg, labels of 0.02 to 0.8,
+friction 0.05 to 0.5, 60 and 90 Hz, 1.8 and 2.6 g, viscous and hysteretic, braced) against a fifth
+of the step, 24 s each."""
 
 SHARES = {
-    "I": (0.025, 0.015), "II": (0.06, 0.03), "III": (0.08, 0.04), "IV": (0.015, 0.015),
-    "from rest": (0.01, 0.01), "II mirrored": (0.025, 0.025), "III mirrored": (0.025, 0.025),
-    "sticking": (0.04, 0.025),
+    "I": 0.015, "II": 0.03, "III": 0.03, "IV": 0.01, "from rest": 0.01, "II mirrored": 0.015,
+    "III mirrored": 0.015, "sticking": 0.03,
 }  # fmt: skip
 """The same for shares of types, by impulse and by number, as differences of shares."""
+
+IN_SPACE, IN_SPACE_FLOOR = 0.03, 0.01
+"""The same for the speed, as shares of itself and of the plate's peak speed, which add."""
 
 SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
 IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}
@@ -49,10 +50,6 @@ restitution 0.3 to 0.9, friction 0.1 to 0.6, damping ratios of 0.02 to 0.3, 1.8 
 tenth of the step, 128 s each: no bias of the speed is told from zero beyond 0.3 mm/s, and errors
 fall at least in proportion to the step."""
 
-FAIR, STRONG = 0.2, 0.1
-"""Labels of viscous feet below which their damping needs half of that step, and a quarter of it: by
-the own step the speed is 13 % low at 0.1 (3 % by half of it) and 67 % at 0.02 (21 % by half)."""
-
 ENDLESS = (
     "not resolved: impacts that shrink without end are counted down to a cut-off, so the number "
     "grows as that shrinks, by steps and by events; see the types by impulse"
@@ -62,7 +59,7 @@ TURNING = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
     "at one setting of 14 twice as large"
 )
-LONGER = "not resolved by this step: --step {fair:.2g} or less is"
+LONGER = "not resolved by this step: --step {own:.2g} or less is"
 
 
 class Verdict(NamedTuple):
@@ -83,13 +80,13 @@ def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
     known = values(found)
     if plan.resolved.model != "space":
         return {name: _in_a_plane(plan, name, known) for name in known}
-    fair = fair_step(plan)
-    part = plan.world.options.step / fair
+    own = own_step(plan)
+    part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
         names = [*known, LANDED, GROUPED, MOTION]
-        return dict.fromkeys(names, Verdict(None, LONGER.format(fair=_down(1e6 * fair))))
+        return dict.fromkeys(names, Verdict(None, LONGER.format(own=_down(1e6 * own))))
     known |= {LANDED: 1.0, GROUPED: 1.0}
-    verdicts = {name: _in_space(part, name, value) for name, value in known.items()}
+    verdicts = {name: _in_space(plan, part, name, value) for name, value in known.items()}
     return verdicts | {MOTION: Verdict(None, TURNING)}
 
 
@@ -128,23 +125,21 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
     return Verdict(share)
 
 
-def _in_space(part: float, name: str, value: float) -> Verdict:
-    """Verdict for a step that is `part` (at most 1) of the longest to which the limits apply."""
-    kind = name.partition(".")[2] if name not in LIMITS else ""
-    whole, half = SHARES[kind] if kind else LIMITS[name]
-    # Between the two a power of the step; below in proportion to it.
-    share = half * 2.0 * part if part < 0.5 else whole * part ** math.log2(whole / half)
-    return Verdict(share if kind and value > 0.0 else share * abs(value))
+def _in_space(plan: Plan, part: float, name: str, value: float) -> Verdict:
+    """Verdict for a step that is `part` (at most 1) of the walker's own."""
+    if name == observables.SPEED:
+        floor = IN_SPACE_FLOOR * plan.scene.drive.peak_speed
+        return Verdict(part**2 * (IN_SPACE * abs(value) + floor))
+    if name in LIMITS:
+        return Verdict(part**2 * LIMITS[name] * abs(value))
+    return Verdict(part**2 * SHARES[name.partition(".")[2]] if value > 0.0 else 0.0)
 
 
-def fair_step(plan: Plan) -> float:
-    """Longest step (s) in space to which `LIMITS` apply: the model's own, less for low labels."""
+def own_step(plan: Plan) -> float:
+    """Step (s) in space that resolves the walker's feet, whatever the scene's own is."""
     run = plan.scene.run.model_copy(update={"step_us": None})
     scene = plan.scene.model_copy(update={"run": run})
-    own = float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)
-    if plan.scene.feet.damping != "viscous" or plan.scene.contact.restitution >= FAIR:
-        return own
-    return 0.5 * own if plan.scene.contact.restitution >= STRONG else 0.25 * own
+    return float(prepare(scene, plan.case.design, plan.case.mass).world.options.step)
 
 
 def _down(value: float) -> float:

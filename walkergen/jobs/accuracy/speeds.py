@@ -13,7 +13,7 @@ from walkergen.jobs.accuracy import observed
 from walkergen.jobs.accuracy.purse import BY_EVENTS, BY_STEPS, STEP_RUNS, Purse, Runs, widened
 from walkergen.jobs.accuracy.setting import PLANAR, PLANAR_METHODS, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import ensemble, points, resolution
+from walkergen.simulation import ensemble, points
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.ensemble import listed
@@ -76,7 +76,7 @@ class Survey:
     def steps(self) -> list[Setting]:
         """Settings of the complete model by steps, finest first; the finest is the reference."""
         if self.complete == "space":
-            found = [_round(share * self.fair_us) for share in STEPS_IN_SPACE]
+            found = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
         else:
             period = 1e6 / self.scene.drive.frequency
             found = [_round(period / part) for part in STEPS_PER_PERIOD]
@@ -90,12 +90,6 @@ class Survey:
         scene = self.scene.model_copy(update={"run": run})
         plan = prepare(_as(scene, Setting("space", "step", None)), self.design, self.mass)
         return float(1e6 * plan.world.options.step)
-
-    @cached_property
-    def fair_us(self) -> float:
-        """Longest step in space, us, whose error is known: shorter where feet are damped much."""
-        plan = prepare(_as(self.scene, Setting("space", "step", None)), self.design, self.mass)
-        return 1e6 * resolution.fair_step(plan)
 
     @property
     def own(self) -> Setting:
