@@ -118,7 +118,7 @@ def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
     places = {name: "prediction" if name.startswith("impact") else "contact" for name in RANGES}
     for name, value in result.values.items():
         data[places[name]][name] = round(value, DECIMALS) + 0.0
-        if name in result.errors:
+        if name in result.errors and places[name] == "contact":
             low, high = RANGES[name]
             error = result.errors[name]
             data[places[name]][f"{name}_sd"] = min(error if error is not None else high - low, high)
