@@ -38,7 +38,7 @@ def bench(tmp_path_factory):
     store.close()
 
 
-def job_of(wished=None, model="theory", spans=(TILT, LENGTH), printer="ender3", **design):
+def job_of(wished=None, model="prediction", spans=(TILT, LENGTH), printer="ender3", **design):
     base = templates.load("koumakis2016", "walkers", Design)
     return Job(
         wished or Wish("speed", 40.0, False, SHARE),
@@ -48,8 +48,8 @@ def job_of(wished=None, model="theory", spans=(TILT, LENGTH), printer="ender3", 
     )  # fmt: skip
 
 
-def theory(job, values):
-    """Speed by the theory alone, without a search's own ways."""
+def predicted(job, values):
+    """Predicted speed, without a search's own ways."""
     design, scene = lab.made(job, values)
     return evaluate(Point(design, scene))["speed_mm_s"]
 
@@ -67,7 +67,7 @@ def hidden(count, seed):
 def test_wishes_made_from_known_designs_are_met(bench):
     met, seen = 0, search.survey(job_of(), bench)
     for values in hidden(20, 14):
-        speed = theory(job_of(), values)
+        speed = predicted(job_of(), values)
         job = job_of(Wish("speed", speed, False, SHARE))
         searched = search.search(job, bench, seen)
         first = searched._replace(chosen=searched.chosen[:1], expected=searched.expected[:1])
@@ -80,7 +80,7 @@ def test_wishes_made_from_known_designs_are_met(bench):
 def test_the_fastest_is_that_of_a_dense_grid(bench):
     job = job_of(Wish("speed", None, False, SHARE))
     found = search.search(job, bench, search.survey(job, bench))
-    grid = [theory(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
+    grid = [predicted(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
             for tilt in np.linspace(2, 40, 39) for length in range(5, 11)]  # fmt: skip
     assert found.chosen[0].seen.value >= 0.995 * max(grid)
 
@@ -94,7 +94,7 @@ def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
     def rubbed(values, friction):
         contact = job.scene.contact.model_copy(update={"friction": friction})
         scene = job.scene.model_copy(update={"contact": contact})
-        return theory(job._replace(scene=scene), values)
+        return predicted(job._replace(scene=scene), values)
 
     def slope(values, step=1e-3):
         mu = job.scene.contact.friction
@@ -104,7 +104,7 @@ def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
     for tilt in np.linspace(17.0, 22.0, 21):
         for length in np.linspace(5.0, 10.0, 6):
             values = {"legs.tilt_deg": float(tilt), "legs.length_mm": float(length)}
-            if abs(theory(job, values) - 36.0) <= 1.8:
+            if abs(predicted(job, values) - 36.0) <= 1.8:
                 best = min(best, slope(values))
     first = found.chosen[0]
     assert abs(first.seen.value - 36.0) <= 1.8

@@ -23,9 +23,9 @@ from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 
-DRAWS, CURVE_DRAWS = 1024, 256
-"""Numbers of draws behind the bounds of a row and of a curve: a 95 % bound is then known to about
-a tenth and a fifth of a standard deviation by random numbers, and better by Sobol's."""
+DRAWS = 1024
+"""Number of draws behind a speed and its bounds: a 95 % bound is then known to about a tenth of a
+standard deviation by random numbers, and better by Sobol's."""
 
 SEED = 2016
 
@@ -269,7 +269,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
     known = known_inputs(scene, design)
-    values = uncertain.draws(known, CURVE_DRAWS, SEED)
+    values = uncertain.draws(known, DRAWS, SEED)
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     levels = (*QUANTILES, 0.5)

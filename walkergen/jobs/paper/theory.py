@@ -6,7 +6,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen import prediction, uncertain
-from walkergen.prediction import CURVE_DRAWS, SEED
+from walkergen.prediction import SEED
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import stationary
@@ -14,6 +14,9 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
+
+DRAWS = 256
+"""Number of draws behind a standard deviation, known to some per cent by Sobol's numbers."""
 
 
 class Curve(NamedTuple):
@@ -31,7 +34,7 @@ class Curve(NamedTuple):
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
     known = uncertain.inputs(scene, design, uncertain.PREDICTION)
-    values = uncertain.draws(known, CURVE_DRAWS, SEED)
+    values = uncertain.draws(known, DRAWS, SEED)
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     speed, sd, sticks = [], [], []
