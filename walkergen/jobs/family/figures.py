@@ -15,7 +15,7 @@ from walkergen.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
 BOUNDS = "68 and 95 %"
-THEORY = "the paper's theory (eq. 15), dotted outside 95 %"
+THEORY = "eq. 15, dotted outside 95 %"
 
 BAND, CORE = 0.16, 0.3
 """Shades of the bounds of 95 and 68 %."""
@@ -109,12 +109,10 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
 def _draw_theory(axes: Axes, curve: Curve) -> dict[str, Any]:
     """Draw the theory as a thin line, dotted where it leaves the bounds of 95 %."""
     inside = (curve.bounds[0] <= curve.theory) & (curve.theory <= curve.bounds[3])
-    drawn = [
-        axes.plot(curve.tilt_deg, np.where(where, curve.theory, np.nan), line, color="0.25",
-                  linewidth=0.7)[0]
-        for where, line in ((inside, "-"), (~inside, ":"))
-    ]  # fmt: skip
-    return {THEORY: tuple(drawn)}
+    thin: Any = {"color": "0.25", "linewidth": 0.7}
+    axes.plot(curve.tilt_deg, curve.theory, ":", **thin)
+    (solid,) = axes.plot(curve.tilt_deg, np.where(inside, curve.theory, np.nan), "-", **thin)
+    return {THEORY: solid}
 
 
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
