@@ -1,14 +1,11 @@
 """Predictions: rows, their uncertainty and their notes."""
 
-import json
 import math
-from itertools import islice
 
 import numpy as np
 import pytest
 
 from walkergen import discrepancy, prediction, uncertain
-from walkergen.jobs.discrepancies import make
 from walkergen.scene import Scene
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
@@ -186,22 +183,26 @@ def test_outside_the_table_the_theory_stands_in_and_says_so(tables, told):
 
 
 def test_the_theorys_error_is_what_separates_it_from_the_table():
-    """Every eighth walker of the table made again: some 160, so that a share is known to 4 %."""
-    rows = np.array(json.loads(discrepancy.TABLE.read_text(encoding="utf-8"))["rows"])
-    ratios = []
-    for case in islice(make.cases("flexible", make.RANGES, make.FAR), 0, None, 8):
-        mass, contact = solids.mass_of(case.design), case.scene.contact
-        place = np.array(discrepancy.place_of(case.scene, case.design, mass))
-        far = np.abs(rows[:, :9] - place).max(axis=1)
-        if far.min() > 1e-4:
-            continue  # no two of its runs ended well
-        each = stationary(case.design, mass, contact.restitution, contact.friction)
-        theory = float(each.factor) * case.scene.prediction.impact_speed_factor
-        off = rows[far.argmin(), 9] - theory
-        ratios.append(off / np.hypot(theory, discrepancy.LINEAR_BELOW))
-    assert len(ratios) > 80
-    z = np.abs(ratios) / prediction.THEORY_SD
-    assert 0.5 < np.mean(z < 0.994) < 0.8
+    """Random walkers of the table: of 200 a share is known to 3 %, and 0.97 was found of 1364."""
+    rng = np.random.default_rng(5)
+    z = []
+    for _ in range(200):
+        legs = {"tilt_deg": float(40.0 * rng.random() ** 1.2),
+                "flexible_thickness_mm": float(rng.uniform(0.3, 0.7))}  # fmt: skip
+        contact = {"restitution": float(rng.uniform(0.05, 0.95)),
+                   "friction": float(np.exp(rng.uniform(np.log(0.07), np.log(0.5))))}  # fmt: skip
+        drive = {"frequency_hz": 90.0, "gamma": float(rng.uniform(1.2, 2.8))}
+        design = Design.model_validate({"legs": legs})
+        scene = Scene.model_validate({"contact": contact, "drive": drive})
+        mass = solids.mass_of(design)
+        plate, place = scene.drive.peak_speed, discrepancy.place_of(scene, design, mass)
+        place = place._replace(gamma=np.full(1, place.gamma))
+        speed = plate * discrepancy.speeds(place, design.tilt_deg, False).at(np.zeros(1))[0]
+        each = stationary(design, mass, contact["restitution"], contact["friction"])
+        theory = float(each.factor) * scene.impact_speed
+        z.append((speed - theory) / np.hypot(theory, discrepancy.LINEAR_BELOW * plate))
+    z = np.abs(z) / prediction.THEORY_SD
+    assert 0.5 < np.mean(z < 0.994) < 0.85
     assert np.mean(z < 1.96) > 0.9
 
 
