@@ -46,7 +46,7 @@ def silent(what: str, done: int, total: int) -> None:
     """Progress that reports nothing."""
 
 
-def request_of(count: int, model: str = "theory") -> Request:
+def request_of(count: int, model: str = "prediction") -> Request:
     design = templates.load("koumakis2016", "walkers", Design)
     scene = with_runs(templates.load("lane-90hz", "scenes", Scene), runs=4, seconds=4.0)
     space = axes.Space((axes.parse(f"legs.tilt_deg=1:40:{39 / (count - 1):.9g}"),))

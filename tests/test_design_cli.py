@@ -15,7 +15,7 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 
 ROOT = Path(__file__).parent.parent
-QUICK = ("--model", "theory", "--vary", "legs.tilt_deg=2:40")
+QUICK = ("--model", "prediction", "--vary", "legs.tilt_deg=2:40")
 
 
 @pytest.fixture(scope="module")
@@ -33,7 +33,7 @@ def run(monkeypatch, tmp_path, cache):
 def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     told = run("--speed", "40", "--printer", "ender3", *QUICK)
     assert told.exit_code == 0, told.output
-    assert "by theory" in told.output
+    assert "prediction" in told.output
     assert "yes" in told.output
     folder = tmp_path / "out" / "design-speed40"
     design, scene = str(folder / "design-1.toml"), str(folder / "scene-1.toml")
@@ -71,7 +71,7 @@ def test_a_wish_that_none_meets_ends_with_one_line_and_the_nearest(run, tmp_path
 
 
 def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
-    told = run("--speed", "40", "--model", "theory", "--set", "legs.tilt_deg=10",
+    told = run("--speed", "40", "--model", "prediction", "--set", "legs.tilt_deg=10",
                "--set", "scene.contact.friction=0.3", "--vary", "scene.drive.gamma=1.2:3",
                "--json", "--no-pictures")  # fmt: skip
     found = json.loads(told.output)
@@ -98,7 +98,7 @@ def test_values_are_held_by_set_and_ranges_are_of_the_scene_too(run):
     (("--turning-radius", "50", "--model", "compliant"), "--model space --scene plane-90hz"),
     (("--least-sensitive", "--set", "scene.contact.friction=0"), "friction is 0"),
     (("--speed", "40", "--from", "rotator", "--model", "compliant"), "space"),
-    (("--speed", "40", "--model", "theory", "--vary", "legs.tilt_deg=75:85"), "cannot be built"),
+    (("--speed", "40", *QUICK[:3], "legs.tilt_deg=75:85"), "cannot be built"),
 ])  # fmt: skip
 def test_bad_input_is_one_line(run, tmp_path, words, told):
     result = run(*words)
@@ -113,7 +113,7 @@ def test_ctrl_c_leaves_nothing_half_written(tmp_path):
     # What a shell runs behind it ignores Ctrl-C, and so would its children.
     program = ("import signal; signal.signal(signal.SIGINT, signal.default_int_handler); "
                "from walkergen.cli import main; main()")  # fmt: skip
-    words = [sys.executable, "-c", program, "design", "--speed", "40", "--model", "theory",
+    words = [sys.executable, "-c", program, "design", "--speed", "40", "--model", "prediction",
              "--vary", "legs.tilt_deg=2:40", "--vary", "legs.length_mm=5:10",
              "--vary", "body.depth_mm=6:10", "--out", "mine"]  # fmt: skip
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "XDG_CACHE_HOME": str(tmp_path / "c")}

@@ -38,7 +38,7 @@ def bench(tmp_path_factory):
     store.close()
 
 
-def job_of(wished=None, model="theory", spans=(TILT, LENGTH), printer="ender3", **design):
+def job_of(wished=None, model="prediction", spans=(TILT, LENGTH), printer="ender3", **design):
     base = templates.load("koumakis2016", "walkers", Design)
     return Job(
         wished or Wish("speed", 40.0, False, SHARE),
@@ -48,8 +48,8 @@ def job_of(wished=None, model="theory", spans=(TILT, LENGTH), printer="ender3", 
     )  # fmt: skip
 
 
-def theory(job, values):
-    """Speed by the theory alone, without a search's own ways."""
+def predicted(job, values):
+    """Predicted speed, without a search's own ways."""
     design, scene = lab.made(job, values)
     return evaluate(Point(design, scene))["speed_mm_s"]
 
@@ -67,7 +67,7 @@ def hidden(count, seed):
 def test_wishes_made_from_known_designs_are_met(bench):
     met, seen = 0, search.survey(job_of(), bench)
     for values in hidden(20, 14):
-        speed = theory(job_of(), values)
+        speed = predicted(job_of(), values)
         job = job_of(Wish("speed", speed, False, SHARE))
         searched = search.search(job, bench, seen)
         first = searched._replace(chosen=searched.chosen[:1], expected=searched.expected[:1])
@@ -80,43 +80,36 @@ def test_wishes_made_from_known_designs_are_met(bench):
 def test_the_fastest_is_that_of_a_dense_grid(bench):
     job = job_of(Wish("speed", None, False, SHARE))
     found = search.search(job, bench, search.survey(job, bench))
-    grid = [theory(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
+    grid = [predicted(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
             for tilt in np.linspace(2, 40, 39) for length in range(5, 11)]  # fmt: skip
     assert found.chosen[0].seen.value >= 0.995 * max(grid)
 
 
 def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
-    # Steeper than where feet stick, which makes a speed blind to friction.
+    # Steeper than the tilts at which feet stick and speeds depend on friction otherwise.
     spans = (Span("legs.tilt_deg", 16.0, 40.0), LENGTH)
-    job = job_of(Wish("speed", 36.0, True, SHARE), spans=spans)
+    job = job_of(Wish("speed", 24.0, True, SHARE), spans=spans)
     found = search.search(job, bench, search.survey(job, bench))
 
     def rubbed(values, friction):
         contact = job.scene.contact.model_copy(update={"friction": friction})
         scene = job.scene.model_copy(update={"contact": contact})
-        return theory(job._replace(scene=scene), values)
+        return predicted(job._replace(scene=scene), values)
 
-    def slope(values, step=1e-3):
-        mu = job.scene.contact.friction
+    def slope(values):  # over the search's own step: a median of draws knows no finer one
+        mu, step = job.scene.contact.friction, 0.05 * job.scene.contact.friction
         return abs(rubbed(values, mu + step) - rubbed(values, mu - step)) / (2 * step)
 
     best = math.inf
-    for tilt in np.linspace(17.0, 22.0, 21):
+    for tilt in np.linspace(16.0, 22.0, 13):
         for length in np.linspace(5.0, 10.0, 6):
             values = {"legs.tilt_deg": float(tilt), "legs.length_mm": float(length)}
-            if abs(theory(job, values) - 36.0) <= 1.8:
+            if abs(predicted(job, values) - 24.0) <= 1.2:
                 best = min(best, slope(values))
     first = found.chosen[0]
-    assert abs(first.seen.value - 36.0) <= 1.8
-    assert abs(first.slope.value) == pytest.approx(slope(first.values), rel=0.02)
-    assert 5.0 < abs(first.slope.value) <= 1.08 * best
-
-
-def test_where_feet_stick_a_speed_is_blind_to_friction_and_that_is_found(bench):
-    job = job_of(Wish("speed", 40.0, True, SHARE))
-    found = search.search(job, bench, search.survey(job, bench))
-    assert found.chosen[0].values["legs.tilt_deg"] < 4.0
-    assert abs(found.chosen[0].slope.value) < 1e-6
+    assert abs(first.seen.value - 24.0) <= 1.2
+    assert abs(first.slope.value) == pytest.approx(slope(first.values), rel=1e-6)
+    assert abs(first.slope.value) <= 1.08 * best
 
 
 def test_designs_are_distinct_and_on_the_steps_that_people_write(bench, tmp_path):
@@ -171,7 +164,7 @@ def test_a_drawing_is_found_from_the_new_folder(bench, tmp_path):
 
 
 @pytest.mark.parametrize(("speed", "side", "bound"), [
-    (1e6, "largest", "lower bound of --vary legs.length_mm"),
+    (1e6, "largest", "within the ranges"),
     (-10.0, "smallest", "upper bound of --vary legs.tilt_deg"),
 ])  # fmt: skip
 def test_an_impossible_speed_names_the_limit(bench, tmp_path, speed, side, bound):
@@ -285,7 +278,7 @@ def test_wishes_that_cannot_be_are_refused(given, told):
 
 
 def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
-    record = {"status": "ok", "model": "space", "speed_mm_s": -30.0, "se_mm_s": 0.9,
+    record = {"status": "ok", "model": "space", "runs": 8, "speed_mm_s": -30.0, "se_mm_s": 0.9,
               "turning_bias_rad_s": 0.6, "turning_bias_se_rad_s": 0.024}  # fmt: skip
     found = wish.seen(record, "turning radius")
     assert found.value == pytest.approx(50.0)
@@ -302,7 +295,7 @@ def test_a_turning_radius_is_speed_over_turning_with_the_error_of_a_quotient():
 def test_a_walker_that_never_moves_is_no_division_by_nothing(bench, tmp_path):
     still = job_of(Wish("speed", None, False, SHARE), spans=(TILT,), **{"legs.kind": "braced"})
     result = make.make(still, bench, tmp_path, pictures=False)
-    assert all(abs(one.speed_mm_s) < 0.1 for one in result.designs)
+    assert all(abs(one.speed_mm_s) < 0.5 for one in result.designs)
 
 
 @pytest.mark.slow

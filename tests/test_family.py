@@ -74,9 +74,10 @@ def test_csv_rows_are_the_predictions(tmp_path):
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == [
-        "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "factor_back", "factor_front",
-        "factor_mean", "speed_mm_s", "speed_sd_mm_s", "speed_low_68_mm_s", "speed_high_68_mm_s",
-        "speed_low_95_mm_s", "speed_high_95_mm_s", "mode", "law", "note",
+        "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s", "speed_sd_mm_s",
+        "speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s",
+        "speed_by", "theory_mm_s", "factor_back", "factor_front", "factor_mean", "mode", "law",
+        "note",
     ]  # fmt: skip
     for row, member in zip(rows, made, strict=True):
         assert float(row["speed_mm_s"]) == member.row.speed_mm_s

@@ -41,7 +41,7 @@ def row(tilt, legs, speed):
 def curve(speed):
     tilt = np.linspace(0.0, 45.0, 91)
     bounds = np.array([speed + off + 0.0 * tilt for off in (-20.0, -10.0, 20.0, 40.0)])
-    return Curve(tilt, speed + 0.0 * tilt, 0.0 * tilt, bounds, tilt < 14.0)
+    return Curve(tilt, speed + 0.0 * tilt, bounds, speed - 3.0 * tilt, tilt < 14.0)
 
 
 ROWS = [row(tilt, legs, 40.0) for legs in ("flexible", "braced") for tilt in (5.0, 10.0)]
@@ -54,7 +54,7 @@ SHOWN = beside.Beside({"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED,
 
 
 def speed_figure(rows=ROWS, shown=SHOWN, simulated=SIMULATED, named=False):
-    return family.speed_figure(rows, shown, 14.0, TITLE, simulated, named)
+    return family.speed_figure(rows, shown, TITLE, simulated, named)
 
 
 def speed_of_one():
@@ -251,14 +251,10 @@ def test_what_speed_png_shows_is_in_speed_csv():
     lines = beside.to_csv(SHOWN).splitlines()
     assert lines[0].split(",") == list(beside.COLUMNS)
     kinds = [line.split(",")[0] for line in lines[1:]]
-    assert kinds == ["theory"] * 182 + ["measured"] * 2 + ["paper"]
-    assert lines[1] == "theory,flexible,0.0,40.0,30.0,60.0,20.0,80.0,yes"
+    assert kinds == ["predicted"] * 182 + ["measured"] * 2 + ["paper"]
+    assert lines[1] == "predicted,flexible,0.0,40.0,30.0,60.0,20.0,80.0,40.0,yes"
     assert lines[-3].startswith("measured,flexible,10.0,58.0,54.0,62.0,50.16,65.84")
-    assert lines[-1] == "paper,flexible,10.0,60.0,,,,,"
-    unknown = curve(1.0)._replace(bounds=np.full((4, 91), np.nan))
-    assert (
-        beside.to_csv(beside.Beside({"flexible": unknown})).splitlines()[1].endswith("1.0,,,,,yes")
-    )
+    assert lines[-1] == "paper,flexible,10.0,60.0,,,,,,"
 
 
 def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():

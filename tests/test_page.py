@@ -20,7 +20,7 @@ import walkergen
 from walkergen.cli import app
 from walkergen.errors import InputError, OutputError
 from walkergen.files import viewer
-from walkergen.jobs.page import chart, contents, members, references, theory
+from walkergen.jobs.page import beside, chart, contents, members, references
 
 ROOT = Path(__file__).parent.parent
 ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "assets"
@@ -275,7 +275,7 @@ def test_broken_files_are_refused_by_name(folder):
         ([*lines[:-1], lines[-1].replace("35.0", "nan", 1)], "family.csv:7: tilt_deg: must be a"),
         ([*lines[:-1], lines[-1].replace("braced", "", 1)], "family.csv:7: legs: missing"),
         ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv:7: not valid CSV"),
-        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 19 cells, the header has 18"),
+        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 21 cells, the header has 20"),
     ):
         table.write_text("\n".join(broken), encoding="utf-8")
         assert refused(folder).startswith(told)
@@ -317,7 +317,8 @@ def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
     found = members.of(contents.read(family_folder))
     drawn = chart.speeds(found)
     heights = {tick.text: tick.at for tick in drawn.y_ticks}
-    per_mm_s = (heights["0"] - heights["100"]) / 100.0
+    top = drawn.y_ticks[-1]
+    per_mm_s = (heights["0"] - top.at) / float(top.text)
     for point in drawn.points:
         speed = found[point.member].number("speed_mm_s")
         low, high = (found[point.member].number(f"speed_{end}_68_mm_s") for end in ("low", "high"))
@@ -327,36 +328,40 @@ def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
 
 
 def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
-    """Theory, bands, measured and stated speeds of the page stand where speed.csv has them."""
+    """Lines, bands, measured and stated speeds of the page stand where speed.csv has them."""
     found = members.of(contents.read(family_folder))
-    rows = theory.of(contents.read(family_folder))
+    rows = beside.of(contents.read(family_folder))
     drawn = chart.speeds(found, rows)
     scale = {tick.text: tick.at for tick in drawn.y_ticks}
     per_mm_s = (scale["0"] - scale["100"]) / 100.0
     along = {tick.text: tick.at for tick in drawn.x_ticks}
     per_deg = (along["20"] - along["0"]) / 20.0
     for line in drawn.lines:
-        own = [row for row in rows if (row.what, row.legs) == ("theory", line.legs)]
-        assert not line.joins
+        own = [row for row in rows if (row.what, row.legs) == ("predicted", line.legs)]
+        value = {"predicted": "speed_mm_s", "theory": "theory_mm_s"}[line.what]
         places = np.array([point.split(",") for point in line.points.split()], float)
-        wanted = [(along["0"] + per_deg * row.tilt_deg, scale["0"] - per_mm_s * row.speed_mm_s)
-                  for row in own]  # fmt: skip
+        wanted = [
+            (along["0"] + per_deg * row.tilt_deg, scale["0"] - per_mm_s * getattr(row, value))
+            for row in own
+        ]
         assert places == pytest.approx(np.array(wanted), abs=0.05)
     braced, flexible = (
         [band.share for band in drawn.bands if band.legs == legs] for legs in ("braced", "flexible")
     )
     assert braced == flexible == [95, 68]
     for point in drawn.points:  # a member's predicted speed lies on its kind's curve
-        line = next(line for line in drawn.lines if line.legs == point.legs)
+        line = next(one for one in drawn.lines if (one.what, one.legs) == ("predicted", point.legs))
         places = np.array([one.split(",") for one in line.points.split()], float)
         assert np.interp(point.x, *places.T) == pytest.approx(point.y, abs=0.7)
     (mark,) = drawn.marks
     assert mark.label == "flexible legs, 10°: stated by the paper 60.0 mm/s"
     assert mark.y == pytest.approx(scale["0"] - 60.0 * per_mm_s, abs=0.05)
     text = (folder / "speed.csv").read_text(encoding="utf-8")
-    more = text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,\nmeasured,flexible,10,5,,,,,\n"
+    more = (
+        text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,,\nmeasured,flexible,10,5,,,,,,\n"
+    )
     (folder / "speed.csv").write_text(more, encoding="utf-8")
-    *_, barred, bare = chart.speeds(found, theory.of(contents.read(folder))).marks
+    *_, barred, bare = chart.speeds(found, beside.of(contents.read(folder))).marks
     assert barred.label == "braced legs, 10°: measured 12.0 mm/s (95 %: 10.0 to 14.0)"
     assert (bare.low, bare.label) == (None, "flexible legs, 10°: measured 5.0 mm/s")
 
@@ -364,13 +369,16 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
 @pytest.mark.parametrize(
     ("line", "told"),
     [
-        ("hearsay,flexible,10,1,,,,,", "speed.csv:2: what: must be theory, measured, paper, not"),
-        ("theory,wooden,10,1,,,,,", "speed.csv:2: legs: must be flexible or braced, not 'wooden'"),
-        ("theory,flexible,nan,1,,,,,", "speed.csv:2: tilt_deg: must be a number within ±1e+09"),
-        ("theory,flexible,10,1e300,,,,,", "speed.csv:2: speed_mm_s: must be a number within"),
-        ("theory,flexible,10,,,,,,", "speed.csv:2: tilt_deg, speed_mm_s: a number is missing"),
-        ("theory,flexible,10,1,x,,,,", "speed.csv:2: speed_low_68_mm_s: must be a number"),
-        ("theory,flexible", "speed.csv:2: 2 cells, the header has 9"),
+        ("hearsay,flexible,10,1,,,,,,", "speed.csv:2: what: must be predicted, measured, paper,"),
+        (
+            "predicted,wooden,10,1,,,,,,",
+            "speed.csv:2: legs: must be flexible or braced, not 'wooden'",
+        ),
+        ("predicted,flexible,nan,1,,,,,,", "speed.csv:2: tilt_deg: must be a number within ±1e+09"),
+        ("predicted,flexible,10,1e300,,,,,,", "speed.csv:2: speed_mm_s: must be a number within"),
+        ("predicted,flexible,10,,,,,,,", "speed.csv:2: tilt_deg, speed_mm_s: a number is missing"),
+        ("predicted,flexible,10,1,x,,,,,", "speed.csv:2: speed_low_68_mm_s: must be a number"),
+        ("predicted,flexible", "speed.csv:2: 2 cells, the header has 10"),
     ],
 )
 def test_a_broken_curve_is_refused_by_its_line(folder, line, told):

@@ -5,8 +5,9 @@ import math
 import numpy as np
 import pytest
 
-from walkergen import prediction, uncertain
+from walkergen import discrepancy, prediction, uncertain
 from walkergen.scene import Scene
+from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -23,7 +24,7 @@ def row_of(design=None, mode="coulomb", **contact):
     [(5, "paper", 5.506, 4.977), (5, "coulomb", 5.249, 4.753), (10, "coulomb", 4.203, 3.790),
      (20, "paper", 2.458, 2.296), (35, "coulomb", 1.335, 1.297)],
 )  # fmt: skip
-def test_speed_is_the_known_factor_times_the_impact_speed(tilt, mode, back, front):
+def test_the_theory_is_the_known_factor_times_the_impact_speed(tilt, mode, back, front):
     """physics.md section 4, e = 0.9, mu = 0.1; feet meet the plate at half its peak speed."""
     scene = Scene.model_validate(
         {
@@ -39,7 +40,7 @@ def test_speed_is_the_known_factor_times_the_impact_speed(tilt, mode, back, fron
     assert row.factor_back == pytest.approx(back, abs=3e-3)
     assert row.factor_front == pytest.approx(front, abs=3e-3)
     assert row.factor_mean == pytest.approx(0.5 * (back + front), abs=3e-3)
-    assert row.speed_mm_s == pytest.approx(0.5 * (back + front) * impact_speed, rel=2e-3)
+    assert row.theory_mm_s == pytest.approx(0.5 * (back + front) * impact_speed, rel=2e-3)
 
 
 EXACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
@@ -48,16 +49,22 @@ EXACT = {"restitution_sd": 0.0, "friction_sd": 0.0}
 def exactly(**tables):
     """Design and scene without any standard deviation but those given."""
     design = Design.model_validate(
-        {"weighed": {"mass_sd_percent": 0.0}, "legs": {"thickness_sd_mm": 0.0, "tilt_deg": 20.0}}
-    )
-    known = {"contact": EXACT, "prediction": {"impact_speed_factor_sd": 0.0}}
+        {"weighed": {"mass_sd_percent": 0.0},
+         "legs": {"thickness_sd_mm": 0.0, "tilt_deg": 20.0},
+         "material": {"youngs_modulus_sd_gpa": 0.0}}
+    )  # fmt: skip
+    known = {
+        "contact": EXACT, "feet": {"unevenness_sd_um": 0.0}, "prediction": {"model_sd": 0.0}
+    }  # fmt: skip
     return design, Scene.model_validate(known | tables)
 
 
-def test_standard_deviation_against_linear_propagation():
+def test_standard_deviation_of_the_theory_against_linear_propagation():
     """Rival: finite differences; small deviations, so that the second order is 1 % of the first."""
     sds = {"restitution": 0.01, "friction": 0.005}
-    design, scene = exactly(contact={f"{name}_sd": sd for name, sd in sds.items()})
+    design, scene = exactly(
+        contact={"restitution": 0.8} | {f"{name}_sd": sd for name, sd in sds.items()}
+    )
     design = design.model_copy(
         update={"legs": design.legs.model_copy(update={"thickness_sd_mm": 0.01}),
                 "weighed": design.weighed.model_copy(update={"mass_sd_percent": 2.0})}
@@ -68,7 +75,7 @@ def test_standard_deviation_against_linear_propagation():
         changed = scene.model_copy(update={"contact": scene.contact.model_copy(update=contact)})
         legs = tuple(leg._replace(m=leg.m * scale_m, j=leg.j * scale_m) for leg in mass.legs)
         varied = mass._replace(M=mass.M * scale_M, J=mass.J * scale_M, legs=legs)
-        return prediction.predict(design, varied, changed).speed_mm_s
+        return prediction.predict(design, varied, changed).theory_mm_s
 
     step = 1e-4
     by_leg = speed(scale_m=1 + step) - speed(scale_m=1 - step)
@@ -80,30 +87,64 @@ def test_standard_deviation_against_linear_propagation():
         by_leg * 0.01 / 0.4,  # a leg's mass goes with its thickness
     ]
     expected = np.linalg.norm(slopes) / (2 * step)
-    found = prediction.predict(design, mass, scene).speed_sd_mm_s
+    known = prediction.known_inputs(scene, design)
+    values = uncertain.draws(known, prediction.DRAWS, prediction.SEED)
+    drawn = prediction.theory_speeds(design, mass, scene, "coulomb", known, values)
     # Sobol points know a deviation to a percent; the second order is as much.
-    assert found == pytest.approx(expected, rel=0.04)
+    assert drawn.std() == pytest.approx(expected, rel=0.04)
 
 
-def test_no_uncertainty_in_leaves_the_theorys_own_error():
+def test_a_prediction_of_a_known_walker_is_the_tables_speed_there():
+    """Rival: the table at the one place; the print's scatter and the model's error are in sd."""
     design, scene = exactly()
-    row = prediction.predict(design, solids.mass_of(design), scene)
-    assert row.speed_sd_mm_s == pytest.approx(0.0, abs=1e-10)
-    assert row.speed_high_95_mm_s - row.speed_low_95_mm_s > 10.0
+    mass = solids.mass_of(design)
+    place = discrepancy.place_of(scene, design, mass)
+    found = discrepancy.speeds(place._replace(gamma=np.full(1, place.gamma)), 20.0, braced=False)
+    plate = scene.drive.peak_speed
+
+    def at(deviations, sd):
+        return plate * discrepancy.LINEAR_BELOW * np.sinh(found.centre[0] + sd * deviations)
+
+    for model_sd in (0.0, 0.3):
+        exact = scene.variant(**{"prediction.model_sd": model_sd})
+        row, sd = prediction.predict(design, mass, exact), np.hypot(found.sd[0], model_sd)
+        # 1024 Sobol points know a median to a hundredth of a deviation, a bound to a tenth.
+        assert row.speed_mm_s == pytest.approx(at(0.0, sd), rel=0.01 * sd)
+        assert row.speed_low_95_mm_s == pytest.approx(at(-1.96, sd), rel=0.1 * sd)
+        assert row.speed_high_68_mm_s == pytest.approx(at(0.994, sd), rel=0.1 * sd)
 
 
-def test_impact_speed_uncertainty_enters():
-    design, scene = exactly(prediction={"impact_speed_factor_sd": 0.1})
-    row = prediction.predict(design, solids.mass_of(design), scene)
-    assert row.speed_sd_mm_s == pytest.approx(0.1 / 0.45 * row.speed_mm_s, rel=0.01)
+CONTACTS = ({}, {"prior": "unknown"}, {"restitution": 0.8}, {"restitution": 0.9, "friction": 0.1})
+
+
+@pytest.mark.parametrize("contact", CONTACTS)
+def test_a_speed_stands_in_the_middle_of_its_bounds(contact):
+    """In the inner third of those of 68 %: the error of a speed is between an amount and a share.
+
+    Of an unknown contact at 2 deg it is neither: at small tilts all hangs on the label.
+    """
+    for tilt in (0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 35.0, 60.0):
+        if (tilt, contact.get("prior")) == (2.0, "unknown"):
+            continue
+        row, _, _ = row_of(Design().variant(tilt_deg=tilt), **contact)
+        low, high = row.speed_low_68_mm_s, row.speed_high_68_mm_s
+        assert 1 / 3 < (row.speed_mm_s - low) / (high - low) < 2 / 3, (tilt, contact)
+        assert row.speed_low_95_mm_s < low < high < row.speed_high_95_mm_s
 
 
 def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
     row, _, _ = row_of()
-    assert row.speed_mm_s == pytest.approx(60.0, abs=1.0)  # on which the factor is calibrated
     assert row.speed_low_68_mm_s < 60.0 < row.speed_high_68_mm_s
-    assert row.speed_low_95_mm_s < row.speed_low_68_mm_s
-    assert row.speed_high_95_mm_s > row.speed_high_68_mm_s
+    # 3.97 with a label of 0.3 ± 0.1, on which it hangs; 0.1 allows for a table made anew
+    assert row.speed_high_95_mm_s < 4.1 * row.speed_low_95_mm_s
+
+
+def test_a_contact_of_which_less_is_known_has_wider_bounds():
+    paper, unknown, measured = (row_of(**contact)[0] for contact in CONTACTS[:3])
+    ratios = [row.speed_high_95_mm_s / row.speed_low_95_mm_s for row in (measured, paper, unknown)]
+    assert ratios == sorted(ratios)
+    # What the paper measured on grains: nearly twice as fast as it saw walkers run.
+    assert measured.speed_low_95_mm_s > 60.0
 
 
 IN_SPACE = {
@@ -132,11 +173,38 @@ def test_bounds_hold_the_speeds_of_the_model_in_space():
      ({"plate": {"slope_deg": 6.0}}, "slopes beyond 5 deg"),
      ({"feet": {"damping": "hysteretic"}}, "other feet")],
 )  # fmt: skip
-def test_bounds_are_refused_where_the_theorys_own_error_is_unknown(tables, told):
+def test_outside_the_table_the_theory_stands_in_and_says_so(tables, told):
     design = Design()
     row = prediction.predict(design, solids.mass_of(design), Scene.model_validate(tables))
-    assert row.speed_low_95_mm_s is None
+    assert row.speed_by == "theory"
     assert told in row.note
+    assert "--simulate" in row.note
+    assert row.speed_mm_s == pytest.approx(row.theory_mm_s, rel=0.05)  # a median about it
+    assert row.speed_high_95_mm_s - row.speed_low_95_mm_s > 1.5 * row.theory_mm_s
+
+
+def test_the_theorys_error_is_what_separates_it_from_the_table():
+    """Random walkers of the table: of 200 a share is known to 3 %, and 0.97 was found of 1364."""
+    rng = np.random.default_rng(5)
+    z = []
+    for _ in range(200):
+        legs = {"tilt_deg": float(40.0 * rng.random() ** 1.2),
+                "flexible_thickness_mm": float(rng.uniform(0.3, 0.7))}  # fmt: skip
+        contact = {"restitution": float(rng.uniform(0.05, 0.95)),
+                   "friction": float(np.exp(rng.uniform(np.log(0.07), np.log(0.5))))}  # fmt: skip
+        drive = {"frequency_hz": 90.0, "gamma": float(rng.uniform(1.2, 2.8))}
+        design = Design.model_validate({"legs": legs})
+        scene = Scene.model_validate({"contact": contact, "drive": drive})
+        mass = solids.mass_of(design)
+        plate, place = scene.drive.peak_speed, discrepancy.place_of(scene, design, mass)
+        place = place._replace(gamma=np.full(1, place.gamma))
+        speed = plate * discrepancy.speeds(place, design.tilt_deg, False).at(np.zeros(1))[0]
+        each = stationary(design, mass, contact["restitution"], contact["friction"])
+        theory = float(each.factor) * scene.impact_speed
+        z.append((speed - theory) / np.hypot(theory, discrepancy.LINEAR_BELOW * plate))
+    z = np.abs(z) / prediction.THEORY_SD
+    assert 0.5 < np.mean(z < 0.994) < 0.85
+    assert np.mean(z < 1.96) > 0.9
 
 
 def test_draws_stay_in_the_physical_range_and_repeat():
@@ -153,21 +221,21 @@ def test_draws_stay_in_the_physical_range_and_repeat():
 
 
 def test_shares_name_what_to_measure_next():
-    """With one input uncertain by far the most, it takes nearly all the variance of the theory."""
-    design, scene = exactly(
-        prediction={"impact_speed_factor_sd": 0.2}, plate={"slope_deg": 6.0}
-    )  # on a slope the theory's own error is unknown and left out
-    first, *rest = prediction.shares(design, solids.mass_of(design), scene, "coulomb")
-    assert first.name == "prediction.impact_speed_factor"
-    assert first.first == pytest.approx(1.0, abs=0.02)
+    """With one input uncertain by far the most, it takes nearly all the variance."""
+    design, scene = exactly(contact={"restitution_sd": 0.2, "friction_sd": 0.0})
+    first, second, *rest = prediction.shares(design, solids.mass_of(design), scene, "coulomb")
+    assert {first.name, second.name} == {"contact.restitution", "which print it is"}
     assert all(abs(one.total) < 0.02 for one in rest)
 
 
 def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():
-    assert row_of(Design().variant(tilt_deg=0.0))[0].speed_mm_s == 0.0
-    left = row_of(Design().variant(tilt_deg=-12.0))[0]
-    right = row_of(Design().variant(tilt_deg=12.0))[0]
-    assert left.speed_mm_s == pytest.approx(-right.speed_mm_s, rel=1e-12)
+    upright, left, right = (
+        row_of(Design().variant(tilt_deg=tilt))[0] for tilt in (0.0, -12.0, 12.0)
+    )
+    assert upright.theory_mm_s == 0.0
+    assert abs(upright.speed_mm_s) < 0.5  # by symmetry 0, in a table with a scatter of 1.8
+    assert left.theory_mm_s == pytest.approx(-right.theory_mm_s, rel=1e-12)
+    assert left.speed_mm_s == pytest.approx(-right.speed_mm_s, rel=0.01)
 
 
 def test_braced_walkers_hardly_move():
@@ -175,15 +243,28 @@ def test_braced_walkers_hardly_move():
     for tilt in (0.0, 10.0, 30.0, 45.0):
         row = row_of(Design().variant(tilt_deg=tilt, kind="braced"))[0]
         assert abs(row.speed_mm_s) < 2.0
+        assert abs(row.theory_mm_s) < 2.0
         assert row.m_g is None
 
 
-def test_the_peak_lies_below_ten_degrees():
+def test_the_peak_of_the_theory_lies_below_ten_degrees():
     """Paper: a maximum always below 10 degrees in a wide range of restitution and friction."""
     for e, mu in ((0.8, 0.25), (0.9, 0.1), (0.5, 0.2)):
-        scene = Scene.model_validate({"contact": {"restitution": e, "friction": mu}})
-        curve = prediction.curve(Design(), scene, "coulomb", 0.0, 45.0)
-        assert 0 < curve.tilt_deg[np.argmax(curve.speed)] < 10
+        tilts = np.arange(0.5, 45.1, 0.5)
+        walkers = [Design().variant(tilt_deg=float(tilt)) for tilt in tilts]
+        found = [stationary(one, solids.mass_of(one), e, mu).factor for one in walkers]
+        assert 0 < tilts[np.argmax(found)] < 10
+
+
+def test_a_curve_runs_through_its_members():
+    curve = prediction.curve(Design(), Scene(), "coulomb", 0.0, 45.0)
+    for tilt in (5.0, 10.0, 35.0):
+        row, place = (
+            row_of(Design().variant(tilt_deg=tilt))[0],
+            np.argmin(abs(curve.tilt_deg - tilt)),
+        )
+        assert curve.speed[place] == pytest.approx(row.speed_mm_s, rel=1e-9)
+        assert curve.theory[place] == pytest.approx(row.theory_mm_s, rel=1e-9)
 
 
 def test_notes_name_where_equation_15_fails():
@@ -191,16 +272,20 @@ def test_notes_name_where_equation_15_fails():
     limit = math.degrees(math.atan(0.25))
     below, above = (Design().variant(tilt_deg=limit + d) for d in (-1.0, 1.0))
     assert "can stick" in row_of(below)[0].note
-    assert row_of(above)[0].note == ""
+    assert "can stick" not in row_of(above)[0].note
     assert "eq. 15 fails" in row_of(below, mode="paper")[0].note
     assert "every speed is stationary" in row_of(friction=0.0)[0].note
+    steep = row_of(Design().variant(tilt_deg=35.0))[0]
+    assert steep.theory_mm_s > steep.speed_high_95_mm_s
+    assert "theory leaves" in steep.note
 
 
-def test_speed_does_not_depend_on_density():
+def test_the_theory_does_not_depend_on_density():
     light = Design.model_validate({"material": {"density_g_cm3": 0.5}})
-    assert row_of(light)[0].speed_mm_s == pytest.approx(row_of()[0].speed_mm_s, rel=1e-12)
+    assert row_of(light)[0].theory_mm_s == pytest.approx(row_of()[0].theory_mm_s, rel=1e-12)
 
 
 def test_a_heavier_leg_changes_the_prediction():
     heavy = Design.model_validate({"weighed": {"leg_mass_g": 0.04}})
-    assert row_of(heavy)[0].speed_mm_s < 0.99 * row_of()[0].speed_mm_s
+    assert row_of(heavy)[0].theory_mm_s < 0.99 * row_of()[0].theory_mm_s
+    assert row_of(heavy)[0].speed_mm_s != row_of()[0].speed_mm_s

@@ -7,11 +7,10 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen import prediction
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, curves, sweeps
+from walkergen.jobs.paper import compare, curves, sweeps, theory
 from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
 from walkergen.jobs.paper.tables import number
@@ -176,11 +175,21 @@ def test_the_theory_drawn_has_the_known_values(design, tilt, mode, mean):
     # docs/physics.md section 4, e = 0.9, mu = 0.1: means of its back and front, for masses that are
     # rounded to three digits.
     scene = templates.load("lane-90hz-fitted", "scenes", Scene)
-    curve = prediction.curve(design, scene, mode, 0.0, 45.0)
+    curve = theory.curve(design, scene, mode, 0.0, 45.0)
     (at,) = np.flatnonzero(curve.tilt_deg == tilt)
     assert curve.speed[at] / scene.impact_speed == pytest.approx(
         mean, abs=3e-3
     )  # for masses of three digits
+
+
+def test_the_contact_that_the_paper_measured_is_taken_where_a_scene_gives_none(design):
+    lane = templates.load("lane-90hz", "scenes", Scene)
+    fitted = templates.load("lane-90hz-fitted", "scenes", Scene)
+    for scene, restitution in ((lane, 0.8), (lane.variant(**{"contact.restitution": 0.6}), 0.6)):
+        measured, other, low = reproduce.assumptions_of(reproduce.Job(design, scene, fitted))
+        assert measured.scene.contact.restitution == restitution
+        assert (other.scene.contact.restitution, low.scene.contact.restitution) == (0.9, 0.3)
+        assert {one.scene.contact.friction for one in (measured, low)} == {0.25}
 
 
 def test_impacts_at_the_theorys_stationary_speed_are_of_type_three(design):

@@ -2,6 +2,7 @@
 
 import itertools
 import math
+import re
 
 import pytest
 
@@ -84,3 +85,28 @@ def test_templates_state_the_defaults_of_everything_but_what_they_are_for(name):
         if ours[table][key] != theirs[table][key]
     }
     assert differ == MEANT.get(name, set())
+
+
+def test_a_prior_supplies_what_a_contact_does_not_give():
+    scene = Scene()
+    assert scene.contact.origin == "contact of the paper's plate"
+    unknown = scene.variant(**{"contact.prior": "unknown"})
+    assert unknown.contact.origin == "unknown plastic on an unknown plate"
+    assert unknown.contact.restitution_sd > scene.contact.restitution_sd
+    given = unknown.variant(**{"contact.restitution": 0.8})
+    assert (given.contact.restitution, given.contact.friction) == (0.8, unknown.contact.friction)
+    assert given.contact.origin == "restitution as given, else unknown plastic on an unknown plate"
+    both = given.variant(**{"contact.friction": 0.2})
+    assert both.contact.origin == "contact as given"
+    again = given.variant(**{"contact.prior": "paper"})  # what was supplied was never given
+    assert (again.contact.restitution, again.contact.friction) == (0.8, scene.contact.friction)
+
+
+@pytest.mark.parametrize(
+    ("key", "told"),
+    [("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
+     ("contact.prior", "'paper', 'unknown'")],
+)  # fmt: skip
+def test_misspelt_keys_of_a_prediction_are_refused(key, told):
+    with pytest.raises(InputError, match=re.escape(told)):
+        Scene().variant(**{key: 10})

@@ -120,7 +120,7 @@ def test_a_key_and_its_flag_are_one(run, key, flag):
 
 def test_speeds_follow_the_drive_as_they_must(run):
     def speed(*words):
-        return json.loads(predicted(run, *words))["rows"][0]["speed_mm_s"]
+        return json.loads(predicted(run, *words))["rows"][0]["theory_mm_s"]
 
     base = speed()  # in proportion to the plate's peak speed, gamma g / (2 pi f)
     assert speed("--gamma", "3.6") == pytest.approx(2 * base)
@@ -331,7 +331,9 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
         assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
         assert {key: row[key] for key in same} == {key: alone[key] for key in same}
         told = predicted(run, "--legs", "braced", "--tilt", str(row["tilt_deg"]))
-        assert row["theory_mm_s"] == json.loads(told)["rows"][0]["speed_mm_s"]
+        (known,) = json.loads(told)["rows"]
+        assert row["theory_mm_s"] == known["theory_mm_s"]
+        assert row["predicted_mm_s"] == known["speed_mm_s"]
     table = run("simulate", "--legs", "braced", "--tilt", "5,10", *SHORT[:-1]).stdout
     assert max(len(line) for line in table.splitlines()) <= 80
     assert "90 Hz, 1.8 g, 31.2 mm/s" in table

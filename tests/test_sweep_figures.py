@@ -90,7 +90,7 @@ def test_many_points_have_a_band():
     assert {(50.0, table.low[50]), (50.0, table.high[50])} <= corners
 
 
-def test_the_theory_has_no_bounds_and_claims_none():
+def test_predictions_have_no_bars_and_claim_none():
     table = columns(error=np.nan, tilt=[0, 5, 10])
     _, (axes,) = drawn(table)
     assert axes.get_ylabel() == "speed (mm/s)"

@@ -147,7 +147,7 @@ def test_a_mistake_in_bounds_is_named_with_its_line(mistakes, line, told):
     ("text", "told"),
     [
         ('modle = "space"', ":1: modle: unknown key; did you mean model?"),
-        ('model = "warp"', ":1: model: 'warp': must be one of theory, rigid"),
+        ('model = "warp"', ":1: model: 'warp': must be one of prediction, rigid"),
         ('keep = ["sped"]', ":1: keep: 'sped': must be one of speed, spread"),
         ("error = 5", ":1: error = 5: must be text, in quotes"),
         ('error = "5"', ":1: error: '5': write a positive share or speed"),

@@ -160,9 +160,9 @@ def test_points_that_cannot_be_are_rows_with_a_reason(home):
         (["--set", TILTS, "--set", TILTS], "given 2 times"),
         (["--set", TILTS, "--sample", "sobol:8"], "no key to sample"),
         (["--set", "legs.tilt_deg=0:9", "--sample", "halton:8"], "sobol:N or latin:N"),
-        (["--set", TILTS, "--error", "5%"], "the theory has no runs"),
-        (["--set", TILTS, "--budget", "10m"], "the theory has no runs"),
-        (["--set", TILTS, "--model", "string"], "must be one of theory"),
+        (["--set", TILTS, "--error", "5%"], "the prediction has no runs"),
+        (["--set", TILTS, "--budget", "10m"], "predictions have no runs"),
+        (["--set", TILTS, "--model", "string"], "must be one of prediction"),
         (["--set", TILTS, "--keep", "speed,mass"], "must be one of speed"),
         (["--set", TILTS, "--keep", "printability"], "needs a printer"),
         (["--set", TILTS, "--keep", "persistence"], "needs a simulation"),
@@ -301,7 +301,7 @@ def test_columns_are_those_that_records_have():
     found = evaluate.evaluate(
         Request.point(request_of(TILTS, keep=("speed", "spread", "masses")), {"legs.tilt_deg": 8})
     )
-    assert set(found) == set(table.columns("theory", ("speed", "spread", "masses")))
+    assert set(found) == set(table.columns("prediction", ("speed", "spread", "masses")))
 
 
 def test_memory_does_not_grow_with_the_points():

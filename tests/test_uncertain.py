@@ -17,7 +17,7 @@ def _names(reader, design=DESIGN):
 
 
 def test_each_reader_is_given_what_it_reads():
-    assert _names("space") == set(uncertain.READ_BY) - {"prediction.impact_speed_factor"}
+    assert _names("space") == set(uncertain.READ_BY)
     assert _names("compliant") == _names("space") - {"feet.unevenness_um"}
     assert "leg mass" not in _names("rigid", DESIGN.variant(kind="braced"))
 

@@ -6,7 +6,7 @@ acceleration over g) determine it; a third and a fourth are accepted when they a
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -121,14 +121,60 @@ def at_rest(frequency_hz: float) -> Drive:
     return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)
 
 
-class Contact(Section):
-    """Contact of foot and plate: restitution and friction, with their standard deviations."""
+class Prior(NamedTuple):
+    """What is taken to be known of a contact of which a scene gives no numbers."""
 
-    restitution: Fraction = 0.8
-    restitution_sd: Fraction = 0.1
-    friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
-    friction_sd: Annotated[float, Field(ge=0, le=1e6)] = 0.02
+    words: str
+    restitution: float
+    """Label of the feet's damping in space, restitution of planar models."""
+    restitution_sd: float
+    friction: float
+    friction_sd: float
+
+
+PAPER_CONTACT = Prior("contact of the paper's plate", 0.30, 0.10, 0.25, 0.02)
+"""Contact with which the model in space meets what the paper states of its walkers' speeds, the
+friction as it measured it. Provisional: read off the one speed, 60 mm/s at 10 degrees."""
+
+UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.40, 0.25, 0.30, 0.12)
+"""Contact of which nothing was measured: plastics are seen to bounce with nearly nothing to 0.9,
+and to slide on plates with frictions of 0.1 to 0.5."""
+
+PRIORS = {"paper": PAPER_CONTACT, "unknown": UNKNOWN_CONTACT}
+
+
+class Contact(Section):
+    """Contact of foot and plate: restitution and friction, with their standard deviations.
+
+    Numbers that are not given are those of the prior.
+    """
+
+    prior: Literal["paper", "unknown"] = "paper"
+    restitution: Fraction = PAPER_CONTACT.restitution
+    restitution_sd: Fraction = PAPER_CONTACT.restitution_sd
+    friction: Annotated[float, Field(ge=0, le=1e6)] = PAPER_CONTACT.friction
+    friction_sd: Annotated[float, Field(ge=0, le=1e6)] = PAPER_CONTACT.friction_sd
     law: Literal["poisson", "newton", "stronge"] = "poisson"
+
+    @model_validator(mode="after")
+    def _supplied(self) -> "Contact":
+        """Supply the prior's numbers, which remain "not given": another prior replaces them."""
+        numbers = PRIORS[self.prior]._asdict()
+        del numbers["words"]
+        self.__dict__.update({k: v for k, v in numbers.items() if k not in self.model_fields_set})
+        return self
+
+    @property
+    def origin(self) -> str:
+        """Words on where the numbers come from."""
+        prior = PRIORS[self.prior].words
+        given = [
+            name for name in ("restitution", "friction")
+            if {name, f"{name}_sd"} & self.model_fields_set
+        ]  # fmt: skip
+        if not given:
+            return prior
+        return "contact as given" if len(given) == 2 else f"{given[0]} as given, else {prior}"
 
 
 class Plate(Section):
@@ -241,13 +287,19 @@ class Effects(Section):
 
 
 class Prediction(Section):
-    """Speed at which feet meet the plate over its peak speed (paper: "of the same order").
+    """What predictions assume beside contact and print."""
 
-    The default is calibrated on the paper's one stated speed, 60 mm/s at 10 degrees.
+    model_sd: Annotated[float, Field(ge=0, le=3)] = 0.15
+    """Structural error of the model in space, one standard deviation: a share of a fast walker's
+    speed, of a slow one's this share of a quarter of the plate's (`discrepancy.LINEAR_BELOW`).
+
+    The default is the size of what that model leaves open (docs/physics.md section 7): feet three
+    times as stiff or soft, or damped along the plate too, and walls change speeds by 8 to 9 %
+    each, 15 % together.
     """
-
     impact_speed_factor: Annotated[float, Field(ge=1e-6, le=1000)] = 0.45
-    impact_speed_factor_sd: Annotated[float, Field(ge=0, le=1000)] = 0.2
+    """Speed at which the theory's feet meet the plate over its peak speed (the paper: "of the same
+    order"); 0.45 gives the paper's 60 mm/s at 10 degrees with the restitution that it measured."""
 
 
 class Scene(Section):
@@ -291,5 +343,5 @@ class Scene(Section):
 
     @property
     def impact_speed(self) -> float:
-        """Normal speed w at which feet are assumed to meet the plate, mm/s."""
+        """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
         return self.prediction.impact_speed_factor * self.drive.peak_speed

@@ -1,6 +1,6 @@
 """Uncertain inputs of a prediction: what design and scene do not know exactly, and draws of it.
 
-Every input has a mean and a standard deviation under keys that people write; theory, simulation
+Every input has a mean and a standard deviation under keys that people write; prediction, simulation
 and fit take from the same list those that they read.
 """
 
@@ -20,21 +20,20 @@ from walkergen.walker.mass import MassProperties, scaled
 
 Array = npt.NDArray[np.float64]
 
-THEORY = "theory"
+PREDICTION = "prediction"
 
 READ_BY = {
-    "contact.restitution": (THEORY, "rigid", "relaxed", "compliant", "space"),
-    "contact.friction": (THEORY, "rigid", "relaxed", "compliant", "space"),
-    "legs.thickness_mm": (THEORY, "relaxed", "compliant", "space"),
-    "material.youngs_modulus_gpa": (THEORY, "compliant", "space"),
+    "contact.restitution": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
+    "contact.friction": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
+    "legs.thickness_mm": (PREDICTION, "relaxed", "compliant", "space"),
+    "material.youngs_modulus_gpa": (PREDICTION, "compliant", "space"),
     "legs.damping_ratio": ("compliant", "space"),
-    "body mass": (THEORY, "rigid", "relaxed", "compliant", "space"),
-    "leg mass": (THEORY, "relaxed", "compliant", "space"),
-    "feet.unevenness_um": (THEORY, "space"),
-    "prediction.impact_speed_factor": (THEORY,),
+    "body mass": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
+    "leg mass": (PREDICTION, "relaxed", "compliant", "space"),
+    "feet.unevenness_um": (PREDICTION, "space"),
 }
-"""Names of the inputs, keys where there is one, and who reads each: the theory, whose own error
-depends on the print as the model in space does, and models."""
+"""Names of the inputs, keys where there is one, and who reads each: the prediction, from what the
+model in space does, and models."""
 
 
 QUANTILES = (0.025, 0.16, 0.84, 0.975)
@@ -59,10 +58,10 @@ class Input(NamedTuple):
 
 
 def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
-    """Inputs with a standard deviation that `reader`, "theory" or a model's name, reads."""
-    contact, feet, factor = scene.contact, scene.feet, scene.prediction
+    """Inputs with a standard deviation that `reader`, "prediction" or a model's name, reads."""
+    contact, feet = scene.contact, scene.feet
     mass_sd = 0.01 * design.weighed.mass_sd_percent
-    lowest = LEAST_LABEL if reader == "space" else 0.0
+    lowest = LEAST_LABEL if reader in (PREDICTION, "space") else 0.0
     known = (
         Input("contact.restitution", contact.restitution, contact.restitution_sd, lowest, 1.0),
         Input("contact.friction", contact.friction, contact.friction_sd),
@@ -74,8 +73,6 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         Input("body mass", 1.0, mass_sd, 0.01),
         Input("leg mass", 1.0, mass_sd, 0.01),
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
-        Input("prediction.impact_speed_factor", factor.impact_speed_factor,
-              factor.impact_speed_factor_sd),
     )  # fmt: skip
     off = {"leg mass"} if design.braced else set()
     if scene.effects.unevenness is False:

@@ -44,7 +44,9 @@ def design(
     model: Annotated[
         str | None,
         typer.Option(
-            "--model", metavar="MODEL", help="theory, or a model; by default the one of `simulate`."
+            "--model",
+            metavar="MODEL",
+            help="prediction, or a model; by default the one of `simulate`.",
         ),
     ] = None,
     error: Annotated[
@@ -60,7 +62,7 @@ def design(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Find designs that meet a wish: the theory first, then simulations, then a fresh run."""
+    """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
     from walkergen.exploring import wanted
     from walkergen.exploring.store import Store
     from walkergen.jobs.design import box, make

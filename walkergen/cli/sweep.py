@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from walkergen.jobs.sweep.make import Made
 
 FEW_POINTS = 512
-"""Number of points by the theory that take less time here than processes take to start."""
+"""Number of predicted points that take less time here than processes take to start."""
 
 
 def sweep(
@@ -41,8 +41,8 @@ def sweep(
         typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file."),
     ] = None,
     model: Annotated[
-        str, typer.Option("--model", metavar="MODEL", help="theory, or a model to simulate by.")
-    ] = "theory",
+        str, typer.Option("--model", metavar="MODEL", help="prediction, or a model to simulate by.")
+    ] = "prediction",
     error: Annotated[
         str | None,
         typer.Option(
@@ -89,7 +89,7 @@ def sweep(
     quiet: opt.Quiet = False,
 ) -> None:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
-    from walkergen.exploring.point import THEORY
+    from walkergen.exploring.point import PREDICTION
     from walkergen.exploring.store import Store
     from walkergen.jobs.sweep import ask, make
 
@@ -107,7 +107,7 @@ def sweep(
         )
     folder = out or Path("out") / "sweeps" / asked.name()
     store = Store()
-    few = request.model == THEORY and request.space.points <= FEW_POINTS
+    few = request.model == PREDICTION and request.space.points <= FEW_POINTS
     with crew_of(few, workers, dask) as crew:
         _check_cost(request, store, crew, yes)
         job = make.Job(request, asked.title(), pictures, seconds)

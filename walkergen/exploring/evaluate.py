@@ -1,4 +1,4 @@
-"""Evaluation of a point: its masses, its speed by the theory, and what a simulation says of it."""
+"""Evaluation of a point: its masses, its predicted speed, and what a simulation says of it."""
 
 import math
 from collections.abc import Sequence
@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from walkergen import prediction
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import WalkergenError
-from walkergen.exploring.point import OK, STATUS, THEORY, Point, Record
+from walkergen.exploring.point import OK, STATUS, Point, Record
 from walkergen.exploring.runs import motion_of
 from walkergen.exploring.wanted import Wanted
 from walkergen.printing import checks
@@ -15,7 +15,6 @@ from walkergen.simulation import ensemble, observables, resolution
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
-from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 
@@ -56,16 +55,14 @@ def refused(error: WalkergenError) -> Record:
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    contact = scene.contact
-    each = stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
-    theory = float(each.factor) * scene.impact_speed
-    found: Record = {STATUS: OK, "speed_mm_s": theory, "model": THEORY}
+    row = prediction.predict(design, mass, scene)
+    found: Record = {STATUS: OK, "speed_mm_s": row.speed_mm_s, "model": row.speed_by}
     if point.simulated:
-        found = _simulated(point, mass) | {"theory_mm_s": theory}
+        found = _simulated(point, mass) | {"predicted_mm_s": row.speed_mm_s}
+    found["theory_mm_s"] = row.theory_mm_s
     if "spread" in keep:
-        row = prediction.predict(design, mass, scene)._asdict()
-        names = [f"speed_{end}_{level}_mm_s" for level in ("95", "68") for end in ("low", "high")]
-        found |= {name.replace("speed", "predicted"): row[name] for name in names}
+        ends = [f"speed_{end}_{level}_mm_s" for level in ("95", "68") for end in ("low", "high")]
+        found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
     if "masses" in keep:
         leg = next((one for one in mass.legs if one.m > 0.0), None)
         found |= {

@@ -18,10 +18,10 @@ from walkergen.walker.design import Design
 KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")
 """Groups of numbers that a point may be asked for."""
 
-THEORY = "theory"
-"""Model of a point that is not simulated."""
+PREDICTION = "prediction"
+"""Model of a point that is not simulated: its record's model says by what it is predicted."""
 
-MODELS = (THEORY, "rigid", "relaxed", "compliant", "space", "auto")
+MODELS = (PREDICTION, "rigid", "relaxed", "compliant", "space", "auto")
 
 Value = float | int | str | None
 Record = dict[str, Value]
@@ -39,7 +39,7 @@ class Point(NamedTuple):
     scene: Scene
     """Scene, with the model and the runs that shall be simulated."""
     simulated: bool = False
-    """False for the theory alone."""
+    """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
     """Some of KEPT."""
     wanted: Wanted | None = None
@@ -56,7 +56,7 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     if model not in MODELS:
         raise InputError(f"--model {model[:30]!r}: must be one of {', '.join(MODELS)}")
     for name in ("persistence", "impacts"):
-        if name in keep and model == THEORY:
+        if name in keep and model == PREDICTION:
             raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
     if "persistence" in keep and model not in ("space", "auto"):
         raise InputError(f"--keep persistence: model {model} cannot turn: --model space")

@@ -8,7 +8,7 @@ from walkergen.errors import InputError, WalkergenError
 from walkergen.exploring import point as points
 from walkergen.exploring.axes import Space
 from walkergen.exploring.evaluate import refused
-from walkergen.exploring.point import THEORY, Point
+from walkergen.exploring.point import PREDICTION, Point
 from walkergen.exploring.run import Asked
 from walkergen.exploring.wanted import Wanted
 from walkergen.files import assignments
@@ -26,7 +26,7 @@ class Request(NamedTuple):
     design: Design
     scene: Scene
     space: Space
-    model: str = THEORY
+    model: str = PREDICTION
     """One of `point.MODELS`."""
     keep: tuple[str, ...] = ("speed",)
     wanted: Wanted | None = None
@@ -38,8 +38,10 @@ class Request(NamedTuple):
     def check(self) -> None:
         """Refuse unknown keys, groups and models, before anything runs. Raises InputError."""
         points.check(self.keep, self.model, self.printer)
-        if self.wanted is not None and self.model == THEORY:
-            raise InputError(f"--error {self.wanted}: the theory has no runs: --model compliant")
+        if self.wanted is not None and self.model == PREDICTION:
+            raise InputError(
+                f"--error {self.wanted}: the prediction has no runs: --model compliant"
+            )
         for key in self.space.keys:
             check(key, f"--set {key}")
 
@@ -53,10 +55,10 @@ class Request(NamedTuple):
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = changed(self.design, self.scene, values, data=self.data)
-        if self.model != THEORY:
+        if self.model != PREDICTION:
             legs = scene.legs.model_copy(update={"model": self.model})
             scene = scene.model_copy(update={"legs": legs})
-        return Point(design, scene, self.model != THEORY, self.keep, self.wanted, self.printer)
+        return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
     def asked(self) -> Iterator[Asked]:
         """All points, in the order of `space.rows`."""

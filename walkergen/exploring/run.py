@@ -16,7 +16,7 @@ AHEAD = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""
 
 BLOCK = 64
-"""Points that are looked up together, and by the theory evaluated in one task: 2 ms each, of which
+"""Points that are looked up together, and predicted ones evaluated in one task: 2 ms each, of which
 sending one alone costs half."""
 
 MOST_AHEAD = 4096

@@ -32,7 +32,7 @@ class Predicted(Result):
 
     @property
     def speed(self) -> Speed:
-        """Speed in mm/s; its `se` is the standard deviation by what is not known exactly."""
+        """Median speed in mm/s; its `se` is the standard deviation of its distribution."""
         row = self.row
         return speed_of(
             row.speed_mm_s, row.speed_sd_mm_s, row.speed_low_95_mm_s, row.speed_high_95_mm_s

@@ -7,11 +7,11 @@ from walkergen.analysis.estimates import Estimate, with_error
 
 
 class Speed(NamedTuple):
-    """Speed with its error, all in mm/s; NaN where runs or theory leave a number unknown."""
+    """Speed with its error, all in mm/s; NaN where runs leave a number unknown."""
 
     value: float
     se: float
-    """Standard error of a simulated mean; of a prediction, and its inputs, standard deviation."""
+    """Standard error of a simulated mean; of a prediction its standard deviation."""
     low_95: float
     """Bounds that hold the speed with 95 %; that of another print, where runs share an orbit."""
     high_95: float

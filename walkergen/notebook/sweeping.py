@@ -12,7 +12,7 @@ import numpy as np
 from walkergen.errors import InputError, WalkergenError
 from walkergen.exploring import axes, crew, run, wanted
 from walkergen.exploring.axes import Sample, Space, Span
-from walkergen.exploring.point import STATUS, THEORY
+from walkergen.exploring.point import PREDICTION, STATUS
 from walkergen.exploring.store import Store
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.sweep import ask, make
@@ -55,8 +55,8 @@ class Sweep(Table):
 def sweep(
     design: Walker, scene: Ground = SCENE, values: Mapping[str, Any] | None = None, *,
     between: Mapping[str, tuple[float, float]] | None = None, sample: str | None = None,
-    seed: int = 1, model: str = THEORY, error: str | None = None, keep: Sequence[str] = ("speed",),
-    printer: Machine | None = None, workers: int | None = None,
+    seed: int = 1, model: str = PREDICTION, error: str | None = None,
+    keep: Sequence[str] = ("speed",), printer: Machine | None = None, workers: int | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
 ) -> Sweep:  # fmt: skip
     """Map speeds over all combinations of the `values` of any keys, the last key fastest.
@@ -64,7 +64,7 @@ def sweep(
     Keys are dotted, those of the scene begin with "scene.": {"legs.tilt_deg": [5, 10],
     "scene.drive.gamma": np.arange(1.5, 2.5, 0.1)}. Keys `between` two bounds, {"legs.tilt_deg":
     (2, 40)}, are sampled: `sample` is "sobol:256" or "latin:99", with a `seed`; every combination
-    of the values has every sample. `model` is "theory" or one to simulate, within
+    of the values has every sample. `model` is "prediction" or one to simulate, within
     `error`, "5%" by default. Points that were evaluated before are not evaluated again. With
     `workers` that many processes share the points (a script then needs `if __name__ ==
     "__main__":`), by default they are evaluated here. With a `folder` table, pictures and manifest

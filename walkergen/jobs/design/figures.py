@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 from matplotlib.figure import Figure
 
-from walkergen.exploring.point import THEORY
+from walkergen.exploring.point import PREDICTION
 from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.files.key_names import label
 from walkergen.jobs.design.tables import title
@@ -33,15 +33,15 @@ def trade_off(result: "Result") -> Figure:
     panels = figure.subplots(high, wide, sharey=True, squeeze=False).ravel()
     tried = [trial for trial in found.trials if trial.usable and trial.seen]
     levels = [trial.seen.value for trial in tried if trial.seen]
-    theory = [trial for trial in found.survey.trials if trial.usable and trial.seen]
+    predicted = [trial for trial in found.survey.trials if trial.usable and trial.seen]
     for span, axes in zip(job.box.spans, panels, strict=False):
         if job.wish.of == "speed":
             axes.plot(
-                [trial.values[span.key] for trial in theory],
-                [trial.seen.value for trial in theory if trial.seen],
-                ".", color="0.75", markersize=3, label="surveyed by the theory", rasterized=True,
+                [trial.values[span.key] for trial in predicted],
+                [trial.seen.value for trial in predicted if trial.seen],
+                ".", color="0.75", markersize=3, label="predicted", rasterized=True,
             )  # fmt: skip
-        if job.model != THEORY or job.wish.of != "speed":
+        if job.model != PREDICTION or job.wish.of != "speed":
             axes.plot([trial.values[span.key] for trial in tried], levels, "o", color="0.25",
                       markersize=3.5, label=f"tried, model {job.model}")  # fmt: skip
         _wish(axes, result)

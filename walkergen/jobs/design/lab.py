@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.errors import WalkergenError
 from walkergen.exploring.crew import Crew
 from walkergen.exploring.evaluate import refused
-from walkergen.exploring.point import STATUS, THEORY, Point, Record
+from walkergen.exploring.point import PREDICTION, STATUS, Point, Record
 from walkergen.exploring.request import changed
 from walkergen.exploring.run import Asked, each
 from walkergen.exploring.store import Store
@@ -26,9 +26,9 @@ from walkergen.walker.design import Design
 FRICTION = "scene.contact.friction"
 """Key of the friction by which speeds are differentiated."""
 
-FRICTION_STEP = {True: 0.2, False: 0.01}
+FRICTION_STEP = {True: 0.2, False: 0.05}
 """Relative step to either side by which a speed is differentiated by friction: with runs, whose
-errors a small step would magnify, and by the theory."""
+errors a small step would magnify, and of predictions."""
 
 Effort = tuple[int, float]
 """Number of runs, and the measured time of each, s."""
@@ -59,7 +59,7 @@ class Job(NamedTuple):
     @property
     def simulated(self) -> bool:
         """True when runs are made."""
-        return self.model != THEORY
+        return self.model != PREDICTION
 
     @property
     def effort(self) -> tuple[Effort, Effort, Effort]:
@@ -89,7 +89,7 @@ class Trial(NamedTuple):
 
     @property
     def runs(self) -> int:
-        """Number of runs behind it; 0 by the theory."""
+        """Number of runs behind it; 0 if predicted."""
         found = self.record.get("runs")
         return found if isinstance(found, int) else 0
 
@@ -128,7 +128,7 @@ def tried(
     job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], effort: Effort | None, what: str,
     seed: int | None = None,
 ) -> list[Trial]:  # fmt: skip
-    """Trials of values, by the theory unless an effort is given, in their order.
+    """Trials of values, predicted unless an effort is given, in their order.
 
     Runs have the seed of the job, the same for all, unless another is given.
     """
@@ -199,8 +199,8 @@ def _rubbing(scene: Scene, factor: float) -> Scene:
 
 def _trial(job: Job, values: dict[str, float], records: Sequence[Record]) -> Trial:
     record = records[0]
-    theory = record.get("model") == THEORY  # which knows of a walk its speed alone
-    seen = wishes.seen(record, "speed" if theory else job.wish.of)
+    predicted = "runs" not in record  # of which the speed alone is known
+    seen = wishes.seen(record, "speed" if predicted else job.wish.of)
     if len(records) == 1:
         return Trial(values, record, seen, None)
     low, high = (wishes.seen(one, "speed") for one in records[1:])

@@ -4,7 +4,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import MODELS, THEORY
+from walkergen.exploring.point import MODELS, PREDICTION
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.jobs.design import limits, search, tables, verify
@@ -42,7 +42,7 @@ def model_of(design: Design, scene: Scene, asked: str | None, turns: bool) -> st
         if asked == "auto":
             scene = _with_model(scene, "auto")
         found = resolve(scene, design, solids.mass_of(design)).model
-    elif asked != THEORY:
+    elif asked != PREDICTION:
         resolve(_with_model(scene, found), design, solids.mass_of(design))
     if turns and (found != "space" or scene.arena.kind != "plane"):
         raise InputError(

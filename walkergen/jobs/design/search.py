@@ -1,4 +1,4 @@
-"""Search: the theory finds what can be made, simulations and an emulator what meets the wish."""
+"""Search: predictions find what can be made, simulations and an emulator what meets the wish."""
 
 import re
 from collections import Counter
@@ -24,7 +24,7 @@ DISTINCT = 0.1
 """Least distance of two designs, over the diagonal of the box."""
 
 FIRST, NEAR = 24, 8
-"""Numbers of points that begin a search: spread over what can be made, and best by the theory."""
+"""Numbers of points that begin a search: spread over what can be made, and best as predicted."""
 
 ROUNDS = 6
 """Largest number of rounds in which designs are proposed, tried and learnt from."""
@@ -33,7 +33,7 @@ MOST_SAMPLES = 2048
 
 SETTLED = {True: 0.5, False: 0.1}
 """Loss, in errors allowed, below which a tried design needs no better one beside it: with runs,
-whose error is part of the loss, and by the theory."""
+whose error is part of the loss, and predicted."""
 
 HOPED = 0.5
 """Gain, in errors allowed, that a new design must promise over a tried one to be tried."""
@@ -52,7 +52,7 @@ FAR, OUTSIDE = 1e6, 1e9
 
 
 class Survey(NamedTuple):
-    """What the theory says of points spread over the box."""
+    """Predictions of points spread over the box."""
 
     trials: list[Trial]
     x: Array
@@ -73,13 +73,13 @@ class Found(NamedTuple):
 
 
 def survey(job: Job, bench: Bench) -> Survey:
-    """Evaluate a sample by the theory. Raises InputError when nothing can be built and printed."""
+    """Predict a sample. Raises InputError when nothing can be built and printed."""
     count = min(128 * 2 ** len(job.box.spans), MOST_SAMPLES)
     space = job.box.sample(count, job.seed)
     rows = [job.box.values(job.box.place(dict(zip(space.keys, row, strict=True))))
             for row in space.rows()]  # fmt: skip
     plain = job._replace(wish=job.wish._replace(calm=False))
-    trials = lab.tried(plain, bench, rows, None, "theory")
+    trials = lab.tried(plain, bench, rows, None, "predictions")
     feasible = np.array([trial.usable for trial in trials])
     if not feasible.any():
         raise InputError(_nothing(job, trials))
@@ -133,7 +133,7 @@ def search(job: Job, bench: Bench, seen: Survey) -> Found:
 
 
 def _first(job: Job, seen: Survey) -> list[dict[str, float]]:
-    """Values to begin with: the sample's own first ones, which are spread, and theory's best."""
+    """Values to begin with: the sample's own first ones, and the best as predicted."""
     places = np.flatnonzero(seen.feasible)
     spread = places[:FIRST].tolist()
     speeds = np.array([trial.seen.value if trial.seen else 0.0 for trial in seen.trials])

@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
-from walkergen.exploring.point import THEORY
+from walkergen.exploring.point import PREDICTION
 from walkergen.files import templates, words
 from walkergen.files.tables import as_markdown, csv_text
 from walkergen.jobs.design.lab import Job
@@ -31,7 +31,7 @@ def row(job: Job, number: int, one: Verified) -> dict[str, Any]:
     name = column(job)
     low, high = one.bounds or (None, None)
     found: dict[str, Any] = {
-        "design": f"design-{number}.toml", **one.values, "theory_mm_s": one.theory_mm_s,
+        "design": f"design-{number}.toml", **one.values, "predicted_mm_s": one.predicted_mm_s,
         f"chosen_{name}": one.chosen.value, f"chosen_se_{name}": one.chosen.se,
         f"verified_{name}": one.verified and one.verified.value,
         f"verified_se_{name}": one.verified and one.verified.se,
@@ -73,7 +73,9 @@ def to_table(job: Job, designs: Sequence[Verified], frame: "Frame", every: bool)
 
     table = Table(title=title(job), box=frame, pad_edge=every)
     rows = [_cells(job, number, one) for number, one in enumerate(designs, start=1)]
-    left_out = set() if every else {"chosen"} | ({"theory"} if job.model == THEORY else set())
+    left_out = (
+        set() if every else {"chosen"} | ({"predicted"} if job.model == PREDICTION else set())
+    )
     heads = [head for head in rows[0] if head not in left_out]
     for head in heads:
         table.add_column(head, justify="left" if head in ("met", "print") else "right")
@@ -86,9 +88,9 @@ def _cells(job: Job, number: int, one: Verified) -> dict[str, str]:
     """Row of the table by its headings."""
     known = zip(_short(job.box.keys), one.values.values(), strict=True)
     cells = {"": str(number)} | {key: f"{value:g}" for key, value in known} | {
-        "theory": "unknown" if one.theory_mm_s is None else f"{one.theory_mm_s:.1f}",
+        "predicted": "unknown" if one.predicted_mm_s is None else f"{one.predicted_mm_s:.1f}",
         "chosen": _with_error(one.chosen),
-        "by theory" if job.model == THEORY else "verified": _with_error(one.verified),
+        "prediction" if job.model == PREDICTION else "verified": _with_error(one.verified),
         "95 %": "unknown" if one.bounds is None else "{:.1f}..{:.1f}".format(*one.bounds),
     }  # fmt: skip
     if job.wish.calm:
@@ -112,7 +114,7 @@ def _with_error(seen: Seen | None) -> str:
 
 def title(job: Job) -> str:
     """Wish, error, model, scene and printer in a line."""
-    how = "the theory" if job.model == THEORY else f"model {job.model}"
+    how = "predictions" if job.model == PREDICTION else f"model {job.model}"
     return f"{job.wish.words}, within {job.wish.error}: {how}, {job.scene.name}, {job.printer.name}"
 
 
@@ -160,9 +162,9 @@ def notes(result: "Result") -> list[str]:
     ranges = ", ".join(f"{span.key} {span.low:g} to {span.high:g}" for span in job.box.spans)
     lines = [
         f"- {ranges}; held: all else of {job.design.name}.",
-        f"- {len(found.survey.x)} designs surveyed by the theory, {unmade} of which cannot be made "
+        f"- {len(found.survey.x)} designs predicted, {unmade} of which cannot be made "
         f"or printed on {job.printer.name}; {len(found.trials)} tried with "
-        + ("the theory." if job.model == THEORY else f"model {job.model}, seed {job.seed}."),
+        + ("predictions." if job.model == PREDICTION else f"model {job.model}, seed {job.seed}."),
     ]
     if job.simulated:
         lines.append(
@@ -176,14 +178,14 @@ def notes(result: "Result") -> list[str]:
         )
     else:
         lines.append(
-            "- Designs were read back from their files and computed anew. The theory has no runs: "
-            "its bounds hold what is not known of print, contact and impact speed, and its own "
-            "error; --model compliant simulates."
+            "- Designs were read back from their files and computed anew. Predictions have no "
+            "runs: bounds hold what is not known of print and contact, and the model's own error; "
+            "--model space simulates."
         )
     if job.wish.calm:
         lines.append(
             "- dv/dmu is the difference of the speeds at "
-            + ("1 %" if not job.simulated else "20 %")
+            + ("5 %" if not job.simulated else "20 %")
             + " less and more friction over that of the frictions."
         )
     told = {one.told for one in result.designs if one.told}

@@ -5,7 +5,7 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.exploring.point import THEORY, Point
+from walkergen.exploring.point import PREDICTION, Point
 from walkergen.exploring.wanted import Wanted
 from walkergen.files import templates
 from walkergen.files.config import validate
@@ -30,19 +30,19 @@ class Verified(NamedTuple):
     text: str
     """Its TOML."""
     scene: Scene
-    theory_mm_s: float | None
+    predicted_mm_s: float | None
     chosen: Seen
     """Value of the wish's quantity when it was chosen, as emulated, with the error of its runs."""
     verified: Seen | None
     """The same from the fresh run; None where that tells none."""
     bounds: tuple[float, float] | None
-    """Bounds of 95 % of the fresh run, the step's error included; by the theory those of a print.
+    """Bounds of 95 % of the fresh run, the step's error included; if predicted those of a print.
     """
     slope: Seen | None
     """Change of the speed with friction by the fresh run, mm/s."""
     speed_mm_s: float | None
     runs: int
-    """Number of fresh runs; 0 by the theory."""
+    """Number of fresh runs; 0 if predicted."""
     warnings: int
     told: str
     """Worst finding of the printer's checks; "" when there is none."""
@@ -102,7 +102,7 @@ def _written(job: Job, trial: Trial, number: int) -> Design:
 
 
 def _text(job: Job, design: Design) -> str:
-    how = "the theory" if job.model == THEORY else f"the model {job.model}"
+    how = "predictions" if job.model == PREDICTION else f"the model {job.model}"
     return templates.dump(design, f"Found by {how} in the scene beside it", every=False)
 
 
@@ -115,12 +115,12 @@ def _verified(
     job: Job, old: Trial, expected: float, new: Trial, design: Design, text: str, scene: Scene
 ) -> Verified:
     assert old.seen is not None
-    record, theory = new.record, old.record.get("theory_mm_s", old.record.get("speed_mm_s"))
+    record, predicted = new.record, old.record.get("predicted_mm_s", old.record.get("speed_mm_s"))
     speed, told, runs = record.get("speed_mm_s"), old.record.get("print_told"), record.get("runs")
     warnings = old.record.get("print_warnings")
     found = Verified(
         old.values, design, text, scene,
-        float(theory) if isinstance(theory, (int, float)) else None,
+        float(predicted) if isinstance(predicted, (int, float)) else None,
         Seen(expected, old.seen.se), new.seen, wishes.bounds(record, job.wish.of), new.slope,
         float(speed) if isinstance(speed, (int, float)) else None,
         runs if isinstance(runs, int) else 0, warnings if isinstance(warnings, int) else 0,

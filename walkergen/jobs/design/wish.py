@@ -4,7 +4,7 @@ import math
 from typing import Literal, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import OK, STATUS, THEORY, Record
+from walkergen.exploring.point import OK, STATUS, Record
 from walkergen.exploring.wanted import Wanted
 
 Quantity = Literal["speed", "persistence length", "turning radius"]
@@ -123,7 +123,7 @@ class Seen(NamedTuple):
 
     value: float
     se: float
-    """Standard error of the runs; 0 by the theory."""
+    """Standard error of the runs; 0 of a predicted one."""
 
 
 def seen(record: Record, of: Quantity) -> Seen | None:
@@ -150,7 +150,7 @@ def seen(record: Record, of: Quantity) -> Seen | None:
 
 def _pair(record: Record, name: str, error: str) -> Seen | None:
     value, se = record.get(name), record.get(error)
-    if record.get("model") == THEORY:
+    if "runs" not in record:  # predicted
         se = 0.0
     if not isinstance(value, (int, float)) or not isinstance(se, (int, float)):
         return None
@@ -160,11 +160,11 @@ def _pair(record: Record, name: str, error: str) -> Seen | None:
 def bounds(record: Record, of: Quantity) -> tuple[float, float] | None:
     """Bounds of 95 % of a quantity, the step's error in those of a speed; None where unknown.
 
-    Those of the theory are what is not known exactly of print, contact and impact speed.
+    Those of a prediction are what is not known exactly of print, contact and model.
     """
     ends = ("predicted_low_95_mm_s", "predicted_high_95_mm_s")
     if of == "speed":
-        if record.get("model") != THEORY:
+        if "runs" in record:
             ends = ("low_95_mm_s", "high_95_mm_s")
         low, high = (record.get(end) for end in ends)
         if isinstance(low, (int, float)) and isinstance(high, (int, float)):

@@ -1,4 +1,4 @@
-"""What a family's chart shows beside its members: theory between them, measured, the paper's."""
+"""What a family's chart shows beside its members: predicted between them, measured, the paper's."""
 
 from collections.abc import Mapping
 from typing import NamedTuple
@@ -15,7 +15,7 @@ Array = npt.NDArray[np.float64]
 
 COLUMNS = (
     "what", "legs", "tilt_deg", "speed_mm_s", "speed_low_68_mm_s", "speed_high_68_mm_s",
-    "speed_low_95_mm_s", "speed_high_95_mm_s", "foot_can_stick",
+    "speed_low_95_mm_s", "speed_high_95_mm_s", "theory_mm_s", "foot_can_stick",
 )  # fmt: skip
 
 SURE = 1.96
@@ -26,7 +26,7 @@ class Beside(NamedTuple):
     """Speeds that speed.png shows and family.csv has not; speed.csv holds them."""
 
     curves: Mapping[Kind, Curve]
-    """Theory against tilt by kind of legs."""
+    """Predicted speed and theory against tilt by kind of legs."""
     measured: Measured | None = None
     stated: tuple[float, float] | None = None
     """Tilt (deg) and speed (mm/s) that the paper states for this walker on this plate."""
@@ -53,24 +53,24 @@ def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
 
 
 def to_csv(beside: Beside) -> str:
-    """Format as CSV, a line per point: `what` is theory, measured or the paper's."""
+    """Format as CSV, a line per point: `what` is predicted, measured or the paper's."""
     lines: list[tuple[object, ...]] = []
     for kind, curve in beside.curves.items():
         low95, low68, high68, high95 = curve.bounds
-        columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95)
+        columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95, curve.theory)
         lines += [
-            ("theory", kind, *map(_cell, row), "yes" if sticks else "no")
+            ("predicted", kind, *map(_cell, row), "yes" if sticks else "no")
             for *row, sticks in zip(*columns, curve.can_stick, strict=True)
         ]
     if (found := beside.measured) is not None:
         se = np.full(len(found.speed), np.nan) if found.se is None else found.se
-        columns = (found.tilt, found.speed, *ends(found.speed, se, 1.0), *ends(found.speed, se))
+        seen = (found.tilt, found.speed, *ends(found.speed, se, 1.0), *ends(found.speed, se))
         lines += [
-            ("measured", kind, *map(_cell, row), "")
-            for kind, row in zip(found.legs, zip(*columns, strict=True), strict=True)
+            ("measured", kind, *map(_cell, row), "", "")
+            for kind, row in zip(found.legs, zip(*seen, strict=True), strict=True)
         ]
     if beside.stated is not None:
-        lines.append(("paper", "flexible", *beside.stated, *[""] * 5))
+        lines.append(("paper", "flexible", *beside.stated, *[""] * 6))
     return csv_text(COLUMNS, lines)
 
 

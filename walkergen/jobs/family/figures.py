@@ -15,6 +15,7 @@ from walkergen.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
 BOUNDS = "68 and 95 %"
+THEORY = "eq. 15, dotted outside 95 %"
 
 BAND, CORE = 0.16, 0.3
 """Shades of the bounds of 95 and 68 %."""
@@ -35,15 +36,15 @@ class Shown(NamedTuple):
 def speed_figure(
     rows: Sequence[Prediction],
     beside: Beside,
-    impact_speed: float,
     title: str,
     simulated: Sequence[Simulated] = (),
     named: bool = False,
 ) -> Figure:
     """Draw predicted speed against tilt, both kinds of legs, in bands of 68 and 95 %.
 
-    Kinds without a curve have their bounds as bars. Walkers whose legs follow no common tilt stand
-    side by side, `named`. Simulated speeds, if there are any, are open symbols with their bounds of
+    Thin lines are the theory, dotted where it leaves the 95 % bounds. Kinds without a curve have
+    their bounds as bars. Walkers whose legs follow no common tilt stand side by side, `named`.
+    Simulated speeds, if there are any, are open symbols with their bounds of
     95 % as bars; measured speeds are crosses; an open star is the paper's one stated speed.
     """
     figure = Figure(figsize=(COLUMN, 3.3), layout="constrained")
@@ -73,7 +74,6 @@ def speed_figure(
     figure.legend(
         legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2
     )
-    _mark_ratio(axes, impact_speed)
     return figure
 
 
@@ -92,22 +92,10 @@ def _label(axes: Axes, walkers: Sequence[Shown], named: bool, mixed: bool) -> No
         axes.set_xlim(middle - ALONE_DEG, middle + ALONE_DEG)
 
 
-def _mark_ratio(axes: Axes, impact_speed: float) -> None:
-    """Add an axis of speeds over the impact speed on the right."""
-    low, high = axes.get_ylim()
-    axes.set_ylim(low, high)
-    ratio = axes.twinx()
-    ratio.spines["right"].set_visible(True)
-    ratio.set_ylim(low / impact_speed, high / impact_speed)
-    ratio.set_ylabel("speed / impact speed")
-
-
 def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
-    """Draw a kind's theory between the members, with its bounds where they are known."""
+    """Draw a kind's predicted speed between the members with its bounds, and the theory."""
     colour, line, _ = STYLES[kind]
-    (theory,) = axes.plot(curve.tilt_deg, curve.speed, line, color=colour)
-    if np.isnan(curve.bounds).all():
-        return {f"{kind} legs": theory}
+    (middle,) = axes.plot(curve.tilt_deg, curve.speed, line, color=colour)
     bands = [
         axes.fill_between(
             curve.tilt_deg, curve.bounds[low], curve.bounds[high], color=colour, alpha=shade,
@@ -115,27 +103,33 @@ def _draw_curve(axes: Axes, kind: Kind, curve: Curve) -> dict[str, Any]:
         )
         for low, high, shade in ((0, 3, BAND), (1, 2, CORE))
     ]  # fmt: skip
-    return {f"{kind}, {BOUNDS}": (*bands, theory)}
+    return {f"{kind}, {BOUNDS}": (*bands, middle)} | _draw_theory(axes, curve)
+
+
+def _draw_theory(axes: Axes, curve: Curve) -> dict[str, Any]:
+    """Draw the theory as a thin line, dotted where it leaves the bounds of 95 %."""
+    inside = (curve.bounds[0] <= curve.theory) & (curve.theory <= curve.bounds[3])
+    thin: Any = {"color": "0.25", "linewidth": 0.7}
+    axes.plot(curve.tilt_deg, curve.theory, ":", **thin)
+    (solid,) = axes.plot(curve.tilt_deg, np.where(inside, curve.theory, np.nan), "-", **thin)
+    return {THEORY: solid}
 
 
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
-    """Draw the members' predicted speeds, with bounds as bars where no band shows them."""
+    """Draw the members' speeds, with bounds as bars where no band shows them."""
     colour, _, marker = STYLES[kind]
     x, speeds = [one.x for one in walkers], [one.row.speed_mm_s for one in walkers]
     (points,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if not bars:
         return {}
-    known = [one for one in walkers if one.row.speed_low_95_mm_s is not None]
     for low, high, width, shade in (
         ("low_95", "high_95", 1.2, 0.5), ("low_68", "high_68", 5.0, CORE)
     ):  # fmt: skip
         bottoms, tops = (
-            [getattr(one.row, f"speed_{end}_mm_s") for one in known] for end in (low, high)
+            [getattr(one.row, f"speed_{end}_mm_s") for one in walkers] for end in (low, high)
         )
-        axes.vlines(
-            [one.x for one in known], bottoms, tops, color=colour, linewidth=width, alpha=shade
-        )
-    return {f"{kind}, {BOUNDS}" if known else f"{kind} legs": points}
+        axes.vlines(x, bottoms, tops, color=colour, linewidth=width, alpha=shade)
+    return {f"{kind}, {BOUNDS}": points}
 
 
 def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str, Any]:

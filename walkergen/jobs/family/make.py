@@ -169,20 +169,18 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     """Statement of the assumptions on which the speeds of a table of one design rest."""
     contact, assumed = scene.contact, scene.prediction
     what = "mean factor v/w" if design.alike else "balanced factor v/w (in the column mean)"
-    factor, default = assumed.impact_speed_factor, assumed == type(assumed)()
     return (
-        f"Predicted speed = {what} x impact speed w; mode {mode}, law {contact.law}, "
-        f"restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
-        f"friction {contact.friction:g} ± {contact.friction_sd:g}; "
-        f"w = {factor:g} ± {assumed.impact_speed_factor_sd:g} of the plate's peak speed, "
-        f"{scene.impact_speed:.1f} mm/s"
-        + (", calibrated on the paper's 60 mm/s at 10 deg" if default else "")
-        + "."
-        + (
-            " Bounds hold w, contact, print, masses and the theory's own error, which is how far "
-            "it stands from the model in space." if design.alike else ""
-        )
-    )  # fmt: skip
+        f"Speed: the median by the model in space, with what is not known of contact, print and "
+        f"masses, and {100 * assumed.model_sd:g} % for the model itself. {_capital(contact.origin)}"
+        f": restitution (the feet's label) {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}. "
+        f"Theory (eq. 15): {what} x impact speed w, {assumed.impact_speed_factor:g} of the plate's "
+        f"peak speed, {scene.impact_speed:.1f} mm/s; mode {mode}, law {contact.law}."
+    )
+
+
+def _capital(text: str) -> str:
+    return text[0].upper() + text[1:]
 
 
 def _write_tables(job: Job, made: Sequence[Member], folder: Folder) -> None:
@@ -225,7 +223,8 @@ def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> l
             summary.speed_high_95_mm_s, point.model, point.method, listed(summary.outcomes),
             tables.verdict(member.row, summary),
         )  # fmt: skip
-        found.append(member._replace(simulated=simulated))
+        row = tables.with_runs(member.row, simulated)
+        found.append(member._replace(row=row, simulated=simulated))
     return found
 
 
@@ -237,16 +236,15 @@ def _write_pictures(job: Job, made: Sequence[Member], folder: Folder) -> None:
     drive, contact = job.scene.drive, job.scene.contact
     title = (
         f"{job.design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
-        f"restitution {contact.restitution:g} ({contact.law}), friction {contact.friction:g}"
+        f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}"
     )
     rows, simulated = rows_of(made)
     measured = job.measured
     if measured is not None and not job.design.follows:
         measured = beside.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
     shown = Beside(_curves(job, made), measured, _stated(job.design, job.scene))
-    figure = plots.speed_figure(
-        rows, shown, job.scene.impact_speed, title, simulated, not job.design.follows
-    )
+    figure = plots.speed_figure(rows, shown, title, simulated, not job.design.follows)
     folder.write("speed.csv", beside.to_csv(shown).encode())
     folder.write("speed.png", pictures.png(figure))
     folder.write("speed.pdf", pictures.pdf(figure))

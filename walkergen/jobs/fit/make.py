@@ -55,6 +55,13 @@ class Fitted(NamedTuple):
     folder: Path
 
 
+OF_THEORY = (
+    "this is the theory's contact, with which theory_mm_s meets the speeds; --model space learns "
+    "that of the model by which speeds are predicted"
+)
+"""Note on what a fitted contact is good for."""
+
+
 def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     """Fit the theory's contact to a CSV file of speeds and write tables, figures and a scene.
 
@@ -74,7 +81,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     result = fits.fit_contact(speeds, job.fixed)
     progress("drawing", 1, 2)
     scene = _scene(job.scene, result, path)
-    notes = [*result.notes, *([found.bad] if found.bad else [])]
+    notes = [*result.notes, *([found.bad] if found.bad else []), OF_THEORY]
     fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
     told = caption(job)
     with Folder(folder) as target:
@@ -118,7 +125,7 @@ def _scene(scene: Scene, result: ContactFit, source: Path) -> Scene:
     places = {name: "prediction" if name.startswith("impact") else "contact" for name in RANGES}
     for name, value in result.values.items():
         data[places[name]][name] = round(value, DECIMALS) + 0.0
-        if name in result.errors:
+        if name in result.errors and places[name] == "contact":
             low, high = RANGES[name]
             error = result.errors[name]
             data[places[name]][f"{name}_sd"] = min(error if error is not None else high - low, high)

@@ -6,11 +6,11 @@ user units, y downwards.
 """
 
 import math
-from collections.abc import Sequence
-from typing import NamedTuple
+from collections.abc import Iterator, Sequence
+from typing import Literal, NamedTuple
 
+from walkergen.jobs.page.beside import Speed
 from walkergen.jobs.page.members import Member
-from walkergen.jobs.page.theory import Speed
 
 WIDTH, HEIGHT = 600.0, 400.0
 LEFT, RIGHT, TOP, BOTTOM = 64.0, 14.0, 30.0, 50.0
@@ -33,16 +33,16 @@ class Point(NamedTuple):
 
 
 class Line(NamedTuple):
-    """Lines of one kind of legs: the theory, or straight ones that only join the members."""
+    """Line of one kind of legs."""
 
     legs: str
-    joins: bool
-    """True for a guide to the eye, where there is no theory between the members."""
+    what: Literal["predicted", "theory", "guide"]
+    """Guides to the eye only join the members, where nothing is predicted between them."""
     points: str
 
 
 class Band(NamedTuple):
-    """Area between the theory's bounds of one kind of legs."""
+    """Area between the bounds of one kind of legs."""
 
     legs: str
     share: int
@@ -118,21 +118,22 @@ def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
     found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
     ends = [end for speed in found for end in speed[-3:] if end is not None]
     ends += [end for one in beside for end in (one.speed_mm_s, *(one.bounds or ()))]
+    ends += [one.theory_mm_s for one in beside if one.theory_mm_s is not None]
     frame = _Frame(
         _padded([*(speed.tilt for speed in found), *(one.tilt_deg for one in beside)]),
         _padded([*ends, 0.0]),
     )
-    theory = sorted((one for one in beside if one.what == "theory"), key=_tilt)
+    between = sorted((one for one in beside if one.what == "predicted"), key=_tilt)
     curves = {
-        legs: [one for one in theory if one.legs == legs]
-        for legs in dict.fromkeys([*(one.legs for one in found), *(one.legs for one in theory)])
+        legs: [one for one in between if one.legs == legs]
+        for legs in dict.fromkeys([*(one.legs for one in found), *(one.legs for one in between)])
     }
     return Chart(
         [_point(speed, frame) for speed in found],
-        [_line(legs, curve, found, frame) for legs, curve in curves.items()],
+        [line for legs, curve in curves.items() for line in _lines(legs, curve, found, frame)],
         [band for legs, curve in curves.items() for band in _bands(legs, curve, frame)],
-        [_mark(one, frame) for one in beside if one.what != "theory"],
-        _sticking(theory, frame),
+        [_mark(one, frame) for one in beside if one.what != "predicted"],
+        _sticking(between, frame),
         [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
         [Tick(frame.y(value), _text(value)) for value in ticks(*frame.values)],
     )
@@ -180,16 +181,22 @@ def _point(speed: _Speed, frame: _Frame) -> Point:
     )
 
 
-def _line(legs: str, curve: Sequence[Speed], found: Sequence[_Speed], frame: _Frame) -> Line:
-    """Theory of a kind of legs; without one, straight lines from member to member."""
-    points = [(one.tilt_deg, one.speed_mm_s) for one in curve] or sorted(
-        (one.tilt, one.value) for one in found if one.legs == legs and not one.simulated
-    )
-    return Line(legs, not curve, frame.path(points))
+def _lines(
+    legs: str, curve: Sequence[Speed], found: Sequence[_Speed], frame: _Frame
+) -> Iterator[Line]:
+    """Predicted speed and theory of a kind of legs; without them, lines from member to member."""
+    if not curve:
+        members = (one for one in found if one.legs == legs and not one.simulated)
+        joined = sorted((one.tilt, one.value) for one in members)
+        yield Line(legs, "guide", frame.path(joined))
+        return
+    yield Line(legs, "predicted", frame.path([(one.tilt_deg, one.speed_mm_s) for one in curve]))
+    known = [(one.tilt_deg, one.theory_mm_s) for one in curve if one.theory_mm_s is not None]
+    yield Line(legs, "theory", frame.path(known))
 
 
 def _bands(legs: str, curve: Sequence[Speed], frame: _Frame) -> list[Band]:
-    """Bounds of 95 and 68 % around a kind's theory, where they are known."""
+    """Bounds of 95 and 68 % around a kind's predicted speed."""
     known = [(one.tilt_deg, one.bounds) for one in curve if one.bounds is not None]
     if not known:
         return []
@@ -220,8 +227,8 @@ def _mark(one: Speed, frame: _Frame) -> Mark:
     )
 
 
-def _sticking(theory: Sequence[Speed], frame: _Frame) -> tuple[float, float] | None:
-    tilts = [one.tilt_deg for one in theory if one.sticks and one.legs == "flexible"]
+def _sticking(between: Sequence[Speed], frame: _Frame) -> tuple[float, float] | None:
+    tilts = [one.tilt_deg for one in between if one.sticks and one.legs == "flexible"]
     return (frame.x(min(tilts)), frame.x(max(tilts))) if tilts else None
 
 

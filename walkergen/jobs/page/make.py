@@ -17,7 +17,7 @@ from markdown_it import MarkdownIt
 
 from walkergen.files import viewer, words
 from walkergen.files.ledger import BLANK, sealed
-from walkergen.jobs.page import chart, members, references, theory
+from walkergen.jobs.page import beside, chart, members, references
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.members import Member
 
@@ -33,7 +33,8 @@ HEADINGS = {
     "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
     "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)", "factor_front": "front (v/w)",
     "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
-    "speed_sd_mm_s": "sd by inputs (mm/s)", "speed_low_68_mm_s": "68 % (mm/s)",
+    "speed_sd_mm_s": "sd (mm/s)", "speed_by": "speed by", "theory_mm_s": "eq. 15 (mm/s)",
+    "speed_low_68_mm_s": "68 % (mm/s)",
     "speed_low_95_mm_s": "95 % (mm/s)", "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
     "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
 }  # fmt: skip
@@ -101,7 +102,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "members": made,
         "parts": [_part(member, manifest.legs_up) for member in made],
         "table": table(made),
-        "chart": chart.speeds(made, theory.of(contents)),
+        "chart": chart.speeds(made, beside.of(contents)),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
         "caption": caption(contents),
         "preview": _picture(contents, PREVIEW),
@@ -137,8 +138,8 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
 def table(made: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
     notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
-    beside = {*ERRORS.values(), *RANGES.values()}
-    listed = [column for column in made[0].row if column not in beside]
+    seconds = {*ERRORS.values(), *RANGES.values()}
+    listed = [column for column in made[0].row if column not in seconds]
     columns = [column for column in FIRST if column in listed]
     columns += [column for column in listed if column not in FIRST]
     common = {
@@ -199,7 +200,7 @@ def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
         return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
     if column in RANGES and (upper := member.number(RANGES[column])) is not None:
         return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
-    if column in ("speed_mm_s", "speed_sd_mm_s"):
+    if column in ("speed_mm_s", "speed_sd_mm_s", "theory_mm_s"):
         return Cell(_fixed(value), text)
     exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
     return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)

@@ -6,8 +6,8 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files import stl, words
 from walkergen.files.stl import Corners
+from walkergen.jobs.page.beside import LARGEST
 from walkergen.jobs.page.contents import Contents
-from walkergen.jobs.page.theory import LARGEST
 
 TABLE = "family.csv"
 NUMBERS = ("tilt_deg", "speed_mm_s")

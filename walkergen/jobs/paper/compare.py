@@ -11,7 +11,7 @@ from walkergen.jobs.paper import curves
 from walkergen.jobs.paper.mechanisms import Mechanism
 from walkergen.jobs.paper.plane import Runs
 from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value
-from walkergen.prediction import Curve
+from walkergen.jobs.paper.theory import Curve
 from walkergen.published import FACTS, Verdict, judge
 from walkergen.scene import Scene
 from walkergen.theory.impact import Kind, Law, impact

@@ -4,15 +4,15 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen import prediction
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.paper import compare, mechanisms, mechanisms_tables, plane, sweeps
+from walkergen.jobs.paper import compare, mechanisms, mechanisms_tables, plane, sweeps, theory
 from walkergen.jobs.paper import page as supplement
 from walkergen.jobs.paper import tables as comparison
 from walkergen.jobs.paper.compare import Findings, Row, Theory
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point
+from walkergen.published import FACTS
 from walkergen.scene import Scene
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
@@ -166,7 +166,7 @@ def check(job: Job) -> None:
 def assumptions_of(job: Job) -> list[Assumption]:
     """List the sets of contact numbers: measured, fitted, and a low restitution of the foot."""
     low = {"restitution": LOW_RESTITUTION}
-    scene = job.measured
+    scene = _as_measured(job.measured)
     lower = scene.model_copy(update={"contact": scene.contact.model_copy(update=low)})
     return [
         Assumption("measured", scene),
@@ -175,19 +175,26 @@ def assumptions_of(job: Job) -> list[Assumption]:
     ]
 
 
+def _as_measured(scene: Scene) -> Scene:
+    """Scene with the contact that the paper measured, where it gives no other."""
+    measured: dict[str, float] = {}
+    for name in ("restitution", "friction"):
+        fact = FACTS[name]
+        measured |= {name: fact.value, f"{name}_sd": fact.high - fact.value}
+    contact = scene.contact
+    lacking = {key: measured[key] for key in measured.keys() - contact.model_fields_set}
+    return scene.model_copy(update={"contact": contact.model_copy(update=lacking)})
+
+
 def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
     low, high = job.tilts_deg[0], job.tilts_deg[-1]
     flexible = job.design.variant(kind="flexible")
-
-    def at_known_impact_speed(scene: Scene) -> Scene:
-        known = scene.prediction.model_copy(update={"impact_speed_factor_sd": 0.0})
-        return scene.model_copy(update={"prediction": known})
 
     return [
         Theory(
             one.name,
             mode,
-            prediction.curve(flexible, at_known_impact_speed(one.scene), mode, low, high),
+            theory.curve(flexible, one.scene, mode, low, high),
             one.scene.prediction.impact_speed_factor,
             compare.stationary_type_three(flexible, one.scene, job.tilts_deg, mode),
         )

@@ -6,11 +6,14 @@ Rigid walkers come from templates, and are simulated as flexible ones are, by MO
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from walkergen import prediction
+from walkergen import uncertain
 from walkergen.files import templates
 from walkergen.files.progress import Progress
 from walkergen.jobs.paper import sweeps
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
+from walkergen.prediction import DRAWS, SEED, theory_speeds
+from walkergen.theory.stationary import stationary
+from walkergen.uncertain import PREDICTION
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -73,7 +76,10 @@ def measure(
 
 
 def _beside(what: str, design: Design, one: Assumption, point: Point) -> Mechanism:
-    row = prediction.predict(design, solids.mass_of(design), one.scene)
+    mass, known = solids.mass_of(design), uncertain.inputs(one.scene, design, PREDICTION)
+    contact, values = one.scene.contact, uncertain.draws(known, DRAWS, SEED)
+    each = stationary(design, mass, contact.restitution, contact.friction, law=contact.law)
+    drawn = theory_speeds(design, mass, one.scene, "coulomb", known, values)
     used = "mean of both feet" if design.alike else "balance of both feet"
-    theory = Value(row.speed_mm_s, row.speed_sd_mm_s)
+    theory = Value(float(each.factor) * one.scene.impact_speed, float(drawn.std()))
     return Mechanism(design.name, what, design, theory, used, point)

@@ -1,4 +1,4 @@
-"""Simulation of several walkers in one scene: a row each, theory and simulation side by side."""
+"""Simulation of several walkers in one scene: a row each, predicted and simulated."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
@@ -23,13 +23,14 @@ ORBIT = "(o)"
 
 
 class Row(NamedTuple):
-    """Walker with its speed by the theory and by its runs; the field names are keys of JSON."""
+    """Walker with its predicted speed and that of its runs; the field names are keys of JSON."""
 
     name: str
     tilt_deg: float
     legs: str
     model: str
     method: str
+    predicted_mm_s: float
     theory_mm_s: float
     speed_mm_s: float | None
     """Mean speed of the runs; None when none ended well."""
@@ -66,25 +67,25 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
         shared = orbit.of(point, one, progress)
         if shared is not None:
             found = orbit.of_prints(found, shared)
-        theory = prediction.predict(one.design, one.mass, one.scene).speed_mm_s
+        predicted = prediction.predict(one.design, one.mass, one.scene)
         yield Row(
-            name, one.design.tilt_deg, one.design.kind, point.model, point.method, theory,
-            found.speed_mm_s, found.speed_se_mm_s, found.speed_low_95_mm_s,
-            found.speed_high_95_mm_s, found.runs, found.outcomes, resolution.warnings(plan),
-            None if shared is None else tables.orbit_as_dict(shared),
+            name, one.design.tilt_deg, one.design.kind, point.model, point.method,
+            predicted.speed_mm_s, predicted.theory_mm_s, found.speed_mm_s, found.speed_se_mm_s,
+            found.speed_low_95_mm_s, found.speed_high_95_mm_s, found.runs, found.outcomes,
+            resolution.warnings(plan), None if shared is None else tables.orbit_as_dict(shared),
         )  # fmt: skip
 
 
 def to_table(rows: Sequence[Row], title: str) -> Table:
     """Table for the console, of at most 80 letters while outcomes are few."""
     table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("tilt\ndeg", "legs", "model", "theory\nmm/s", "simulated\nmm/s",
+    for heading in ("tilt\ndeg", "legs", "model", "predicted\nmm/s", "simulated\nmm/s",
                     "95 %\nmm/s", "runs", "outcomes"):  # fmt: skip
         left = heading in ("legs", "model", "outcomes")
         table.add_column(heading, justify="left" if left else "right", no_wrap=not left)
     for row in rows:
         table.add_row(
-            f"{row.tilt_deg:g}", row.legs, row.model, _fixed(row.theory_mm_s), _speed(row),
+            f"{row.tilt_deg:g}", row.legs, row.model, _fixed(row.predicted_mm_s), _speed(row),
             _bounds(row), str(row.runs), listed(row.outcomes),
         )  # fmt: skip
     return table

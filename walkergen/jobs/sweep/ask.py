@@ -7,7 +7,7 @@ from typing import Any, NamedTuple, get_args
 from walkergen.errors import InputError
 from walkergen.exploring import axes, request
 from walkergen.exploring.axes import Axis, Method, Sample, Space, Span
-from walkergen.exploring.point import THEORY
+from walkergen.exploring.point import PREDICTION
 from walkergen.exploring.request import SCENE as SCENES
 from walkergen.exploring.request import Request
 from walkergen.exploring.wanted import Wanted, parse
@@ -46,7 +46,7 @@ class Ask(NamedTuple):
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
-        default = None if self.model == THEORY or own_runs else ERROR
+        default = None if self.model == PREDICTION or own_runs else ERROR
         found = Request(
             self.design, self.scene, self.space, self.model, tuple(dict.fromkeys(self.keep)),
             default if self.error is None else self.error, self.printer, self.data,
@@ -56,7 +56,7 @@ class Ask(NamedTuple):
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
-        model = "theory" if self.model == THEORY else f"model {self.model}"
+        model = "predicted" if self.model == PREDICTION else f"model {self.model}"
         return f"{self.design.name}, {self.scene.name}, {model}"
 
     def name(self) -> str:
@@ -95,7 +95,7 @@ def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
     found = sweep_file.read(path)
     names = found.design, found.scene, found.printer
-    model, keep = found.model or THEORY, found.keep or ("speed",)
+    model, keep = found.model or PREDICTION, found.keep or ("speed",)
     near, error = found.folder, found.error
     return of(names, near, found.space, found.constants, model, error, keep, f"{path}: set")
 

@@ -7,7 +7,7 @@ from walkergen.errors import InputError
 from walkergen.exploring import run
 from walkergen.exploring.crew import Crew
 from walkergen.exploring.evaluate import FIRST_RUNS, LONGEST_S, with_runs
-from walkergen.exploring.point import THEORY, Point, Record, key
+from walkergen.exploring.point import PREDICTION, Point, Record, key
 from walkergen.exploring.request import Request
 from walkergen.exploring.run import Asked
 from walkergen.exploring.store import Store
@@ -34,7 +34,7 @@ def spend(
 
     All points get FIRST_RUNS short runs, however long that takes; then those with the widest
     bounds get twice as many, again and again. Runs that an earlier budget bought are kept. Raises
-    InputError for the theory, which has no runs, and for too many points.
+    InputError for predictions, which have no runs, and for too many points.
     """
     check(request)
     until = time.monotonic() + seconds
@@ -66,8 +66,8 @@ def spend(
 
 def check(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
-    if request.model == THEORY:
-        raise InputError("--budget: the theory has no runs to add: --model compliant, or space")
+    if request.model == PREDICTION:
+        raise InputError("--budget: predictions have no runs to add: --model compliant, or space")
     if request.space.points > MOST_POINTS:
         raise InputError(
             f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget"

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from walkergen.errors import InputError, OutputError
-from walkergen.exploring.point import STATUS, THEORY, Record, Value
+from walkergen.exploring.point import PREDICTION, STATUS, Record, Value
 from walkergen.files import reading
 from walkergen.files.columns import cells as cells_of
 from walkergen.files.ledger import flags
@@ -25,13 +25,13 @@ WORDS = ("model", "print_told", STATUS)
 """Columns of a record that hold words."""
 
 SPEED = {
-    False: ("speed_mm_s", "model"),
+    False: ("speed_mm_s", "theory_mm_s", "model"),
     True: (
-        "speed_mm_s", "se_mm_s", "low_95_mm_s", "high_95_mm_s", "step_error_mm_s", "theory_mm_s",
-        "runs", "seconds", "model",
+        "speed_mm_s", "se_mm_s", "low_95_mm_s", "high_95_mm_s", "step_error_mm_s",
+        "predicted_mm_s", "theory_mm_s", "runs", "seconds", "model",
     ),
 }  # fmt: skip
-"""Columns of a speed by the theory, and of a simulated one."""
+"""Columns of a predicted speed, and of a simulated one."""
 
 MORE = {
     "spread": ("predicted_low_95_mm_s", "predicted_high_95_mm_s",
@@ -51,7 +51,7 @@ MORE = {
 def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
     """Columns of the records of a model that keep these groups, the status last."""
     more = [name for group in MORE if group in keep for name in MORE[group]]
-    return (*SPEED[model != THEORY], *more, STATUS)
+    return (*SPEED[model != PREDICTION], *more, STATUS)
 
 
 class Row(NamedTuple):

@@ -7,7 +7,7 @@ from walkergen.files import words
 from walkergen.jobs.page.contents import Contents
 
 TABLE = "speed.csv"
-WHATS = ("theory", "measured", "paper")
+WHATS = ("predicted", "measured", "paper")
 BOUNDS = ("speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s")
 MOST_ROWS = 10_000
 LARGEST = 1e9
@@ -15,7 +15,7 @@ LARGEST = 1e9
 
 
 class Speed(NamedTuple):
-    """Speed at a tilt: of the theory, measured, or the one that the paper states."""
+    """Speed at a tilt: predicted, measured, or the one that the paper states."""
 
     what: str
     legs: str
@@ -23,6 +23,8 @@ class Speed(NamedTuple):
     speed_mm_s: float
     bounds: tuple[float, float, float, float] | None
     """Lower and upper bound of 68 %, then of 95 %, mm/s; None where they are unknown."""
+    theory_mm_s: float | None
+    """Speed by the theory; None but with a predicted one."""
     sticks: bool
     """True where a foot can stick, so that the paper's formula fails."""
 
@@ -53,7 +55,8 @@ def _speed(row: dict[str, str], line: int) -> Speed:
     bounds = None
     if low68 is not None and high68 is not None and low95 is not None and high95 is not None:
         bounds = low68, high68, low95, high95
-    return Speed(what, legs, tilt, speed, bounds, row.get("foot_can_stick") == "yes")
+    return Speed(what, legs, tilt, speed, bounds, _number(row, "theory_mm_s", line),
+                 row.get("foot_can_stick") == "yes")  # fmt: skip
 
 
 def _number(row: dict[str, str], column: str, line: int) -> float | None:
