@@ -71,7 +71,7 @@ def key(point: Point) -> str:
         *points.facts(point.scene, point.design),
         point.scene.prediction.model_dump(),
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
-        discrepancy.digest() if "spread" in point.keep else None,
+        discrepancy.digest(),
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -80,8 +80,7 @@ def key(point: Point) -> str:
 def digest() -> str:
     """Hash of the program's sources that numbers come from, 16 hexadecimal digits.
 
-    Pictures, commands and jobs do not count: they change no number of a point. Nor does the table
-    of speeds in space, which only the group "spread" reads, and which is made of points.
+    Pictures, commands and jobs do not count: they change no number of a point.
     """
     package, found = Path(__file__).parent.parent, hashlib.sha256()
     counted = ("*.py", "analysis/*.py", "exploring/*.py", "numerics/*.py", "printing/*.py",
