@@ -126,7 +126,8 @@ def weighed_table(
 
 WEIGHED = (
     "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
-    "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it more."
+    "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
+    "more."
 )
 
 
