@@ -402,7 +402,7 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "family": (("--tilt", "10", "--legs", "braced", "--no-pictures", "--out", "out"), {}),
     "sweep": (("--set", "legs.tilt_deg=5,10", "--out", "out"), {}),
     "simulate": (("--seconds", "0.05", "--runs", "1", "--model", "rigid", "--out", "out"), {}),
-    "design": (("--speed", "40", "--model", "theory", "--out", "out"), {}),
+    "design": (("--speed", "40", "--model", "prediction", "--out", "out"), {}),
     "movie": (("--fps", "3", "--model", "rigid", "--out", "out"), {}),
     "accuracy": (("--budget", "0s", "--out", "out"), {}),
     "reproduce": (("--tilt", "99", "--out", "out"), {}),

@@ -369,10 +369,10 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
 
     monkeypatch.setattr(families.prediction, "curve", refuse)
     assert families._curves(job, made) == {}
-    figure = figures.speed_figure([one.row for one in made], Beside({}), 14.0, "points")
+    figure = figures.speed_figure([one.row for one in made], Beside({}), "points")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["flexible, 68 and 95 %"]
-    alone = figures.speed_figure([made[0].row], Beside({}), 14.0, "a point")
+    alone = figures.speed_figure([made[0].row], Beside({}), "a point")
     low, high = alone.axes[0].get_xlim()
     assert (low, high) == (0.0, 10.0)
 

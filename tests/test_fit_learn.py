@@ -9,7 +9,7 @@ from walkergen.jobs.fit import emulated, kept, lessons, parameters, posterior
 from walkergen.jobs.fit.emulated import Response
 from walkergen.jobs.fit.parameters import Parameter, values
 from walkergen.jobs.fit.posterior import Observed
-from walkergen.scene import Scene
+from walkergen.scene import PAPER_CONTACT, Scene
 from walkergen.uncertain import Input
 from walkergen.walker.design import Design
 
@@ -227,7 +227,10 @@ def test_priors_are_flat_or_the_scenes_and_held_values_leave_no_parameter():
     ]  # fmt: skip
     assert flat.prints_differ
     told = parameters.unknown(scene, design, "space", "scene", {"friction": 0.25})
-    assert [one.told for one in told.parameters][:2] == ["0.25 ± 0.1", "0.4 ± 0.02"]
+    assert [one.told for one in told.parameters][:2] == [
+        f"{PAPER_CONTACT.restitution:g} ± {PAPER_CONTACT.restitution_sd:g}",
+        "0.4 ± 0.02",
+    ]
     planar = parameters.unknown(scene, design, "compliant", "flat", {})
     assert planar.parameters[-1].name == "print_scatter"
     assert not planar.prints_differ

@@ -149,7 +149,7 @@ SPEEDS = """tilt_deg,speed_mm_s,speed_se_mm_s,legs
 """
 
 
-def test_fit_writes_a_scene_that_predicts_the_speeds(run, tmp_path):
+def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
     found = json.loads(run("fit", "speeds.csv", "--fix", "restitution=0.8", "--json").stdout)
     assert found["fitted"] == ["friction", "impact_speed_factor"]
@@ -164,7 +164,8 @@ def test_fit_writes_a_scene_that_predicts_the_speeds(run, tmp_path):
     }  # fmt: skip
     words = ("predict", "--scene", str(folder / "scene.toml"), "--tilt", "10", "--json")
     (row,) = json.loads(run(*words).stdout)["rows"]
-    assert row["speed_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
+    assert row["theory_mm_s"] == pytest.approx(found["predicted_mm_s"][2], rel=1e-6)
+    assert "theory_mm_s meets the speeds" in told
     name = templates.load(str(folder / "scene.toml"), "scenes", Scene).name
     assert name == "lane-90hz-fit-speeds" not in templates.names("scenes")
     with (folder / "speeds.csv").open(encoding="utf-8", newline="") as stream:

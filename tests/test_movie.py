@@ -228,7 +228,8 @@ def test_a_gif_has_its_frames_size_and_time_and_equal_bytes(short, tmp_path):
 
 def test_a_race_shows_every_walker_in_its_lane(tmp_path):
     members = PAPER.members([5.0, 20.0], ["flexible"])
-    job = movie.plan(members, SCENE, seconds=0.3, fps=10)
+    lively = SCENE.variant(**{"contact.restitution": 0.8})
+    job = movie.plan(members, lively, seconds=0.3, fps=10)
     made = movie.make(job, tmp_path / "race.gif", silent)
     assert (made.frames, job.slow) == (4, 1.0)
     runs = [shot.places[-1, 0] for shot in made.footage]

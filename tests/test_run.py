@@ -27,7 +27,7 @@ LANE = LANE.model_copy(update={"run": LANE.run.model_copy(update=SHORT)})
 PAPER = templates.load("koumakis2016", "walkers", Design)
 
 
-def request_of(*varied, model="theory", scene=LANE):
+def request_of(*varied, model="prediction", scene=LANE):
     return Request(PAPER, scene, Space(tuple(axes.parse(text) for text in varied)), model)
 
 

@@ -74,13 +74,13 @@ def test_an_empty_template_follows_the_print(tmp_path):
     assert (tmp_path / "weights.csv").read_text() == "part,grams,body_g,leg_g\ny,,,\n"
 
 
-def test_whole_walkers_scale_all_masses_alike_and_hardly_change_the_speed(read):
-    """Only the legs' frequency depends on more than ratios of masses, by a root of 2 % here."""
+def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
+    """Only the legs' frequency depends on more than ratios of masses, by 6 % here."""
     member = predicted(read(f"part,grams\n{TEN},1.0\n"))[1]
     body, leg = meshed(MEMBERS[1])
     scale = 1.0 / (body + 2 * leg)
     assert (member.row.M_g, member.row.m_g) == pytest.approx((scale * body, scale * leg))
-    assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.02)
+    assert member.row.speed_mm_s == pytest.approx(member.weighing.speed_mesh_mm_s, rel=0.1)
     assert member.weighing.mass_g == pytest.approx(1.0)
     assert member.weighing.mass_mesh_g == pytest.approx(body + 2 * leg)
 
@@ -100,7 +100,7 @@ def test_a_heavier_leg_changes_the_speed_as_the_same_mass_in_the_design_does(rea
     data["weighed"]["leg_mass_g"] = 0.06
     (same,) = predicted({}, [Design.model_validate(data)])
     assert second.row == same.row
-    assert second.weighing.speed_mesh_mm_s - second.row.speed_mm_s > 10.0  # mm/s, of 131
+    assert second.weighing.speed_mesh_mm_s - second.row.speed_mm_s > 3.0  # mm/s, of 60
     assert first.row.speed_mm_s == first.weighing.speed_mesh_mm_s
     assert first.weighing.weighings == 0
 

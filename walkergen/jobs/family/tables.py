@@ -125,8 +125,9 @@ def weighed_table(
 
 
 WEIGHED = (
-    "Weighed: whole walkers alone (grams) scale every mass alike, which hardly changes the "
-    "predicted speed; a body or leg weighed apart (body_g, leg_g) changes it."
+    "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
+    "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
+    "more."
 )
 
 
