@@ -235,7 +235,8 @@ def test_tilt_zero_stands_still_and_its_mirror_image_runs_back():
     assert upright.theory_mm_s == 0.0
     assert abs(upright.speed_mm_s) < 0.5  # by symmetry 0, in a table with a scatter of 1.8
     assert left.theory_mm_s == pytest.approx(-right.theory_mm_s, rel=1e-12)
-    assert left.speed_mm_s == pytest.approx(-right.speed_mm_s, rel=0.01)
+    assert left.speed_mm_s == pytest.approx(-right.speed_mm_s, rel=1e-9)
+    assert left.speed_low_95_mm_s == pytest.approx(-right.speed_high_95_mm_s, rel=1e-9)
 
 
 def test_braced_walkers_hardly_move():

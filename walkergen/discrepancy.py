@@ -149,7 +149,7 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """
     if not design.alike:
         raise UnknownError(
-            "no bounds: speeds in space are known for two equal legs only, not for [[legs]]"
+            "speeds in space are known for two equal legs only, not for [[legs]]"
         )
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
@@ -198,7 +198,7 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         ("other feet than the usual", feet == plain),
     ):
         if not covered:
-            raise UnknownError(f"no bounds: speeds in space are not known for {told}")
+            raise UnknownError(f"speeds in space are not known for {told}")
     ranges = _facts()["ranges"]["braced" if braced else "flexible"]
     for name in Place._fields:
         low, high = ranges[name]
@@ -206,7 +206,7 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         if not low - margin <= value <= high + margin:
             told, seen, ends = _in_words(name, value, low, high)
             raise UnknownError(
-                f"no bounds: speeds in space are known for {told} in {ends}, not at {seen}"
+                f"speeds in space are known for {told} in {ends}, not at {seen}"
             )
 
 

@@ -5,6 +5,7 @@ table, over what design and scene do not know exactly, from print to print, and 
 error of the model. Outside the table the theory stands in, within the error that it has there.
 """
 
+import math
 from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
@@ -112,8 +113,9 @@ def spread(
         return Spread(theory + error_sd * model, "theory", str(error))
     places = _drawn_places(place, design, scene, drawn, len(values))
     table = discrepancy.speeds(places, design.tilt_deg, design.braced)
-    shifted = table._replace(centre=table.centre + scene.prediction.model_sd * model)
-    return Spread(plate * shifted.at(drawn[PRINT.name]), "table")
+    sense = math.copysign(1.0, design.tilt_deg)  # a walker's mirror image has mirrored errors
+    shifted = table._replace(centre=table.centre + sense * scene.prediction.model_sd * model)
+    return Spread(plate * shifted.at(sense * drawn[PRINT.name]), "table")
 
 
 def _drawn_places(

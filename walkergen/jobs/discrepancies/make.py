@@ -32,8 +32,8 @@ Array = npt.NDArray[np.float64]
 
 ROWS = Path(__file__).with_name("rows.csv")
 
-COUNT = 8000
-"""Rows of the table, about: 86 000 simulated seconds."""
+COUNT = 6000
+"""Rows of the table, about: 64 000 simulated seconds, 40 minutes on two cores."""
 
 COLUMNS = ("braced", *Place._fields, "speed", "se", "runs")
 """Columns of rows.csv: 1 for braced legs; numbers without unit; speeds and their standard errors
