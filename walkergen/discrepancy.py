@@ -148,9 +148,7 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     Raises UnknownError for other legs than two equal ones.
     """
     if not design.alike:
-        raise UnknownError(
-            "speeds in space are known for two equal legs only, not for [[legs]]"
-        )
+        raise UnknownError("speeds in space are known for two equal legs only, not for [[legs]]")
     limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
@@ -205,9 +203,7 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         value, margin = getattr(place, name), EDGE * (high - low)
         if not low - margin <= value <= high + margin:
             told, seen, ends = _in_words(name, value, low, high)
-            raise UnknownError(
-                f"speeds in space are known for {told} in {ends}, not at {seen}"
-            )
+            raise UnknownError(f"speeds in space are known for {told} in {ends}, not at {seen}")
 
 
 def _in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:

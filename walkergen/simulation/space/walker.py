@@ -228,8 +228,7 @@ def coarser(world: World, factor: float) -> World:
     walker, step = world.walker, factor * world.options.step
     flights = _flights(walker, step, len(walker.stiffness))
     return world._replace(
-        walker=walker._replace(flights=flights),
-        options=world.options._replace(step=step, finest=factor * world.options.finest),
+        walker=walker._replace(flights=flights), options=world.options._replace(step=step)
     )
 
 
