@@ -18,28 +18,31 @@ LANDED, GROUPED, MOTION = "landings", "groups", "motion"
 corners, and all that tracks tell."""
 
 LIMITS = {
-    observables.IMPACTS: 0.05,
+    observables.IMPACTS: 0.06,
     observables.CONTACT: 0.03,
-    f"{observables.POWERS}.from_plate": 0.05,
-    f"{observables.POWERS}.impacts": 0.05,
-    f"{observables.POWERS}.friction": 0.06,
+    f"{observables.POWERS}.from_plate": 0.03,
+    f"{observables.POWERS}.impacts": 0.06,
+    f"{observables.POWERS}.friction": 0.15,
     f"{observables.POWERS}.damping": 0.06,
-    LANDED: 0.06,
+    LANDED: 0.08,
     GROUPED: 0.15,
 }
 """Largest errors (95 %) in space at the step that feet take by themselves, as shares of the value;
 they fall with its square. The largest of 18 settings (tilts of 0 to 35 deg, labels of 0.02 to 0.8,
 friction 0.05 to 0.5, 60 and 90 Hz, 1.8 and 2.6 g, viscous and hysteretic, braced) against a fifth
-of the step, 24 s each."""
+of the step, 24 s each. That of friction is one of feet that hardly slide (5 deg, label 0.05), 0.03
+elsewhere."""
 
 SHARES = {
-    "I": 0.015, "II": 0.03, "III": 0.03, "IV": 0.01, "from rest": 0.01, "II mirrored": 0.015,
-    "III mirrored": 0.015, "sticking": 0.03,
+    "I": 0.04, "II": 0.08, "III": 0.16, "IV": 0.015, "from rest": 0.01, "II mirrored": 0.03,
+    "III mirrored": 0.1, "sticking": 0.04,
 }  # fmt: skip
-"""The same for shares of types, by impulse and by number, as differences of shares."""
+"""The same for shares of types, by impulse and by number, as differences of shares. The largest are
+of the same walker, whose landings begin with hardly any slip."""
 
 IN_SPACE, IN_SPACE_FLOOR = 0.03, 0.01
-"""The same for the speed, as shares of itself and of the plate's peak speed, which add."""
+"""The same for the speed, as shares of itself and of the plate's peak speed, which add: found are
+2.7 % (10 deg, label 0.8, friction 0.1; ± 1.4) and 0.5 mm/s (2 deg; ± 0.35) at most."""
 
 SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
 IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}
