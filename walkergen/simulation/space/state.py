@@ -108,7 +108,7 @@ class Options(NamedTuple):
 
     step: float
     """Longest step while a foot may touch, s."""
-    frame: int = 24
+    frame: int
     """Steps for which pose and contact directions are frozen."""
 
 

@@ -206,8 +206,7 @@ def _closed_time(state, contacts, m, first, h):
                 k * contacts[i, SPEED] + 2.0 * c * (contacts[i, MIDDLE] - contacts[i, SPEED]) / h
             )
             begin = 0.0
-            if falls > 0.0:
-                end = max(end, min(max(now / (falls * h), -0.5), 1.0))
+            end = max(end, min(max(now / (falls * h), -0.5), 1.0) if falls > 0.0 else 0.0)
     return h * (end - begin) if begin < 1.0 else 0.0
 
 

@@ -37,6 +37,11 @@ are 20 % low."""
 LONGEST = 1e-5
 """Longest step of soft feet, s: the drive and the legs are held for a frame of steps."""
 
+STEPS_OF_FRAME, LONGEST_FRAME = 24, 6.5e-5
+"""Steps for which a pose is frozen, and the longest time (s) of a frame of the walker's own steps:
+where feet are stiff, what the plate's height errs by in twice that is as much as they give at rest.
+"""
+
 Z = np.array([0.0, 0.0, 1.0])
 
 
@@ -176,7 +181,7 @@ def _with_feet(
     return walker._replace(
         spring=spring, damper=damper, unloading=each[0].unloading,
         flights=_flights(walker, step, n),
-    ), Options(step)  # fmt: skip
+    ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME / own_step), 1)))  # fmt: skip
 
 
 def _own_step(
