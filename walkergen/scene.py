@@ -132,9 +132,9 @@ class Prior(NamedTuple):
     friction_sd: float
 
 
-PAPER_CONTACT = Prior("contact of the paper's plate", 0.30, 0.10, 0.25, 0.02)
-"""Contact with which the model in space meets what the paper states of its walkers' speeds, the
-friction as it measured it. Provisional: read off the one speed, 60 mm/s at 10 degrees."""
+PAPER_CONTACT = Prior("contact of the paper's plate", 0.21, 0.07, 0.25, 0.02)
+"""Contact with which the model in space meets what the paper states of its walkers' speeds, with
+the friction that it measured: by walkergen/jobs/discrepancies/contact.py."""
 
 UNKNOWN_CONTACT = Prior("unknown plastic on an unknown plate", 0.40, 0.25, 0.30, 0.12)
 """Contact of which nothing was measured: plastics are seen to bounce with nearly nothing to 0.9,

@@ -46,8 +46,8 @@ IN_SPACE, IN_SPACE_FLOOR = 0.03, 0.01
 2.7 % (10 deg, label 0.8, friction 0.1; ± 1.4) and 0.5 mm/s (2 deg; ± 0.35) at most."""
 
 PLASTIC, PLASTIC_SHARE = 0.05, 0.12
-"""Label below which the first of them is this: at 0.02 the speed was 2.3 ± 2.1 mm/s of 20 lower than
-by a fifth of the step."""
+"""Label below which the first of them is this: at 0.02 the speed was 2.3 ± 2.1 of 20 mm/s lower
+than by a fifth of the step."""
 
 SPEED_SHARE, SPEED_FLOOR = 0.01, 0.015
 IN_A_PLANE = {observables.CONTACT: 0.012, observables.POWERS: 0.01, observables.BY_IMPULSE: 0.015}

@@ -2,7 +2,8 @@
 
 `python -m walkergen.jobs.discrepancies.contact` prints it, for `scene.PAPER_CONTACT`. By Bayes'
 rule over draws of a prediction: labels are drawn evenly, friction as measured, thickness, modulus
-and feet as a print may have them, the model's own error once for all tilts, prints anew for each.
+and feet as a print may have them, prints anew for each tilt. The model's own error is left out: the
+label takes up what it is for the paper's walkers, and predictions of others add it.
 """
 
 from typing import NamedTuple
@@ -13,7 +14,7 @@ import numpy.typing as npt
 from walkergen import prediction, uncertain
 from walkergen.prediction import PRINT
 from walkergen.published import FACTS, TIMES
-from walkergen.scene import Contact, Scene
+from walkergen.scene import Contact, Prediction, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -39,7 +40,9 @@ class Posterior(NamedTuple):
 def speeds() -> tuple[Array, Array]:
     """Labels, shape (n,), and speeds (mm/s) of the paper's walkers at TILTS_DEG, shape (n, 8)."""
     # So wide that a normal distribution is even between the least label and 1
-    scene = Scene(contact=Contact(restitution=0.5, restitution_sd=1.0))
+    scene = Scene(
+        contact=Contact(restitution=0.5, restitution_sd=1.0), prediction=Prediction(model_sd=0.0)
+    )
     rows = []
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
