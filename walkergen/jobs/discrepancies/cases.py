@@ -49,6 +49,14 @@ PRINTED: Ranges = PAPER | {
 }
 """The same as its authors printed and drove it: the first walker that people ask about."""
 
+PLATE: Ranges = PRINTED | {
+    "tilt_share": (0.03, 0.92),
+    "restitution": (0.05, 0.42),
+    "log_friction": (math.log(0.2), math.log(0.3)),
+    "thickness_mm": (0.37, 0.43),
+}
+"""The same in the contact of the paper's plate, and in its neighbourhood: a newcomer's numbers."""
+
 USUAL: Ranges = PAPER | {
     "log_frequency_hz": (math.log(70.0), math.log(125.0)),
     "gamma": (1.3, 2.6),
@@ -98,19 +106,22 @@ class Group(NamedTuple):
 
     kind: Kind
     ranges: Ranges
-    share: float
-    """Share of all rows."""
+    rows: int
+    """Number of its rows in a whole table."""
     extras: bool = True
     """False for rows without second harmonic, slope and noise."""
 
 
 GROUPS = (
-    Group("flexible", PRINTED, 0.35, extras=False),
-    Group("flexible", PAPER, 0.3),
-    Group("flexible", USUAL, 0.17),
-    Group("flexible", WIDE, 0.14),
-    Group("braced", USUAL, 0.04),
+    Group("flexible", PRINTED, 2100, extras=False),
+    Group("flexible", PAPER, 1800),
+    Group("flexible", USUAL, 1020),
+    Group("flexible", WIDE, 840),
+    Group("braced", USUAL, 240),
+    Group("flexible", PLATE, 700, extras=False),
 )
+
+COUNT = sum(group.rows for group in GROUPS)
 
 
 class Case(NamedTuple):
@@ -126,7 +137,7 @@ def cases(rows: int) -> Iterator[Case]:
     The groups take turns, so that a table of which a part is made is one of fewer rows.
     """
     sampled = [
-        list(_samples(group, math.ceil(rows * group.share), SEED + number))
+        list(_samples(group, math.ceil(rows * group.rows / COUNT), SEED + number))
         for number, group in enumerate(GROUPS)
     ]
     ordered = sorted(
