@@ -25,10 +25,10 @@ Array = npt.NDArray[Any]
 TENTHS, OUT = 10, 2
 """Parts of the rows, and number of those that a network leaves out; as many networks as parts."""
 
-HIDDEN = {"flexible": (32, 32, 32), "braced": (8,)}
+HIDDEN = {"flexible": (40, 40, 40), "braced": (8,)}
 """Widths of the networks' layers by kind of legs."""
 
-DECAY, STEPS = 0.5, 500
+DECAY, STEPS = 0.1, 1000
 
 ROUGH = 0.1
 """Error after asinh up to which no row counts more than another: the fit errs by as much."""
