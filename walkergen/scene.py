@@ -132,7 +132,7 @@ class Prior(NamedTuple):
     friction_sd: float
 
 
-PAPER_CONTACT = Prior("contact of the paper's plate", 0.21, 0.07, 0.25, 0.02)
+PAPER_CONTACT = Prior("contact of the paper's plate", 0.22, 0.07, 0.25, 0.02)
 """Contact with which the model in space meets what the paper states of its walkers' speeds, with
 the friction that it measured: by walkergen/jobs/discrepancies/contact.py."""
 
