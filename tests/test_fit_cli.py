@@ -110,7 +110,7 @@ def test_print_film_fit_predict_is_a_closed_loop(run, short, tmp_path):
         row = found["parameters"][name]
         assert abs(row["mean"] - hidden) < 3.5 * row["sd"], name
         assert row["narrowed"] < 0.5, name
-    assert any("not learnt" in note and "youngs_modulus_gpa" in note for note in found["notes"])
+    assert any("not learnt" in note and "thickness_mm" in note for note in found["notes"])
     folder = tmp_path / "out" / "speeds" / "fit"
     assert {path.name for path in folder.iterdir()} == {
         "bands.csv", "design.toml", "fit.csv", "fit.md", "fit.pdf", "fit.png", "manifest.json",

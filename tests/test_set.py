@@ -314,7 +314,9 @@ def test_a_default_of_a_command_gives_way(tmp_path):
         loading.asked(["printer.gap_mm=1"], "design scene")
 
 
-SHORT = ("--model", "rigid", "--seconds", "0.2", "--runs", "4", "--json")
+SHORT = (
+    "--model", "rigid", "--restitution", "0.8", "--seconds", "0.2", "--runs", "4", "--json",
+)  # fmt: skip
 
 
 def test_several_walkers_are_rows_of_what_each_gives_alone(run):
@@ -330,7 +332,9 @@ def test_several_walkers_are_rows_of_what_each_gives_alone(run):
         same = set(row) & set(alone)
         assert same >= {"speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s", "outcomes", "runs"}
         assert {key: row[key] for key in same} == {key: alone[key] for key in same}
-        told = predicted(run, "--legs", "braced", "--tilt", str(row["tilt_deg"]))
+        told = predicted(
+            run, "--legs", "braced", "--tilt", str(row["tilt_deg"]), "--restitution", "0.8"
+        )
         (known,) = json.loads(told)["rows"]
         assert row["theory_mm_s"] == known["theory_mm_s"]
         assert row["predicted_mm_s"] == known["speed_mm_s"]
