@@ -32,8 +32,8 @@ they fall with its square. The largest of 18 settings (tilts of 0 to 35 deg, lab
 friction 0.05 to 0.5, 60 and 90 Hz, 1.8 and 2.6 g, viscous and hysteretic, braced) against a fifth
 of the step, 24 s each. Those of friction are of feet that hardly slide (5 deg, label 0.05; braced),
 0.03 elsewhere; those of impacts and contact of braced feet, which come to rest in ever smaller
-bounces, and of the label 0.02: 0.04 and 0.02 elsewhere; that of the impacts' power of feet that hardly
-lose any (20 deg, label 0.8): 0.05 elsewhere."""
+bounces, and of the label 0.02: 0.04 and 0.02 elsewhere; that of the power of impacts of feet that
+hardly lose any (20 deg, label 0.8): 0.05 elsewhere."""
 
 SHARES = {
     "I": 0.07, "II": 0.08, "III": 0.16, "IV": 0.015, "from rest": 0.01, "II mirrored": 0.03,
