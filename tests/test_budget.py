@@ -23,7 +23,7 @@ def survey_of(budget_s, **tables):
     return Survey(Scene.model_validate(tables), Design(), solids.mass_of(Design()), budget_s)
 
 
-def rated(survey, cpu_per_s=0.1):
+def rated(survey, cpu_per_s=0.06):
     """Give every setting a made-up cost: 1/step in space, next to nothing for planar models."""
     for one in [*survey.events, *survey.steps, survey.own, *survey.simpler]:
         dear = cpu_per_s / one.step_us if one.step_us and one.model == "space" else 1e-4

@@ -40,6 +40,7 @@ DISAGREE = {
 RECORD = Path(__file__).parent.parent / "docs" / "validation.md"
 
 NARROW = {
+    "speed at 15 deg, nearly plastic feet",
     "speed at 20 deg, nearly plastic feet",
     "rebound of a walker dropped level by 1 mm at 10 deg, label e = 0.22, inferred from speeds",
 }
