@@ -82,7 +82,8 @@ def test_the_fastest_is_that_of_a_dense_grid(bench):
     found = search.search(job, bench, search.survey(job, bench))
     grid = [predicted(job, {"legs.tilt_deg": tilt, "legs.length_mm": length})
             for tilt in np.linspace(2, 40, 39) for length in range(5, 11)]  # fmt: skip
-    assert found.chosen[0].seen.value >= 0.995 * max(grid)
+    # 1 %: the search has a tolerance, and a lower bound of a length at which the speed still rises
+    assert found.chosen[0].seen.value >= 0.99 * max(grid)
 
 
 def test_the_least_sensitive_is_that_of_finite_differences_on_a_grid(bench):
@@ -164,7 +165,7 @@ def test_a_drawing_is_found_from_the_new_folder(bench, tmp_path):
 
 
 @pytest.mark.parametrize(("speed", "side", "bound"), [
-    (1e6, "largest", "within the ranges"),
+    (1e6, "largest", "lower bound of --vary legs.length_mm"),
     (-10.0, "smallest", "upper bound of --vary legs.tilt_deg"),
 ])  # fmt: skip
 def test_an_impossible_speed_names_the_limit(bench, tmp_path, speed, side, bound):
