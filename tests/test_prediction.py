@@ -90,7 +90,7 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
     known = prediction.known_inputs(scene, design)
     values = uncertain.draws(known, prediction.DRAWS, prediction.SEED)
     drawn = prediction.theory_speeds(design, mass, scene, "coulomb", known, values)
-    # Sobol points know a deviation to a percent; the second order is as much.
+    # Points of a lattice know a deviation to a percent; the second order is as much.
     assert drawn.std() == pytest.approx(expected, rel=0.04)
 
 
@@ -108,7 +108,7 @@ def test_a_prediction_of_a_known_walker_is_the_tables_speed_there():
     for model_sd in (0.0, 0.3):
         exact = scene.variant(**{"prediction.model_sd": model_sd})
         row, sd = prediction.predict(design, mass, exact), np.hypot(found.sd[0], model_sd)
-        # 1024 Sobol points know a median to a hundredth of a deviation, a bound to a tenth.
+        # 512 points know a median to a hundredth of a deviation, a bound to a tenth.
         assert row.speed_mm_s == pytest.approx(at(0.0, sd), rel=0.01 * sd)
         assert row.speed_low_95_mm_s == pytest.approx(at(-1.96, sd), rel=0.1 * sd)
         assert row.speed_high_68_mm_s == pytest.approx(at(0.994, sd), rel=0.1 * sd)

@@ -33,7 +33,7 @@ def test_draws_have_the_moments_written_and_stay_in_range():
     known = (Input("wide", 3.0, 0.3), Input("cut", 0.9, 0.2, 0.0, 1.0), Input("fold", 0.0, 5.0,
              folded=True))  # fmt: skip
     wide, cut, fold = uncertain.draws(known, 1024, seed=3).T
-    assert wide.mean() == pytest.approx(3.0, abs=1e-3)  # Sobol points: far below 0.3/32
+    assert wide.mean() == pytest.approx(3.0, abs=1e-3)  # points of a lattice: far below 0.3/32
     assert wide.std() == pytest.approx(0.3, rel=0.01)
     assert 0.0 <= cut.min() < cut.max() <= 1.0
     from scipy.stats import truncnorm

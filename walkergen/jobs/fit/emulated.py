@@ -88,7 +88,7 @@ STILL = 0.1
 def spread(ground: Ground, count: int) -> Array:
     """Parameters of `count` walkers over their priors, shape (count, simulated parameters).
 
-    A scrambled Sobol sequence.
+    Points of a lattice (`uncertain.even`).
     """
     parameters = ground.unknown.simulated
     return values(parameters, uncertain.even(len(parameters), count, ground.scene.run.seed))

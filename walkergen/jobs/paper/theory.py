@@ -16,7 +16,7 @@ from walkergen.walker.design import Design
 Array = npt.NDArray[np.float64]
 
 DRAWS = 256
-"""Number of draws behind a standard deviation, known to some per cent by Sobol's numbers."""
+"""Number of draws behind a standard deviation, known to some per cent."""
 
 
 class Curve(NamedTuple):
