@@ -119,6 +119,16 @@ def test_runs_that_tell_no_error_say_so():
     assert (found["low_95_mm_s"], found["high_95_mm_s"]) == (None, None)
 
 
+def test_runs_that_share_an_orbit_tell_no_error_however_many_they_are():
+    orbit = {"legs.tilt_deg": 10.0, "scene.contact.restitution": 0.8}
+    time = {"scene.run.seconds": 2.0, "scene.run.discard_seconds": 2.0}
+    record = evaluate(point_at("relaxed", error="5%", **orbit, **time))
+    assert record["status"].startswith("error unknown: all runs are on one periodic orbit")
+    assert record["runs"] == 8  # more would end there too
+    assert record["speed_mm_s"] == pytest.approx(97.5, abs=0.1)
+    assert record["se_mm_s"] is None and record["low_95_mm_s"] is None
+
+
 def test_a_share_of_no_speed_counts_of_the_plates():
     peak = LANE.drive.peak_speed
     five = wanted.parse("5%")

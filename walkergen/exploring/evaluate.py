@@ -96,7 +96,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         low, high = _bounds(found, step)
         half = math.inf if low is None or high is None else 0.5 * (high - low)
         most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
-        if half <= most or found.speed_mm_s is None:
+        if half <= most or found.speed_mm_s is None or Outcome.ORBIT.value in found.outcomes:
             break
         own = float(plan.world.options.step) if plan.resolved.method == "step" else None
         finer = _refined(scene, half, most, step or 0.0, own)
@@ -170,7 +170,7 @@ def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | N
 
 def _status(found: Summary, half: float, most: float) -> str:
     """How the runs of a point went."""
-    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW)]
+    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in found.outcomes.items() if name not in fine}
     if found.speed_mm_s is None:
         return f"no speed: {listed(found.outcomes)}"
@@ -178,6 +178,8 @@ def _status(found: Summary, half: float, most: float) -> str:
         return f"some runs ended badly: {listed(bad)}"
     if Outcome.TOO_FEW.value in found.outcomes:
         return "error unknown: too few data; take more runs, or longer ones"
+    if Outcome.ORBIT.value in found.outcomes:
+        return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
     if half > most:
         return f"error {half:.3g} mm/s, not within the {most:.3g} asked"
     return OK
