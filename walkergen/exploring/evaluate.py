@@ -55,14 +55,17 @@ def refused(error: WalkergenError) -> Record:
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    row = prediction.predict(design, mass, scene)
-    found: Record = {STATUS: OK, "speed_mm_s": row.speed_mm_s, "model": row.speed_by}
-    if point.simulated:
-        found = _simulated(point, mass) | {"predicted_mm_s": row.speed_mm_s}
-    found["theory_mm_s"] = row.theory_mm_s
-    if "spread" in keep:
-        ends = [f"speed_{end}_{level}_mm_s" for level in ("95", "68") for end in ("low", "high")]
-        found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
+    found: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
+    if point.predicted:
+        row = prediction.predict(design, mass, scene)
+        if point.simulated:
+            found["predicted_mm_s"] = row.speed_mm_s
+        else:
+            found |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
+        found["theory_mm_s"] = row.theory_mm_s
+        if "spread" in keep:
+            ends = [f"speed_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")]
+            found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
     if "masses" in keep:
         leg = next((one for one in mass.legs if one.m > 0.0), None)
         found |= {
