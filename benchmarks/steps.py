@@ -1,4 +1,4 @@
-"""What the own step leaves off: speeds by it and by a tenth of it, and those that `predict` tells.
+"""What the own step leaves off: speeds by it and by a tenth of it, and by the table of `predict`.
 
 The paper's walker over tilts, labels and friction, on the plane and in the lane, and the templates
 of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
@@ -17,7 +17,9 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import NamedTuple
 
-from walkergen import prediction
+import numpy as np
+
+from walkergen import discrepancy, prediction
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
@@ -27,6 +29,7 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
 
 NOTHING: Mapping[str, object] = MappingProxyType({})
 
@@ -56,8 +59,10 @@ class Row(NamedTuple):
     fine_se: float
     stated: float
     """Largest error (95 %) that is stated of the own step."""
-    predicted: float
-    """Speed by `predict`; NaN where the table does not reach."""
+    table: float
+    """Speed of the same print by the table behind `predict`; NaN where that does not reach."""
+    median: float
+    """Speed that `predict` tells, the median of all that is not known of print and contact."""
 
 
 SETTINGS = (
@@ -106,8 +111,6 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     """Speeds of a setting by its own step and by a finer one, from other random starts."""
     scene, design = walker_of(one)
     mass = solids.mass_of(design)
-    row = prediction.predict(design, mass, scene)
-    predicted = row.speed_mm_s if row.speed_by == "table" and not one.keys else math.nan
     run = {"legs.model": "space", "run.runs": options.runs, "run.seconds": options.seconds}
     own = scene.variant(**run)
     plan = prepare(own, design, mass)
@@ -116,8 +119,18 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     coarse, finer = (one.summary for one in points.on_threads(pair, ["own", "fine"], silent))
     stated = resolution.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
-    told = [math.nan if value is None else value for value in (*speeds, stated, predicted)]
-    return Row(code, name(one), *told)
+    known = [math.nan if value is None else value for value in (*speeds, stated)]
+    return Row(code, name(one), *known, *predicted(scene, design, mass))
+
+
+def predicted(scene: Scene, design: Design, mass: MassProperties) -> tuple[float, float]:
+    """Speeds (mm/s) by the table, of the nominal print and as the median; NaN outside it."""
+    row = prediction.predict(design, mass, scene)
+    if row.speed_by != "table":
+        return math.nan, math.nan
+    place = discrepancy.place_of(scene, design, mass)
+    nominal = discrepancy.speeds(place, design.tilt_deg, design.braced).at(np.zeros(1))
+    return float(nominal[0]) * scene.drive.peak_speed, row.speed_mm_s
 
 
 def kept(path: Path, code: str) -> dict[str, Row]:
@@ -134,10 +147,10 @@ def line(row: Row) -> str:
     """Row of the Markdown table."""
     error = math.hypot(row.own_se, row.fine_se)
     stated = "none" if math.isnan(row.stated) else f"{row.stated:.1f}"
-    predicted = "" if math.isnan(row.predicted) else f"{row.predicted:.1f}"
+    table, median = ("" if math.isnan(one) else f"{one:.1f}" for one in (row.table, row.median))
     return (
         f"| {row.setting} | {row.own:.1f} ± {row.own_se:.1f} | {row.fine:.1f} ± {row.fine_se:.1f} "
-        f"| {row.own - row.fine:+.1f} ± {error:.1f} | {stated} | {predicted} |"
+        f"| {row.own - row.fine:+.1f} ± {error:.1f} | {stated} | {table} | {median} |"
     )
 
 
@@ -151,8 +164,10 @@ def main() -> None:
     code = f"{kernels.digest()} {options.finer:g} {options.runs} {options.seconds:g}"
     rows = kept(options.out, code)
     options.out.parent.mkdir(parents=True, exist_ok=True)
-    print(f"| setting | own step | step / {options.finer:g} | difference | stated | predicted |")
-    print("|---|--:|--:|--:|--:|--:|")
+    print(
+        f"| setting | own step | step / {options.finer:g} | difference | stated | table | median |"
+    )
+    print("|---|--:|--:|--:|--:|--:|--:|")
     for one in SETTINGS:
         row = rows.get(name(one)) or measured(one, code, options)
         if name(one) not in rows:
