@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
+from walkergen.files.tables import csv_text
 from walkergen.scene import Scene
 
 WALKER = Walker()
@@ -144,7 +145,7 @@ SPEEDS = """tilt_deg,speed_mm_s,speed_se_mm_s,legs
 20,34.6,0.5,flexible
 30,22.2,0.5,
 10,0.3,0.5,braced
-15,0.3,-1,flexible
+15,-,0.5,flexible
 20,0.3,0.5,brased
 """
 
@@ -196,6 +197,11 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("fit", "speeds.csv", "--mode", "paper", "--law", "newton"), "poisson only"),
         (("fit", "few.csv"), "2 speeds for 3 parameters"),
         (("fit", "steep.csv"), "tilt up to"),
+        (("fit", "semicolons.csv"), "separate cells by commas"),
+        (("fit", "behind.csv"), "Turn the sign"),
+        (("fit", "behind.csv", "--model", "space"), "Turn the sign"),
+        (("fit", "metres.csv"), "in m/s instead of mm/s"),
+        (("fit", "micrometres.csv"), "µm/s or pixels"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
@@ -203,6 +209,11 @@ def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
     (tmp_path / "few.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n")
     (tmp_path / "steep.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n15,9\n80,20\n")
+    for name, times in (("behind", -1.0), ("metres", 1e-3), ("micrometres", 1e3)):
+        rows = [(tilt, times * speed, abs(times)) for tilt, speed in ((5, 78), (10, 59), (20, 35))]
+        text = csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), rows)
+        (tmp_path / f"{name}.csv").write_text(text)
+    (tmp_path / "semicolons.csv").write_text("tilt_deg;speed_mm_s\n5;78,1\n10;59\n")
     result = run(*words)
     assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
     assert hint in str(result.exception)

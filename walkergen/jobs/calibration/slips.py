@@ -1,4 +1,4 @@
-"""Slips of pen and clock that readings of strips betray: refused or named by what they look like."""
+"""Slips of pen and clock that readings of strips betray: refused, or named by their looks."""
 
 import math
 from collections.abc import Mapping, Sequence

@@ -92,6 +92,7 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
     InputError, before anything is written, for unusable input.
     """
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    measured.refuse_slips(path, found)
     seen, notes = _flexible(found, path)
     scene, design = held(job.scene, job.design, job.fixed)
     ground = Ground(scene, job.model, unknown(scene, design, job.model, job.prior, job.fixed))

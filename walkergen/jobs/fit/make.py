@@ -75,6 +75,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
             "not two equal ones: learn from simulated speeds, --model space"
         )
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    measured.refuse_slips(path, found)
     tilt, legs = found.tilt, found.legs
     speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
     progress("fitting", 0, 2)
