@@ -150,9 +150,12 @@ SPEEDS = """tilt_deg,speed_mm_s,speed_se_mm_s,legs
 """
 
 
+THEORY = ("fit", "speeds.csv", "--model", "theory")
+
+
 def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
-    found = json.loads(run("fit", "speeds.csv", "--fix", "restitution=0.8", "--json").stdout)
+    found = json.loads(run(*THEORY, "--fix", "restitution=0.8", "--json").stdout)
     assert found["fitted"] == ["friction", "impact_speed_factor"]
     assert found["dof"] == 5
     told = " ".join(found["notes"])
@@ -176,7 +179,7 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
 
 def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
-    text = " ".join(run("fit", "speeds.csv").stdout.split())
+    text = " ".join(run(*THEORY).stdout.split())
     assert "restitution and impact_speed_factor cannot be told apart" in text
     assert "68 % interval" in text
 
@@ -191,11 +194,11 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "10", "--out",
           "film.csv"), "cannot be written"),
         (("fit", "film.csv"), "no column 'tilt_deg'"),
-        (("fit", "speeds.csv", "--fix", "mass=1"), "one of restitution, friction"),
-        (("fit", "speeds.csv", "--fix", "restitution=2"), "must lie in 0..1"),
-        (("fit", "speeds.csv", "--fix", "friction=x"), "not a number"),
-        (("fit", "speeds.csv", "--mode", "paper", "--law", "newton"), "poisson only"),
-        (("fit", "few.csv"), "2 speeds for 3 parameters"),
+        ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
+        ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
+        ((*THEORY, "--fix", "friction=x"), "not a number"),
+        ((*THEORY, "--mode", "paper", "--law", "newton"), "poisson only"),
+        (("fit", "few.csv", "--model", "theory"), "2 speeds for 3 parameters"),
         (("fit", "steep.csv"), "tilt up to"),
         (("fit", "semicolons.csv"), "separate cells by commas"),
         (("fit", "behind.csv"), "Turn the sign"),
