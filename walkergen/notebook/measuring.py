@@ -155,7 +155,7 @@ def calibrate(
     """
     path = Path(measurements)
     job = calibrations.Job(
-        one_of(design, tilt, legs), scene_of(scene), roll_deg, drops, pictures, by
+        one_of(design, tilt, legs), scene_of(scene), float(roll_deg), drops, pictures, by
     )
     target = _folder(path, folder, "calibrate")
     return Calibration(calibrations.calibrate(path, job, target, progress or silent), path.stem)
@@ -238,8 +238,8 @@ def bench(
         return Bench(benches.plucked(wish, decay, place, tell))
     usual = benches.Drop()
     how = benches.Drop(
-        usual.height if height_mm is None else height_mm,
-        usual.turn_deg if roll_deg is None else roll_deg,
+        usual.height if height_mm is None else float(height_mm),
+        usual.turn_deg if roll_deg is None else float(roll_deg),
         usual.drops if drops is None else drops,
     )
     return Bench(benches.dropped(wish, how, place, tell))
