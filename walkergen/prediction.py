@@ -103,14 +103,14 @@ def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn
         theory = theory_speeds(design, mass, scene, mode, drawn)
         error_sd = THEORY_SD * np.hypot(theory, LINEAR_BELOW * plate)
         return Spread(theory + error_sd * model, "theory", str(error))
-    places = _drawn_places(place, design, scene, drawn)
+    places = drawn_places(place, design, scene, drawn)
     table = discrepancy.speeds(places, design.tilt_deg, design.braced)
     sense = math.copysign(1.0, design.tilt_deg)  # a walker's mirror image has mirrored errors
     shifted = table._replace(centre=table.centre + sense * scene.prediction.model_sd * model)
     return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table")
 
 
-def _drawn_places(place: Place, design: Design, scene: Scene, drawn: Drawn) -> Place:
+def drawn_places(place: Place, design: Design, scene: Scene, drawn: Drawn) -> Place:
     """Places in the table at values of the inputs."""
     modulus = design.material.youngs_modulus_gpa
     unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)

@@ -117,7 +117,7 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
 def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     groups, length = moments.samples(tracks.tracks)
     if not groups:
-        raise InputError("no particle is seen twice; nothing moves")
+        raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
     parts = [moments.total(moments.measure(track, grid) for track in group) for group in groups]
@@ -266,12 +266,12 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
     if time is None:
         fewest = statistics.FEWEST_VALUES
         if max(map(len, speeds)) < fewest:
-            return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
-        return math.nan, "correlated over longer than the tracks can tell: film for longer"
+            return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
+        return math.nan, "changes too slowly for tracks so short: film for longer"
     error = statistics.error_of_mean(speeds, block, time)
     if error is None:
         total = sum(len(one) for one in speeds) * block
-        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
+        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
         return math.nan, told
     return error, ""
 
