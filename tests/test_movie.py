@@ -61,7 +61,8 @@ def still(design, model, pitch):
 
 @pytest.mark.parametrize(
     ("kind", "model"),
-    [("flexible", "compliant"), ("flexible", "relaxed"), ("flexible", "rigid"), ("braced", "rigid")],
+    [("flexible", "compliant"), ("flexible", "relaxed"), ("flexible", "rigid"),
+     ("braced", "rigid")],  # fmt: skip
 )
 @pytest.mark.parametrize("foot", ["flat", "square", "round"])
 @pytest.mark.parametrize("pitch", [0.02, -0.02])
