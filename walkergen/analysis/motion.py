@@ -72,6 +72,9 @@ class Motion(NamedTuple):
     """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
+    scale_se: float | None = 0.0
+    """Error of all lengths together, as a share of them (that of `Tracks`), beside the errors of
+    the estimates; None when it is not known."""
 
 
 JUMPING = 0.01

@@ -60,6 +60,9 @@ class Tracks(NamedTuple):
     bad_rows: int
     told: str
     """Description of the rows that were left out; '' when none was."""
+    scale_se: float | None = 0.0
+    """Standard error of the scale, as a share of it: all lengths are off together by it. None when
+    nothing says so; the largest where a file has several."""
 
     @property
     def lane(self) -> bool:
@@ -89,6 +92,9 @@ class Timed(NamedTuple):
 
 
 OURS = Timed("t_s", ("x_mm", "y_mm"), "theta_rad", ("particle",), 1.0, 1.0)
+SCALE = ("mm_per_px", "mm_per_px_se")
+"""Columns of a film's scale and its standard error, the same in all rows of a film."""
+
 POGOTRACK = Timed("time", ("x", "y"), "theta", ("particle", "id"), 10.0, math.radians(1.0))
 
 
@@ -102,6 +108,8 @@ class Units(NamedTuple):
     """True when y grows downward in the file, as rows of an image do."""
     lane: bool = False
     """True when the walkers ran along a lane in x, so that y is ignored."""
+    mm_per_px_se: float | None = None
+    """Standard error of `mm_per_px`; None when it is not known."""
 
 
 def of_places(places: Sequence[Array], interval: float, lane: bool) -> Tracks:
@@ -154,7 +162,8 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
-    optional = (particle, "plate_speed_mm_s", *([form.heading] if headed else []))
+    scales = SCALE if form is OURS else ()
+    optional = (particle, "plate_speed_mm_s", *scales, *([form.heading] if headed else []))
     table = columns.read(path, (form.time, *axes), optional)
     if particle in table.values:
         table.values["particle"] = table.values[particle]
@@ -178,7 +187,22 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     heading = form.angle * flip[-1] * table.values[form.heading] if headed else None
     if heading is not None and np.isnan(heading).all():
         heading = None
-    return _assemble(path, table, steps, position, heading, interval)
+    scale_se = _scale_se(path, table) if form is OURS else None
+    return _assemble(path, table, steps, position, heading, interval)._replace(scale_se=scale_se)
+
+
+def _scale_se(path: Path, table: Columns) -> float | None:
+    """Largest share by which lengths of a file may be off; 0 for a simulation, which has no scale.
+
+    None where a row does not know it.
+    """
+    if not set(SCALE) <= set(table.values):
+        return 0.0
+    scale, error = (table.values[name] for name in SCALE)
+    if (scale <= 0).any() or (error < 0).any():
+        raise InputError(f"{path}: mm_per_px must be > 0 and mm_per_px_se >= 0, or blank")
+    share = float(np.max(error / scale))
+    return None if math.isnan(share) else share
 
 
 def _interval(path: Path, times: Array, particle: Array) -> float:
@@ -216,7 +240,9 @@ def _film(path: Path, names: list[str], units: Units) -> Tracks:
             heading = None
     position = scale * np.stack(axes, axis=1)
     frames = table.values["frame"]
-    return _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
+    found = _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
+    error = units.mm_per_px_se
+    return found._replace(scale_se=None if error is None else error / scale)
 
 
 def _film_units(path: Path, units: Units) -> tuple[float, float]:

@@ -18,7 +18,8 @@ def analyse(
         float | None, typer.Option(metavar="N", help="Frames per second of the film.")
     ] = None,
     mm_per_px: Annotated[
-        float | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film.")
+        str | None,
+        typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001."),
     ] = None,
     y_down: Annotated[
         bool, typer.Option("--y-down", help="Let y grow downward, as image rows do.")
@@ -46,10 +47,12 @@ def analyse(
     """
     from walkergen.analysis.tracks import Units
     from walkergen.files import output
+    from walkergen.files.measured import measured
     from walkergen.jobs.analyse import make as experiment
 
     folder = output.results(file, out, "analysis")
-    units = Units(fps, mm_per_px, y_down, lane)
+    scale, scale_se = measured(mm_per_px, "--mm-per-px")
+    units = Units(fps, scale, y_down, lane, scale_se)
     lag_s = None if lag_ms is None else 1e-3 * lag_ms
     with show.progress("analyse", wanted=not quiet) as progress:
         found = experiment.analyse(file, units, lag_s, folder, pictures, progress)

@@ -14,10 +14,12 @@ from walkergen.errors import InputError
 def track(
     film: Annotated[Path, typer.Argument(metavar="FILM", help="Film from above: MP4, MOV, AVI.")],
     mm_per_px: Annotated[
-        float | None, typer.Option(metavar="MM", help="Millimetres per pixel of the film.")
+        str | None,
+        typer.Option(metavar="MM", help="Millimetres per pixel of the film, as 0.05±0.001."),
     ] = None,
     length: Annotated[
-        float | None, typer.Option(metavar="MM", help="Length of a walker, mm, for the scale.")
+        str | None,
+        typer.Option(metavar="MM", help="Length of a walker, mm, for the scale, as 28 or 28±0.1."),
     ] = None,
     fps: Annotated[
         float | None,
@@ -58,12 +60,15 @@ def track(
     the scale by --mm-per-px or --length. Needs the extra film: pip install 'walkergen[film]'.
     """
     from walkergen.files import output
+    from walkergen.files.measured import measured
     from walkergen.jobs.track import make, tables
 
+    scale, scale_se = measured(mm_per_px, "--mm-per-px")
+    long, long_se = measured(length, "--length")
     options = make.Options(
-        mm_per_px=mm_per_px, length_mm=length, fps=fps, frames=_frames(frames),
-        region=None if region is None else _region(region), walkers=walkers, threshold=threshold,
-        width_px=width, heading=heading,
+        mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
+        frames=_frames(frames), region=None if region is None else _region(region),
+        walkers=walkers, threshold=threshold, width_px=width, heading=heading,
     )  # fmt: skip
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:

@@ -12,6 +12,7 @@ from walkergen.analysis.estimates import UNITS, Estimate
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Units
 from walkergen.errors import InputError
+from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.files.tables import csv_text
 from walkergen.jobs.analyse import make, tables
@@ -58,12 +59,19 @@ class Analysis(Result):
             return Table({
                 "plate_speed_mm_s": plates, "speed_mm_s": [one.value for one in speeds],
                 "speed_se_mm_s": [one.se for one in speeds],
+                "speed_scale_se_mm_s": [
+                    tables.scale_se(one.value, "mm_s", self.motion) for one in speeds
+                ],
             }, self.title, self.notes)  # fmt: skip
         known = self.estimates
         return Table({
             "name": list(UNITS), "unit": [tables.SHOWN.get(one, one) for one in UNITS.values()],
             "value": [known[name].value for name in UNITS],
             "se": [known[name].se for name in UNITS],
+            "scale_se": [
+                tables.scale_se(known[name].value, unit, self.motion)
+                for name, unit in UNITS.items()
+            ],
             "reason": [known[name].reason for name in UNITS],
         }, self.title, self.notes)  # fmt: skip
 
@@ -91,7 +99,7 @@ class Analysis(Result):
 
 
 def analyse(
-    tracks: Any, *, fps: float | None = None, mm_per_px: float | None = None,
+    tracks: Any, *, fps: float | None = None, mm_per_px: float | str | None = None,
     y_down: bool = False, lane: bool = False, lag_ms: float | None = None,
     folder: str | os.PathLike[str] | None = None, pictures: bool = True,
     progress: Progress | None = None,
@@ -100,11 +108,12 @@ def analyse(
 
     `tracks` is the path of a CSV file, a frame of pandas, a table of `simulate(...).trajectory()`,
     or columns by name: trackpy's (frame, particle, x, y, theta), with `fps` (frames per second)
-    and `mm_per_px`, or walkergen's. With a `folder`, tables and pictures (unless these are False)
-    are written there. Raises InputError.
+    and `mm_per_px` (0.05, or with its standard error "0.05±0.001"), or walkergen's. With a
+    `folder`, tables and pictures (unless these are False) are written there. Raises InputError.
     """
-    rate, scale = (None if one is None else float(one) for one in (fps, mm_per_px))
-    units, tell = Units(rate, scale, y_down, lane), progress or silent
+    rate = None if fps is None else float(fps)
+    scale, error = measured(mm_per_px, "mm_per_px")
+    units, tell = Units(rate, scale, y_down, lane, error), progress or silent
     lag_s = None if lag_ms is None else 1e-3 * lag_ms
     if isinstance(tracks, (str, os.PathLike)):
         return _of_file(Path(tracks), units, lag_s, folder, pictures, tell)

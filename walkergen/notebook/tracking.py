@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 
 from walkergen.files import output
+from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.track import make, tables
 from walkergen.notebook.analysing import Analysis, analyse
@@ -58,7 +59,8 @@ class Tracking(Result):
 
 
 def track(
-    film: str | os.PathLike[str], *, mm_per_px: float | None = None, length: float | None = None,
+    film: str | os.PathLike[str], *, mm_per_px: float | str | None = None,
+    length: float | str | None = None,
     fps: float | None = None, frames: tuple[int, int | None] = (0, None),
     region: tuple[int, int, int, int] | None = None, walkers: str | None = None,
     threshold: float | None = None, width: float | None = None, heading: str = "motion",
@@ -66,15 +68,19 @@ def track(
 ) -> Tracking:  # fmt: skip
     """Track walkers in a film from above; give `mm_per_px`, or the `length` of a walker in mm.
 
+    Either may bear its standard error, as "0.05±0.001", which then goes with every length.
     `fps` is the rate at which it was filmed, if it plays slower; `frames` the first and the one
     after the last; `region` left, top, width and height, `width` a walker's, pixels; `walkers`
     "dark" or "light"; `heading` by "motion" or "mark". Tracks and picture are written into the
     `folder`, by default out/NAME/track. Needs the extra film. Raises InputError.
     """
     path = Path(film)
+    scale, scale_se = measured(mm_per_px, "mm_per_px")
+    long, long_se = measured(length, "length")
     wish = make.Options(
-        mm_per_px=mm_per_px, length_mm=length, fps=fps, frames=frames, region=region,
-        walkers=walkers, threshold=threshold, width_px=width, heading=heading,
+        mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
+        frames=frames, region=region, walkers=walkers, threshold=threshold,
+        width_px=width, heading=heading,
     )  # fmt: skip
     target = output.results(path, None, "track") if folder is None else Path(folder)
     return Tracking(make.track(path, wish, target, progress or silent))

@@ -11,6 +11,9 @@ from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.analyse import tables as motion_tables
 
+MSD = ("lag_s", "msd_mm2", "se_mm2", "scale_se_mm2", "exponent", "exponent_se")
+"""Columns of msd.csv."""
+
 
 class Studied(NamedTuple):
     """Tracks as they were read, and what they tell."""
@@ -34,8 +37,9 @@ def study(path: Path, units: Units, lag_s: float | None, progress: Progress) -> 
     progress("reading", 0, 3)
     found = tracks.read(path, units)
     progress("measuring", 1, 3)
-    result = motion.analyse(found, lag_s)
-    told = [result.method, *result.doubts, *([found.told] if found.told else [])]
+    result = motion.analyse(found, lag_s)._replace(scale_se=found.scale_se)
+    scale = motion_tables.scale_told(result)
+    told = [result.method, *result.doubts, *(line for line in (scale, found.told) if line)]
     return Studied(found, result, [f"{line}." for line in told])
 
 
@@ -70,9 +74,9 @@ def write(
 
 
 def _write_curves(result: Motion, target: Folder) -> None:
-    msd = (*result.msd, *result.exponent[1:])
+    msd = (*result.msd, motion_tables.scale_errors(result), *result.exponent[1:])
     tables: dict[str, tuple[Sequence[str], Sequence[tuple[str, Sequence[Array]]]]] = {
-        "msd.csv": (("lag_s", "msd_mm2", "se_mm2", "exponent", "exponent_se"), [("", msd)]),
+        "msd.csv": (MSD, [("", msd)]),
         "correlation.csv": (("lag_s", "value", "se"), [("", result.correlation)]),
         "density.csv": (
             ("direction", "mm", "density_per_mm", "se_per_mm"),

@@ -4,16 +4,58 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Any
 
+import numpy as np
 from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, with_error
+from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, Estimate, with_error
 from walkergen.analysis.motion import Array, Motion
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 
 SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
+
+
+def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:
+    """Error of a value by the scale of the film, which all lengths share; 0 without a length.
+
+    To first order: a length to a power is off by so many times the scale's share. None when value
+    or scale's error is not known.
+    """
+    power = 2 if unit.startswith("mm2") else 1 if unit.startswith("mm") else 0
+    if value is None or (power and motion.scale_se is None):
+        return None
+    return abs(value) * power * (motion.scale_se or 0.0)
+
+
+def scale_errors(motion: Motion) -> Array:
+    """Errors of the mean squared displacement by the scale, mm^2; NaN when it is not known."""
+    share = math.nan if motion.scale_se is None else motion.scale_se
+    return np.asarray(2.0 * share * np.abs(motion.msd.value))
+
+
+def scale_told(motion: Motion) -> str:
+    """What the scale means for the numbers; '' where it is exact, as in a simulation."""
+    share = motion.scale_se
+    if share is None:
+        return (
+            "the scale's error is not known and in no number: give the scale with its error, as "
+            "--mm-per-px 0.05+-0.001"
+        )
+    if not share:
+        return ""
+    return (
+        f"the scale is off by {words.number(100.0 * share, 2)} % (standard error): all lengths and "
+        "speeds together, so that more walkers or time do not help; squares of them by twice that"
+    )
+
+
+def _in_words(one: Estimate, unit: str, motion: Motion) -> str:
+    """Value with its error and, where the scale has one, that of the scale beside it."""
+    scale = scale_se(one.value, unit, motion)
+    return with_error(one) + (f" ± {words.number(scale, 2)} (scale)" if scale else "")
 
 
 def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
@@ -21,7 +63,7 @@ def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
     for name, unit in UNITS.items():
         one = motion.estimates[name]
         if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
-            yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one)
+            yield name.replace("_", " "), SHOWN.get(unit, unit), _in_words(one, unit, motion)
 
 
 def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
@@ -40,7 +82,7 @@ def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
     for heading in ("plate speed (mm/s)", "speed (mm/s)"):
         table.add_column(heading)
     for plate, one in motion.by_plate_speed:
-        table.add_row(f"{plate:g}", with_error(one))
+        table.add_row(f"{plate:g}", _in_words(one, "mm_s", motion))
     return table
 
 
@@ -49,9 +91,11 @@ def line_told(motion: Motion) -> str:
     line = motion.line
     if line is None:
         return ""
+    scale = scale_se(line.slope, "mm_s", motion)
+    apart = f" ± {words.number(scale, 2)} by the scale" if scale else ""
     return (
-        f"speed = ({line.slope:.4g} ± {line.slope_se:.2g}) x plate speed, a line through the "
-        f"origin; chi² {line.chi2:.3g} for {line.points - 1} degrees of freedom, "
+        f"speed = ({line.slope:.4g} ± {line.slope_se:.2g}{apart}) x plate speed, a line through "
+        f"the origin; chi² {line.chi2:.3g} for {line.points - 1} degrees of freedom, "
         f"probability {line.p_value:.2g}"
     )
 
@@ -65,12 +109,18 @@ def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
 
 
 def to_csv(motion: Motion) -> str:
-    """Format as CSV, a line for each estimate: key with unit, value, standard error, refusal."""
+    """Format as CSV, a line for each estimate: key with unit, value, standard errors, refusal."""
     lines = [
-        (f"{name}_{unit}", _cell(one.value), _cell(one.se), one.reason)
+        (
+            f"{name}_{unit}",
+            _cell(one.value),
+            _cell(one.se),
+            _cell(scale_se(one.value, unit, motion)),
+            one.reason,
+        )
         for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
     ]
-    return csv_text(("quantity", "value", "se", "refused"), lines)
+    return csv_text(("quantity", "value", "se", "scale_se", "refused"), lines)
 
 
 def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Sequence[Array]]]) -> str:
@@ -93,6 +143,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
     for name, unit in UNITS.items():
         one = motion.estimates[name]
         found |= {f"{name}_{unit}": one.value, f"{name}_se_{unit}": one.se}
+        found[f"{name}_scale_se_{unit}"] = scale_se(one.value, unit, motion)
     found |= {
         "refused": {
             f"{name}_{unit}": motion.estimates[name].reason
@@ -101,14 +152,16 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         },
         "particles": motion.particles,
         "samples": motion.samples,
+        "scale_se_share": motion.scale_se,
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
         "msd": _points(
-            (*motion.msd, *motion.exponent[1:]),
+            (*motion.msd, scale_errors(motion), *motion.exponent[1:]),
             "lag_s",
             "msd_mm2",
             "msd_se_mm2",
+            "msd_scale_se_mm2",
             "exponent",
             "exponent_se",
         ),
@@ -118,7 +171,12 @@ def as_dict(motion: Motion) -> dict[str, Any]:
     }
     if motion.by_plate_speed:
         found["by_plate_speed"] = [
-            {"plate_speed_mm_s": plate, "speed_mm_s": one.value, "speed_se_mm_s": one.se}
+            {
+                "plate_speed_mm_s": plate,
+                "speed_mm_s": one.value,
+                "speed_se_mm_s": one.se,
+                "speed_scale_se_mm_s": scale_se(one.value, "mm_s", motion),
+            }
             | ({"refused": one.reason} if one.reason else {})
             for plate, one in motion.by_plate_speed
         ]

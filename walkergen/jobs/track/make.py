@@ -25,9 +25,14 @@ from walkergen.jobs.track.look import Look
 Array = npt.NDArray[np.float64]
 
 COLUMNS = (
-    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad"
+    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px",
+    "mm_per_px_se",
 )  # fmt: skip
-"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own."""
+"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
+
+The last two are the scale, by which places have been multiplied, and its standard error, blank when
+that is not known: every length measured from the tracks is off by them.
+"""
 
 TRACKS, PICTURE = "tracks.csv", "check.png"
 """Files of tracks, and to check them by."""
@@ -39,7 +44,8 @@ SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
 
 EDGES = 2.5
-"""Pixels by which both ends of a walker together may be off: blur, a dark rim, its shadow."""
+"""Standard error of a length in a picture, both ends together, pixels: blur, a dark rim, a shadow.
+Films that are drawn err by less."""
 
 STILL = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
@@ -51,8 +57,12 @@ class Options(NamedTuple):
     """Wishes of a person; None is what the film tells."""
 
     mm_per_px: float | None = None
+    mm_per_px_se: float | None = None
+    """Standard error of `mm_per_px`; None when it is not known."""
     length_mm: float | None = None
     """Length of a walker; either this or `mm_per_px` is given."""
+    length_se_mm: float | None = None
+    """Standard error of `length_mm`, beside that of its image."""
     fps: float | None = None
     """Frames per second at which the film was taken."""
     frames: tuple[int, int | None] = (0, None)
@@ -92,8 +102,8 @@ class Tracked(NamedTuple):
     """Frames in which nothing has moved since the one before."""
     fps: float
     mm_per_px: float
-    scale_error: float
-    """Share by which `mm_per_px` may be off, as far as the film tells; 0 where it was given."""
+    mm_per_px_se: float | None
+    """Standard error of `mm_per_px`; None where it was given without."""
     folder: Path
 
     @property
@@ -155,13 +165,13 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
         linked = link.link(found, options.frames[0], fps)
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
-    scale, scale_error = _scale(options, linked)
+    scale, scale_se = _scale(options, linked)
     by: heading.By = "mark" if options.heading == "mark" else "motion"
     walkers = [
         Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
     ]
     made = Tracked(
-        film, options, look, linked, walkers, len(found), _still(found), fps, scale, scale_error,
+        film, options, look, linked, walkers, len(found), _still(found), fps, scale, scale_se,
         folder,
     )  # fmt: skip
     _write(made, picture, part)
@@ -233,12 +243,14 @@ def _still(found: Sequence[Sequence[Blob]]) -> int:
     return sum(still(before, now) for before, now in pairwise(found))
 
 
-def _scale(options: Options, linked: Linked) -> tuple[float, float]:
-    """Millimetres per pixel, and the share by which it may be off, by blurred edges."""
+def _scale(options: Options, linked: Linked) -> tuple[float, float | None]:
+    """Millimetres per pixel, and the standard error: by blurred edges, or what a person gives."""
     if options.mm_per_px is not None:
-        return options.mm_per_px, 0.0
+        return options.mm_per_px, options.mm_per_px_se
     assert options.length_mm is not None
-    return options.length_mm / linked.length, EDGES / linked.length
+    scale = options.length_mm / linked.length
+    own = (options.length_se_mm or 0.0) / options.length_mm
+    return scale, scale * math.hypot(EDGES / linked.length, own)
 
 
 def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:
@@ -257,7 +269,9 @@ def rows(made: Tracked) -> list[tuple[Any, ...]]:
             strict=True,
         ):  # fmt: skip
             angle = None if math.isnan(theta) else theta
-            rows.append((frame, number, x, y, angle, frame / made.fps, x, y, angle))
+            place = (x, y, angle)
+            scale = (made.mm_per_px, made.mm_per_px_se)
+            rows.append((frame, number, *place, frame / made.fps, *place, *scale))
     return sorted(rows, key=lambda row: row[:2])
 
 

@@ -40,7 +40,9 @@ def notes(made: Tracked) -> list[str]:
     """What was looked for, in words, and the scale with its error."""
     look, linked = made.look, made.linked
     side = "darker" if look.dark else "lighter"
-    error = f" ± {100 * made.scale_error:.1f} %, by the length" if made.scale_error else ""
+    error = " (its error is not known: give it as 0.05+-0.001)"
+    if made.mm_per_px_se is not None:
+        error = f" ± {100 * made.mm_per_px_se / made.mm_per_px:.1f} %"
     found = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
@@ -93,7 +95,7 @@ def facts(made: Tracked) -> dict[str, Any]:
     noise = made.noise_mm
     return {
         "film": made.film.path.name, **made.options._asdict(),
-        "fps": made.fps, "mm_per_px": made.mm_per_px, "mm_per_px_error": made.scale_error,
+        "fps": made.fps, "mm_per_px": made.mm_per_px, "mm_per_px_se": made.mm_per_px_se,
         "frames_looked_at": made.looked, "frames_without_walkers": linked.empty,
         "frames_with_touching_walkers": linked.merged, "frames_without_motion": made.still,
         "short_tracks": linked.short,
