@@ -17,6 +17,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis import regular
 from walkergen.errors import InputError
 from walkergen.files import columns, plain
 from walkergen.files.columns import Columns
@@ -59,7 +60,7 @@ class Tracks(NamedTuple):
     """Time between neighbouring samples of a track, s."""
     bad_rows: int
     told: str
-    """Description of the rows that were left out; '' when none was."""
+    """What was done to the rows, as left out for a reason; '' when nothing was."""
     scale_se: float | None = 0.0
     """Standard error of the scale, as a share of it: all lengths are off together by it. None when
     nothing says so; the largest where a file has several."""
@@ -162,11 +163,35 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
-    scales = SCALE if form is OURS else ()
-    optional = (particle, "plate_speed_mm_s", *scales, *([form.heading] if headed else []))
+    own = ("frame", *SCALE) if form is OURS else ()
+    optional = (particle, "plate_speed_mm_s", *own, *([form.heading] if headed else []))
     table = columns.read(path, (form.time, *axes), optional)
     if particle in table.values:
         table.values["particle"] = table.values[particle]
+    interval, ticks = _ticks(path, table, form)
+    between = ""
+    if {"frame", "particle"} <= set(table.values) and _off(ticks).any():
+        table, between = regular.at_regular_times(table, form.time, form.heading)
+        interval, ticks = _ticks(path, table, form)
+    if (off := _off(ticks)).any():
+        raise InputError(
+            f"{path}: {form.time} on line {table.lines[off][0]} lies off the regular times of the "
+            f"other rows, {interval:g} s apart; sample at a fixed rate"
+        )
+    steps = np.rint(ticks)
+    flip = np.array([1.0, -1.0 if units.y_down else 1.0])[: len(axes)]
+    position = form.length * flip * np.stack([table.values[name] for name in axes], axis=1)
+    heading = form.angle * flip[-1] * table.values[form.heading] if headed else None
+    if heading is not None and np.isnan(heading).all():
+        heading = None
+    scale_se = _scale_se(path, table) if form is OURS else None
+    found = _assemble(path, table, steps, position, heading, interval)
+    told = "; ".join(line for line in (between, found.told) if line)
+    return found._replace(scale_se=scale_se, told=told)
+
+
+def _ticks(path: Path, table: Columns, form: Timed) -> tuple[float, Array]:
+    """Time between samples, s, and the times of the rows in it, from 0 on."""
     times = table.values[form.time]
     interval = _interval(path, times, _particles(table))
     ticks = (times - times.min()) / interval
@@ -175,20 +200,12 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
             f"{path}: {form.time} goes on for {ticks.max():.3g} samples of {interval:g} s; at most "
             f"{MOST_TICKS:g}: is a time mistyped?"
         )
-    steps = np.rint(ticks)
-    off = np.abs(ticks - steps) > REGULAR
-    if off.any():
-        raise InputError(
-            f"{path}: {form.time} on line {table.lines[off][0]} lies off the regular times of the "
-            f"other rows, {interval:g} s apart; sample at a fixed rate"
-        )
-    flip = np.array([1.0, -1.0 if units.y_down else 1.0])[: len(axes)]
-    position = form.length * flip * np.stack([table.values[name] for name in axes], axis=1)
-    heading = form.angle * flip[-1] * table.values[form.heading] if headed else None
-    if heading is not None and np.isnan(heading).all():
-        heading = None
-    scale_se = _scale_se(path, table) if form is OURS else None
-    return _assemble(path, table, steps, position, heading, interval)._replace(scale_se=scale_se)
+    return interval, ticks
+
+
+def _off(ticks: Array) -> npt.NDArray[np.bool_]:
+    """True for rows that lie off the regular times."""
+    return np.asarray(np.abs(ticks - np.rint(ticks)) > REGULAR)
 
 
 def _scale_se(path: Path, table: Columns) -> float | None:

@@ -1,8 +1,8 @@
 """Films: grey frames of a file, one by one, by the ffmpeg that the extra `film` installs.
 
-ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words. A film of
-varying frame rate, as phones make them, comes at one rate: frames are repeated or left out, so that
-times are right within a frame.
+ffmpeg sends them as YUV4MPEG2, whose first line says size and rate in a machine's words, and writes
+the time at which each is shown to a file. Films of varying frame rate, as phones make them, keep
+their own times: no frame is repeated or left out.
 """
 
 import importlib.util
@@ -10,9 +10,10 @@ import os
 import re
 import subprocess
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
+from itertools import count
 from pathlib import Path
 from typing import IO, NamedTuple
 
@@ -36,6 +37,9 @@ MOST_FRAMES = 1_000_000
 MOST_LETTERS = 4096
 """Longest line between frames."""
 
+REGULAR = 0.01
+"""Share of the time between frames by which their times may lie off a constant rate."""
+
 
 class Film(NamedTuple):
     """What a film says of itself."""
@@ -45,9 +49,32 @@ class Film(NamedTuple):
     """Width of a frame, pixels."""
     height: int
     fps: float | None
-    """Frames per second at which it plays; None when it does not say."""
-    expected: int
-    """Number of frames by its duration; 0 when it does not say. The real one may differ."""
+    """Frames per second at which it plays; None when it does not say. Often a round number."""
+    seconds: float
+    """Duration; 0 when it does not say."""
+
+
+class Reel(NamedTuple):
+    """Frames of a film as they come, and then their times."""
+
+    frames: Iterator[tuple[int, Grey]]
+    """Numbers, counted from 0, and pictures. Raises InputError where a frame is incomplete, or
+    where there are too many."""
+    stamps: Path
+    """File of the times, complete after the last frame."""
+
+
+class Clock(NamedTuple):
+    """Times of a film's frames."""
+
+    times: npt.NDArray[np.float64]
+    """Time of each frame from the first on, 0 for it, s, shape (frames,)."""
+    fps: float
+    """Frames per second in the mean."""
+    regular: bool
+    """True when all frames come at that rate."""
+    played_s: float
+    """Time of the last frame as the film plays."""
 
 
 def require() -> None:
@@ -62,8 +89,10 @@ def require() -> None:
 def about(path: Path) -> Film:
     """What a film says of itself. Raises InputError for a file that is no film, or too large."""
     reading.check(path, "a film")
-    with _playing(path) as (pipe, messages):
-        found = {word[:1]: word[1:] for word in pipe.readline(MOST_LETTERS).split()[1:]}
+    with _playing(path) as (process, messages):
+        assert process.stdout is not None
+        first = process.stdout.readline(MOST_LETTERS)
+        found = {word[:1]: word[1:] for word in first.split()[1:]}
         if b"W" not in found:
             raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
         width, height = int(found[b"W"]), int(found[b"H"])
@@ -75,33 +104,75 @@ def about(path: Path) -> Film:
             f"{path}: {width} x {height} pixels a frame: at most {MOST_PIXELS / 1e6:g} million; "
             "make it smaller: ffmpeg -i FILM -vf scale=1920:-2 SMALL.mp4"
         )
-    return Film(path, width, height, fps or None, min(round(seconds * fps), MOST_FRAMES))
-
-
-def frames(film: Film, first: int, last: int | None) -> Iterator[tuple[int, Grey]]:
-    """Frames of numbers first..last - 1, counted from 0, or up to the end, with their numbers.
-
-    Raises InputError where a frame is incomplete, or where there are too many.
-    """
-    size = film.width * film.height
-    with _playing(film.path) as (pipe, messages):
-        pipe.readline(MOST_LETTERS)
-        number = 0
-        while (last is None or number < last) and pipe.readline(MOST_LETTERS):
-            data = pipe.read(size)
-            if len(data) < size:
-                why = _reason(messages)
-                raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
-            if number >= MOST_FRAMES:
-                raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
-            if number >= first:
-                yield number, np.frombuffer(data, np.uint8).reshape(film.height, film.width)
-            number += 1
+    return Film(path, width, height, fps or None, seconds)
 
 
 @contextmanager
-def _playing(path: Path) -> Iterator[tuple[IO[bytes], IO[bytes]]]:
-    """Ffmpeg at work on a film: where its frames come from, and its messages; ended at the end."""
+def play(film: Film, first: int, last: int | None) -> Iterator[Reel]:
+    """Play a film's frames of numbers first..last - 1, or up to the end."""
+    with tempfile.TemporaryDirectory() as folder:
+        stamps = Path(folder) / "stamps"
+        # As they come, in the container's own unit of time, which ffmpeg else rounds to frames.
+        words = [
+            "-fps_mode", "passthrough", "-enc_time_base", "demux",
+            "-stats_enc_pre", str(stamps), "-stats_enc_pre_fmt", "{pts} {tb}",
+            *(() if last is None else ("-frames:v", str(last))),
+        ]  # fmt: skip
+        with _playing(film.path, words) as (process, messages):
+            yield Reel(_frames(film, first, process, messages), stamps)
+
+
+def _frames(
+    film: Film, first: int, process: "subprocess.Popen[bytes]", messages: IO[bytes]
+) -> Iterator[tuple[int, Grey]]:
+    size = film.width * film.height
+    assert process.stdout is not None
+    process.stdout.readline(MOST_LETTERS)
+    for number in count():
+        if not process.stdout.readline(MOST_LETTERS):
+            break
+        data = process.stdout.read(size)
+        if len(data) < size:
+            why = _reason(messages)
+            raise InputError(f"{film.path}: breaks off in frame {number}: {why}")
+        if number >= MOST_FRAMES:
+            raise InputError(f"{film.path}: more than {MOST_FRAMES} frames: cut the film")
+        if number >= first:
+            yield number, np.frombuffer(data, np.uint8).reshape(film.height, film.width)
+    process.wait()  # it writes the last of the times at its end
+
+
+def clock(film: Film, stamps: Path, filmed_fps: float | None) -> Clock:
+    """Times of the frames that were played: the container's, or of a constant rate that fits them.
+
+    `filmed_fps` is the rate at which it was filmed, if it plays slower: times shrink accordingly.
+    Raises InputError when the film says nothing of its times.
+    """
+    lines = [line.split() for line in stamps.read_text().splitlines()]
+    unit = Fraction(lines[0][1]) if lines else Fraction(0)
+    ticks = np.array([int(line[0]) for line in lines], dtype=float)
+    times = float(unit) * (ticks - ticks[0]) if lines else np.zeros(0)
+    if len(times) < 2 or not (np.diff(times) > 0).all():
+        if filmed_fps is None:
+            raise InputError(f"{film.path}: does not say when its frames were taken; give --fps")
+        return Clock(np.arange(len(times)) / filmed_fps, filmed_fps, True, len(times) / filmed_fps)
+    played = (len(times) - 1) / times[-1]
+    for rate in (film.fps, played):
+        if rate is None:
+            continue
+        even = np.arange(len(times)) / rate
+        if np.abs(times - even).max() <= max(float(unit), REGULAR / rate):
+            fps = filmed_fps or rate
+            return Clock(np.arange(len(times)) / fps, fps, True, float(times[-1]))
+    fps = filmed_fps or played
+    return Clock(times * (played / fps), fps, False, float(times[-1]))
+
+
+@contextmanager
+def _playing(
+    path: Path, more: Sequence[str] = ()
+) -> Iterator[tuple["subprocess.Popen[bytes]", IO[bytes]]]:
+    """Ffmpeg at work on a film, sending its frames, and its messages; ended at the end."""
     import imageio_ffmpeg
 
     words = [
@@ -109,7 +180,7 @@ def _playing(path: Path) -> Iterator[tuple[IO[bytes], IO[bytes]]]:
         # Whatever the file says, nothing is fetched from elsewhere; whatever its name, it is a
         # file's: one that begins with a dash, or with "http:".
         "-protocol_whitelist", "file", "-i", os.path.realpath(path),
-        "-map", "0:v:0", "-pix_fmt", "gray", "-f", "yuv4mpegpipe", "-strict", "-1", "-",
+        "-map", "0:v:0", "-pix_fmt", "gray", *more, "-f", "yuv4mpegpipe", "-strict", "-1", "-",
     ]  # fmt: skip
     with (
         tempfile.TemporaryFile() as messages,
@@ -117,9 +188,8 @@ def _playing(path: Path) -> Iterator[tuple[IO[bytes], IO[bytes]]]:
             words, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=messages
         ) as process,
     ):
-        assert process.stdout is not None
         try:
-            yield process.stdout, messages
+            yield process, messages
         finally:
             process.kill()
 

@@ -16,7 +16,7 @@ from walkergen.files.tables import csv_text
 from walkergen.jobs.track import film as films
 from walkergen.jobs.track import heading, link
 from walkergen.jobs.track import look as looks
-from walkergen.jobs.track.film import Film, Grey
+from walkergen.jobs.track.film import Clock, Film, Grey
 from walkergen.jobs.track.find import Blob, find
 from walkergen.jobs.track.heading import Headed
 from walkergen.jobs.track.link import Linked, Seen
@@ -100,7 +100,7 @@ class Tracked(NamedTuple):
     """Frames looked at."""
     still: int
     """Frames in which nothing has moved since the one before."""
-    fps: float
+    clock: Clock
     mm_per_px: float
     mm_per_px_se: float | None
     """Standard error of `mm_per_px`; None where it was given without."""
@@ -156,13 +156,10 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     films.require()
     check(options)
     film = films.about(path)
-    fps = options.fps or film.fps
-    if fps is None:
-        raise InputError(f"{path}: does not say its frame rate; give --fps")
     part = _part(film, options.region)
     try:
-        picture, look, found = _found(film, part, options, progress)
-        linked = link.link(found, options.frames[0], fps)
+        picture, look, found, clock = _found(film, part, options, progress)
+        linked = link.link(found, options.frames[0], clock.fps)
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
     scale, scale_se = _scale(options, linked)
@@ -171,7 +168,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
         Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
     ]
     made = Tracked(
-        film, options, look, linked, walkers, len(found), _still(found), fps, scale, scale_se,
+        film, options, look, linked, walkers, len(found), _still(found), clock, scale, scale_se,
         folder,
     )  # fmt: skip
     _write(made, picture, part)
@@ -192,11 +189,11 @@ def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, in
 
 def _found(
     film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress
-) -> tuple[Grey, Look, list[list[Blob]]]:
-    """First picture, the film's look, things found in each frame."""
+) -> tuple[Grey, Look, list[list[Blob]], Clock]:
+    """First picture, the film's look, things found in each frame, and the frames' times."""
     left, top, right, bottom = part
     first, last = options.frames
-    total = max((film.expected if last is None else last) - first, 1)
+    total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
     waiting: list[Grey] = []
     found: list[list[Blob]] = []
     look: Look | None = None
@@ -209,16 +206,18 @@ def _found(
         found.append(find(grey, now, options.heading == "mark"))
         progress("frames", len(found), max(total, len(found)))
 
-    for _, whole in films.frames(film, first, last):
-        grey = whole[top:bottom, left:right]
-        if look is not None:
-            take(grey, look)
-            continue
-        waiting.append(grey)
-        if len(waiting) == SAMPLES:
-            look = learnt()
-            for one in waiting:
-                take(one, look)
+    with films.play(film, first, last) as reel:
+        for _, whole in reel.frames:
+            grey = whole[top:bottom, left:right]
+            if look is not None:
+                take(grey, look)
+                continue
+            waiting.append(grey)
+            if len(waiting) == SAMPLES:
+                look = learnt()
+                for one in waiting:
+                    take(one, look)
+        clock = films.clock(film, reel.stamps, options.fps)
     if len(waiting) < 2:
         raise InputError(
             f"{len(waiting)} frame{'' if len(waiting) == 1 else 's'} from {first} on: at least 2 "
@@ -228,7 +227,7 @@ def _found(
         look = learnt()
         for one in waiting:
             take(one, look)
-    return waiting[0], look, found
+    return waiting[0], look, found, clock
 
 
 def _still(found: Sequence[Sequence[Blob]]) -> int:
@@ -271,7 +270,7 @@ def rows(made: Tracked) -> list[tuple[Any, ...]]:
             angle = None if math.isnan(theta) else theta
             place = (x, y, angle)
             scale = (made.mm_per_px, made.mm_per_px_se)
-            rows.append((frame, number, *place, frame / made.fps, *place, *scale))
+            rows.append((frame, number, *place, float(made.clock.times[frame]), *place, *scale))
     return sorted(rows, key=lambda row: row[:2])
 
 

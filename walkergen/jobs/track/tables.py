@@ -11,8 +11,8 @@ from rich.table import Table
 from walkergen.files import words
 from walkergen.jobs.track.make import Tracked
 
-READ = 0.95
-"""Share of the frames that a film announces below which it was not read to its end."""
+READ, LEAST_S = 0.95, 0.5
+"""Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
 
 LOST = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
@@ -43,11 +43,14 @@ def notes(made: Tracked) -> list[str]:
     error = " (its error is not known: give it as 0.05+-0.001)"
     if made.mm_per_px_se is not None:
         error = f" ± {100 * made.mm_per_px_se / made.mm_per_px:.1f} %"
+    rate = f"{words.number(made.clock.fps, 4)} frames a second"
+    if not made.clock.regular:
+        steps = 1e3 * np.diff(made.clock.times)
+        rate += f" in the mean, {steps.min():.3g} to {steps.max():.3g} ms apart by the film's times"
     found = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
-        f"{words.number(made.mm_per_px, 4)} mm a pixel{error}; {words.number(made.fps, 4)} frames "
-        "a second."
+        f"{words.number(made.mm_per_px, 4)} mm a pixel{error}; {rate}."
     ]
     if not math.isnan(made.noise_mm):
         found.append(
@@ -61,9 +64,9 @@ def warnings(made: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
     linked, count = made.linked, made.looked
     told = []
-    end, announced = made.options.frames[0] + made.looked, made.film.expected
-    if made.options.frames[1] is None and end < READ * announced:
-        told.append(f"the film breaks off: {end} of {announced} frames could be read")
+    end, announced = made.clock.played_s, made.film.seconds
+    if made.options.frames[1] is None and end < READ * announced - LEAST_S:
+        told.append(f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read")
     if linked.empty:
         told.append(f"nothing was found in {linked.empty} of {count} frames")
     if linked.merged:
@@ -95,7 +98,8 @@ def facts(made: Tracked) -> dict[str, Any]:
     noise = made.noise_mm
     return {
         "film": made.film.path.name, **made.options._asdict(),
-        "fps": made.fps, "mm_per_px": made.mm_per_px, "mm_per_px_se": made.mm_per_px_se,
+        "fps": made.clock.fps, "regular_rate": made.clock.regular,
+        "mm_per_px": made.mm_per_px, "mm_per_px_se": made.mm_per_px_se,
         "frames_looked_at": made.looked, "frames_without_walkers": linked.empty,
         "frames_with_touching_walkers": linked.merged, "frames_without_motion": made.still,
         "short_tracks": linked.short,
