@@ -42,9 +42,10 @@ def picture(walkers, film=Filmed(), shift=(0.0, 0.0), seed=0):  # noqa: B008
     row, column = np.mgrid[: film.high, : film.wide] + 0.5
     x, y = column + shift[0], film.high - row + shift[1]
     near = 1.0 + film.tilt * (x / film.wide - 0.5)  # magnification there, from the middle
-    x, y = 0.5 * film.wide + (x - 0.5 * film.wide) / near, 0.5 * film.high + (
-        y - 0.5 * film.high
-    ) / near
+    x, y = (
+        0.5 * film.wide + (x - 0.5 * film.wide) / near,
+        0.5 * film.high + (y - 0.5 * film.high) / near,
+    )
     light = film.light(x / film.wide, y / film.high) * np.ones_like(x)
     reflected = np.full_like(x, film.ground)
     if film.screws:

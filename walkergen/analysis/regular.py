@@ -34,7 +34,7 @@ def at_regular_times(table: Columns, time: str, heading: str) -> tuple[Columns, 
     counts = np.where(near, last - first, 0.0).astype(np.int64)
     rows = np.repeat(np.arange(len(counts)), counts)
     places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-    wanted = usual * (first[rows] + places)
+    wanted = np.asarray(usual * (first[rows] + places), dtype=float)
     share = (wanted - at[rows]) / steps[rows]
     values: dict[str, Array] = {time: wanted}
     for name in table.values.keys() - {time}:

@@ -1,10 +1,15 @@
 """Look of a film: how bright ground and walkers are, which of them is darker, how wide walkers are.
 
-The ground may be lit unevenly: its brightness is a parabola over the frame, fitted to all but what
-stands out. A walker is what differs from it by half of the walkers' own contrast.
+The light may be uneven, with edges and gradients: the ground's brightness is what remains when all
+that is narrower than a few walkers is painted over (a grey closing where walkers are dark, an
+opening where they are light). Light multiplies, so that contrasts are measured in shares of the
+ground's own brightness, as steps of 255 where it is bright. A walker is what differs from the
+ground by half of the walkers' own contrast.
 """
 
+import math
 from collections.abc import Iterator, Sequence
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -17,17 +22,41 @@ from walkergen.jobs.track.film import Grey
 Array = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
 
-FITTED = 40_000
-"""Number of pixels, about, to which the ground is fitted."""
+LOOKED = 40_000
+"""Number of pixels, about, of which medians are taken."""
 
-ROUNDS, BEYOND = 6, 3.0
-"""Rounds of the fit, after each of which pixels so many deviations away are left out."""
+BRIGHT = 0.9
+"""Share of the ground that is darker than where it counts as bright."""
 
 NOISY, FAINTEST, STRONGEST = 5.0, 16.0, 100.0
 """Smallest contrast of a walker: so many deviations of the noise, but within these steps of 255."""
 
+STEPS = 4
+"""Number of thresholds that are tried, each twice as high."""
+
 THINNEST = 3.0
 """Smallest width of a walker, pixels."""
+
+WIDEST, BESIDE = 0.7, 4.0
+"""Widest window over the shorter side of the frame, and over the width of a walker, so that a few
+may touch: what is wider is ground."""
+
+WINDOWS, AROUND, SAME = (1.0, 0.7, 0.4), 1.2, 0.15
+"""Windows over the widest; least window over a walker's width; share by which that may depend on
+them."""
+
+DARKEST = 0.2
+"""Brightness of the ground, over where it is bright, below which contrasts grow no more."""
+
+BLUR = 1.5
+"""Deviation of the blur by which walkers are first looked for, pixels."""
+
+BLURS, SOFTEST = (0.0, 1.0, 1.5, 2.0, 3.0), 0.2
+"""Blurs against noise, of which the first that is enough is taken; largest over the width."""
+
+EDGE, ALONG = 0.06, 0.2
+"""Least slope of the brightness at a walker's edge, over its contrast, 1/pixel: shades of the light
+are softer; and the share of the edge that may lack it."""
 
 EIGHT = np.ones((3, 3), dtype=bool)
 """Neighbours of a pixel, those at its corners included."""
@@ -36,29 +65,32 @@ EIGHT = np.ones((3, 3), dtype=bool)
 class Look(NamedTuple):
     """What tells walkers from the ground in one film."""
 
+    picture: Array
+    """Brightness of all that stands still, shape (height, width)."""
     ground: Array
     """Brightness of the ground, shape (height, width)."""
-    noise: float
-    """Standard deviation of the ground's brightness."""
     dark: bool
     """True when walkers are darker than the ground."""
-    threshold: float
+    blur: float = BLUR
+    """Deviation of the blur that takes out noise, pixels; 0 where there is little."""
+    noise: float = 0.0
+    """Standard deviation of the ground's contrasts, blurred."""
+    threshold: float = 0.0
     """Contrast beyond which a pixel is a walker's, steps of brightness."""
-    contrast: float
+    contrast: float = 0.0
     """Contrast of the walkers themselves."""
-    width: float
+    width: float = 0.0
     """Width of the walkers, pixels: twice the largest distance from their edge."""
 
     def contrasts(self, frame: Grey) -> Array:
         """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
-        return contrasts(frame, self.ground, self.dark)
-
-
-def contrasts(frame: Grey, ground: Array, dark: bool) -> Array:
-    """Contrasts of pixels with the ground, positive where they are dark, or light."""
-    found = frame - ground
-    found -= np.median(found[:: _stride(found), :: _stride(found)])
-    return -found if dark else found
+        step = max(1, int(np.sqrt(frame.size / LOOKED)))
+        few = np.s_[::step, ::step]
+        lamp = np.median(frame[few] / np.maximum(self.picture[few], 1.0))
+        bright = np.quantile(self.ground[few], BRIGHT)
+        gain = bright / (lamp * np.maximum(self.ground, DARKEST * bright))
+        found = (frame - lamp * self.ground) * (-gain if self.dark else gain)
+        return np.asarray(ndimage.gaussian_filter(found, self.blur), np.float32)
 
 
 def learn(
@@ -68,25 +100,109 @@ def learn(
 
     Raises InputError when nothing stands out, with what was seen.
     """
-    ground, noise = _ground(np.median(np.stack(samples), axis=0))
-    least = threshold if threshold is not None else min(max(NOISY * noise, FAINTEST), STRONGEST)
+    picture = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0).astype(np.float32), 1.0)
+    widest = WIDEST * min(picture.shape)
     sides = (True, False) if dark is None else (dark,)
-    half, side = max((_thickest(samples, ground, one, least), one) for one in sides)
-    if 2.0 * half < (THINNEST if width is None else min(width, THINNEST)):
+    few = samples[:: max(1, len(samples) // 2)]
+    tries = [_tried(few, picture, one, threshold) for one in sides]
+    look = max(tries, key=lambda one: one.width)
+    if look.width < (THINNEST if width is None else min(width, THINNEST)):
         what = "light or dark" if dark is None else "dark" if dark else "light"
         raise InputError(
-            f"no walker found: nothing {what} differs from the ground by {least:.3g} of 255 steps "
-            f"and is {THINNEST:g} pixels wide (widest: {2 * half:.3g}): try --threshold, "
-            "--walkers or --region"
+            f"no walker found: nothing {what} differs from the ground by {look.threshold:.3g} of "
+            f"255 steps and is {THINNEST:g} pixels wide (widest: {look.width:.3g}): try "
+            "--threshold, --walkers or --region"
         )
-    size = 2.0 * half if width is None else width
-    found = Look(ground, noise, side, least, least, size)
-    level = _level(samples, found)
-    if threshold is None and 0.5 * level > least:
-        least = 0.5 * level
-        if width is None:
-            size = 2.0 * _thickest(samples, ground, side, least)
-    return found._replace(threshold=least, contrast=level, width=size)
+    local = ground(picture, look.dark, min(BESIDE * (width or look.width), widest))
+    look = _seen(few, look._replace(ground=local), threshold)
+    for blur in BLURS:
+        if blur and blur > SOFTEST * look.width:
+            break
+        sharp = look._replace(blur=blur)
+        fields = [sharp.contrasts(one) for one in samples]
+        sharp = sharp._replace(noise=_noise(fields))
+        if NOISY * sharp.noise <= 0.5 * look.contrast:
+            break
+    look = sharp._replace(threshold=0.5 * look.contrast if threshold is None else threshold)
+    return look._replace(width=width or next(_widest(fields, (look.threshold,)))[0])
+
+
+def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Look:
+    """Look by the widest window that may hold a walker; its width is 0 unless smaller ones agree.
+
+    What lies between walkers stands out as well, on their other side, but as wide as the window
+    lets it.
+    """
+    widest = WIDEST * min(picture.shape)
+    looks = [
+        _seen(samples, Look(picture, ground(picture, dark, share * widest), dark), threshold)
+        for share in WINDOWS
+    ]
+    whole = looks[0]
+    apart = [
+        abs(one.width - whole.width)
+        for one, share in zip(looks, WINDOWS, strict=True)
+        if share * widest > AROUND * whole.width
+    ]
+    agree = len(apart) > 1 and max(apart) <= SAME * whole.width
+    return whole if agree else whole._replace(width=0.0)
+
+
+def ground(picture: Array, dark: bool, widest: float) -> Array:
+    """Brightness of the ground, without what is dark, or light, and narrower than that, pixels."""
+    side, window = 1.0 if dark else -1.0, round(widest) | 1
+    # A closing, but of what is seen alone: beyond the frame there is neither ground nor walker.
+    high = ndimage.maximum_filter(side * picture, window, mode="constant", cval=-np.inf)
+    closed = ndimage.minimum_filter(high, window, mode="constant", cval=np.inf)
+    off = closed - side * picture
+    bias = np.median(off[off < FAINTEST])  # it follows noise upward
+    return np.asarray(np.maximum(side * (closed - bias), 1.0))
+
+
+def _seen(samples: Sequence[Grey], look: Look, threshold: float | None) -> Look:
+    """Look with what stands out from its ground with a sharp edge; its width is 0 without any.
+
+    Where the ground is not known well, shades of the light that are fainter than walkers run into
+    them: of several thresholds the one counts that shows the widest thing.
+    """
+    fields = [look.contrasts(one) for one in samples]
+    noise = _noise(fields)
+    least = min(max(NOISY * noise, FAINTEST), STRONGEST) if threshold is None else threshold
+    steps = [least * 2**n for n in range(STEPS) if threshold is None or n == 0]
+    width, level = max(_widest(fields, steps), key=lambda one: one[0])
+    return look._replace(noise=noise, threshold=least, contrast=max(level, least), width=width)
+
+
+def _noise(fields: Sequence[Array]) -> float:
+    """Deviation of contrasts from frame to frame, by its median size: little moves."""
+    steps = [np.median(np.abs(now - before)) for before, now in pairwise(fields)]
+    return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
+
+
+def _widest(fields: Sequence[Array], thresholds: Sequence[float]) -> Iterator[tuple[float, float]]:
+    """Width of the widest thing with a sharp edge, pixels, and its contrast, at each threshold."""
+    slopes = [ndimage.gaussian_gradient_magnitude(field, 1.0) for field in fields]
+    for threshold in thresholds:
+        things = [
+            thing
+            for field, slope in zip(fields, slopes, strict=True)
+            for thing in _sharp(field, slope, threshold)
+        ]
+        width = max((one for one, _ in things), default=0.0)
+        levels = [level for one, level in things if one > 0.5 * width]
+        yield width, float(np.median(levels)) if levels else 0.0
+
+
+def _sharp(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float, float]]:
+    """Width, pixels, and contrast in the middle, of all things whose edge is sharp all around."""
+    for box, piece in pieces(field > threshold, THINNEST):
+        inside = piece[1:-1, 1:-1]
+        edge = inside & ~ndimage.binary_erosion(piece, EIGHT)[1:-1, 1:-1]
+        level = float(np.median(field[box][inside]))
+        if np.quantile(slope[box][edge], ALONG) > EDGE * level:
+            deep = ndimage.distance_transform_edt(piece)[1:-1, 1:-1]
+            middle = np.median(field[box][deep > 0.5 * deep.max()])
+            yield 2.0 * float(deep.max()), float(middle)
 
 
 def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask]]:
@@ -103,44 +219,3 @@ def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask
         )
         if inside and min(sizes) >= width:
             yield box, np.pad(labels[box] == number, 1)
-
-
-def _thickest(samples: Sequence[Grey], ground: Array, dark: bool, least: float) -> float:
-    """Largest distance from the edge, pixels, in all pieces of that contrast; 0 without any."""
-    found = 0.0
-    for one in samples:
-        for _, piece in pieces(contrasts(one, ground, dark) > least, max(THINNEST, 2.0 * found)):
-            found = max(found, float(ndimage.distance_transform_edt(piece).max()))
-    return found
-
-
-def _level(samples: Sequence[Grey], look: Look) -> float:
-    """Median contrast in the middle of pieces that are as wide as a walker; 0 without any."""
-    values = []
-    for one in samples:
-        field = look.contrasts(one)
-        for box, piece in pieces(field > look.threshold, 0.5 * look.width):
-            deep = ndimage.distance_transform_edt(piece)[1:-1, 1:-1] > 0.25 * look.width
-            values.append(field[box][deep])
-    return float(np.median(np.concatenate(values))) if sum(map(len, values)) else 0.0
-
-
-def _ground(picture: Array) -> tuple[Array, float]:
-    """Brightness of the ground as a parabola, shape (height, width), and its noise."""
-    step = _stride(picture)
-    y, x = np.mgrid[: picture.shape[0], : picture.shape[1]] / max(picture.shape)
-    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
-    few, seen = terms[::step, ::step].reshape(-1, 6), picture[::step, ::step].ravel()
-    kept = np.abs(seen - np.median(seen)) <= np.quantile(np.abs(seen - np.median(seen)), 0.75)
-    noise = 0.0
-    for _ in range(ROUNDS):
-        fit, *_ = np.linalg.lstsq(few[kept], seen[kept])
-        rest = seen - few @ fit
-        noise = 1.4826 * float(np.median(np.abs(rest[kept])))
-        kept = np.abs(rest) <= max(BEYOND * noise, 1.0)
-    return (terms @ fit).astype(np.float32), noise
-
-
-def _stride(picture: Array) -> int:
-    """Step between the rows, and columns, of a picture that are looked at."""
-    return max(1, int(np.sqrt(picture.size / FITTED)))
