@@ -9,7 +9,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.track import find, look, make, tables
+from walkergen.jobs.track import doubts, find, look, make, tables
 from walkergen.jobs.track.make import Options
 
 
@@ -133,3 +133,110 @@ def test_places_between_frames_stop_at_gaps(tmp_path):
     np.testing.assert_allclose(one.heading[~lost], 3.0 * t[~lost])
     # All grid points from frame 19 up to frame 22, and no others.
     np.testing.assert_array_equal(lost, (t >= times[19] - 1e-9) & (t < times[22] - 1e-9))
+
+
+TURN = 2.0 * np.pi * np.arange(50) / 50
+CIRCLES = [
+    np.stack([x + r * np.cos(TURN + at), y + r * np.sin(TURN + at), TURN + at + 0.5 * np.pi], 1)
+    for x, y, r, at in ((90.0, 120.0, 45.0, 0.0), (230.0, 120.0, 50.0, 2.0))
+]
+SHIFTS = np.random.default_rng(3).normal(0.0, 1.0, (50, 2))
+
+
+def tracked(folder, film, shifts=None):
+    """What was tracked of two walkers on circles, and its errors, mm, with 1 mm a pixel."""
+    shifts = np.zeros((50, 2)) if shifts is None else shifts
+    pictures = [
+        films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)
+    ]
+    path = films.write(folder / "film.mp4", pictures)
+    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent)
+    errors = []
+    for one in made.walkers:
+        ways = [way[one.seen.frames, :2] - one.position for way in CIRCLES]
+        errors.append(min(ways, key=lambda way: float(np.hypot(*way[0]))))
+    return made, np.concatenate(errors)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
+    made, errors = tracked(tmp_path, Filmed(screws=True))
+    assert tables.warnings(made) == []
+    assert np.abs(errors).max() < 0.3
+    assert made.shake.largest < 0.1
+    ways = {round(made.path_mm(one)): one.net_mm for one in made.walkers}
+    for radius in (45.0, 50.0):
+        # All but the last fiftieth of the circle; chords are shorter by 0.1 %.
+        path = 2.0 * np.pi * radius * 49 / 50
+        (nearest,) = [one for one in ways if abs(one - path) < 0.02 * path]
+        assert ways[nearest] == pytest.approx(path / 49, abs=0.6)
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_a_shaking_camera_is_measured_by_what_stands_still(tmp_path):
+    made, errors = tracked(tmp_path, Filmed(screws=True), SHIFTS)
+    assert any("camera shakes" in line for line in tables.warnings(made))
+    assert made.shake.rms == pytest.approx(SHIFTS.std(), rel=0.05)
+    assert made.shake.rms == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.1)
+    largest = np.hypot(*(SHIFTS - SHIFTS.mean(axis=0)).T).max()
+    assert made.shake.largest == pytest.approx(largest, rel=0.05)
+    assert tables.facts(made)["shake_px"] == made.shake.rms
+
+
+@pytest.mark.usefixtures("undrawn")
+def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
+    made, _ = tracked(tmp_path, Filmed(), SHIFTS)
+    assert math.isnan(made.shake.rms)
+    assert tables.facts(made)["shake_px"] is None
+    assert any("stands still" in line for line in tables.notes(made))
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize("share", [0.3, 0.4])
+def test_a_shadow_is_measured(tmp_path, share):
+    """Against the true mean error, which a shadow in one direction makes."""
+    made, errors = tracked(tmp_path, Filmed(shadow=(5.0, -4.0, share)))
+    assert any("shadows" in line for line in tables.warnings(made))
+    pull = np.hypot(*errors.mean(axis=0))
+    assert pull > 1.5
+    assert tables.facts(made)["shadow_px"] == pytest.approx(pull, rel=0.2)
+
+
+@pytest.mark.usefixtures("undrawn")
+@pytest.mark.parametrize(
+    ("film", "word"),
+    [
+        (Filmed(shadow=(8.0, -6.0, 0.5)), "change their size"),
+        (Filmed(shadow=(8.0, -6.0, 0.5)), "never more than 2 walkers at once"),
+        (Filmed(contrast=30, noise=9), "little contrast"),
+        (Filmed(tilt=0.25), "larger in one place"),
+    ],
+    ids=["dark shadow", "broken tracks", "noise", "perspective"],
+)  # fmt: skip
+def test_bad_light_and_a_tilted_camera_are_warned_of(tmp_path, film, word):
+    made, errors = tracked(tmp_path, film)
+    assert any(word in line for line in tables.warnings(made))
+    if film.noise > 2:  # half of the contrast as the threshold: fractions of a pixel all the same
+        assert np.abs(errors).max() < 0.6
+    if film.tilt:
+        near, far = 1.0 + film.tilt * (np.array([280.0, 45.0]) / film.wide - 0.5)
+        assert tables.facts(made)["size_change_share"] == pytest.approx(near / far - 1.0, rel=0.4)
+
+
+@pytest.mark.parametrize("noise", [0.0, 0.05, 0.3])
+def test_a_path_does_not_grow_with_the_noise(noise):
+    """A full circle, and a walker that stands, in many frames."""
+    turn = np.linspace(0.0, 2.0 * np.pi, 2001)
+    off = np.random.default_rng(4).normal(0.0, noise or 1e-12, (2001, 2))
+    circle = 20.0 * np.stack([np.cos(turn), np.sin(turn)], axis=1) + off
+    assert doubts.path(circle, noise) == pytest.approx(40.0 * np.pi, rel=0.03)
+    assert doubts.path(off, noise) == pytest.approx(0.0, abs=1e-7)
+    assert doubts.jitter([(np.arange(2001.0), circle)]) == pytest.approx(noise, abs=0.01)
+
+
+def test_jitter_is_right_at_irregular_times():
+    """An even run at uneven times has none but its noise."""
+    rng = np.random.default_rng(5)
+    times = np.cumsum(rng.uniform(0.01, 0.05, 4000))
+    places = np.stack([90.0 * times, -40.0 * times], 1) + rng.normal(0.0, 0.2, (4000, 2))
+    assert doubts.jitter([(times, places)]) == pytest.approx(0.2, rel=0.05)

@@ -243,7 +243,7 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
     told = json.loads(result.stdout)
     assert told["warnings"] == []
     assert [one["headings"] for one in told["tracks"]] == [30, 30]
-    assert told["position_error_at_most_mm"] < 0.1
+    assert told["jitter_mm"] < 0.1
     folder = tmp_path / told["folder"]
     assert folder == tmp_path / "out" / "two" / "track"
     found = tracks.read(folder / "tracks.csv", tracks.Units())

@@ -4,8 +4,6 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
-import numpy as np
-
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
@@ -44,8 +42,8 @@ class Tracking(Result):
         """Names and values in words."""
         for number, one in enumerate(self.found.walkers):
             frames = one.seen.frames
-            way = float(np.hypot(*(one.position[-1] - one.position[0])))
-            told = f"{len(frames)} frames from {frames[0]} to {frames[-1]}, {way:.3g} mm apart"
+            path = f"path {self.found.path_mm(one):.3g} mm, ends {one.net_mm:.3g} mm apart"
+            told = f"{len(frames)} frames from {frames[0]} to {frames[-1]}, {path}"
             yield f"walker {number}", f"{told}; heading: {one.headed.how}"
         for note in tables.notes(self.found):
             yield "note", note

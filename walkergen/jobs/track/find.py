@@ -35,6 +35,11 @@ OFF_CENTRE = 0.08
 """Smallest distance of a mark from the centre, over a walker's length."""
 
 
+FULL, MOSTLY = 0.8, 0.7
+"""Least contrast of a walker's inside over its own, where a shadow has less; its own is that below
+which this share of all that is taken for it lies."""
+
+
 class Blob(NamedTuple):
     """One thing found in a frame; places in pixels from its upper left corner, y downward."""
 
@@ -49,6 +54,9 @@ class Blob(NamedTuple):
     """Extent across it, pixels."""
     mark: float
     """Direction from the centre to the mark, counted like `axis`; NaN without a mark."""
+    pull_x: float = 0.0
+    """Way from the centre of what is as dark (or light) as a walker to `x`, pixels: of a shadow."""
+    pull_y: float = 0.0
 
 
 def find(frame: Grey, look: Look, marked: bool) -> list[Blob]:
@@ -67,6 +75,8 @@ def find(frame: Grey, look: Look, marked: bool) -> list[Blob]:
             if ndimage.distance_transform_edt(own).max() < THICK * look.width:
                 continue
             blob = _blob(_covered(own, inside), left, top)
+            pull_x, pull_y = _pull(own, inside)
+            blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
             if marked:
                 blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
             found.append(blob)
@@ -81,6 +91,16 @@ def _covered(own: Mask, field: Array) -> Array:
     found = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
     found[deep] = 1.0
     return found
+
+
+def _pull(own: Mask, field: Array) -> tuple[float, float]:
+    """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
+
+    Marks within do not count.
+    """
+    core = ndimage.binary_fill_holes(own & (field > FULL * np.quantile(field[own], MOSTLY)))
+    (row, col), (own_row, own_col) = (ndimage.center_of_mass(one) for one in (own, core))
+    return float(col - own_col), float(row - own_row)
 
 
 def _filled(piece: Mask, width: float) -> Mask:

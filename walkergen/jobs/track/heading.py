@@ -46,7 +46,7 @@ class Headed(NamedTuple):
 
 def of(walker: Seen, by: By) -> Headed:
     """Headings of one walker, by its mark or by its motion."""
-    _, _, _, axis, length, width, mark = walker.blobs.T
+    axis, length, width, mark = walker.blobs.T[3:7]
     long = bool(np.median(length / width) >= LONG)
     seen = ~np.isnan(mark)
     if by == "mark" and not seen.any():

@@ -30,7 +30,7 @@ class Seen(NamedTuple):
     frames: npt.NDArray[np.int64]
     """Numbers of the frames, ascending, shape (n,)."""
     blobs: Array
-    """Rows of `Blob`, shape (n, 7)."""
+    """Rows of `Blob`, shape (n, 9)."""
 
 
 class Linked(NamedTuple):

@@ -41,7 +41,7 @@ WIDEST, BESIDE = 0.7, 4.0
 """Widest window over the shorter side of the frame, and over the width of a walker, so that a few
 may touch: what is wider is ground."""
 
-WINDOWS, AROUND, SAME = (1.0, 0.7, 0.4), 1.2, 0.15
+WINDOWS, AROUND, SAME = (1.0, 0.7, 0.4), 1.6, 0.25
 """Windows over the widest; least window over a walker's width; share by which that may depend on
 them."""
 
@@ -74,7 +74,7 @@ class Look(NamedTuple):
     blur: float = BLUR
     """Deviation of the blur that takes out noise, pixels; 0 where there is little."""
     noise: float = 0.0
-    """Standard deviation of the ground's contrasts, blurred."""
+    """Standard deviation of a pixel's contrast, as it is filmed."""
     threshold: float = 0.0
     """Contrast beyond which a pixel is a walker's, steps of brightness."""
     contrast: float = 0.0
@@ -84,13 +84,24 @@ class Look(NamedTuple):
 
     def contrasts(self, frame: Grey) -> Array:
         """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
-        step = max(1, int(np.sqrt(frame.size / LOOKED)))
-        few = np.s_[::step, ::step]
-        lamp = np.median(frame[few] / np.maximum(self.picture[few], 1.0))
-        bright = np.quantile(self.ground[few], BRIGHT)
-        gain = bright / (lamp * np.maximum(self.ground, DARKEST * bright))
+        lamp, gain = self._light(frame)
         found = (frame - lamp * self.ground) * (-gain if self.dark else gain)
         return np.asarray(ndimage.gaussian_filter(found, self.blur), np.float32)
+
+    def slopes(self, frame: Grey) -> Array:
+        """Change of the brightness from pixel to pixel, in the unit of contrasts."""
+        _, gain = self._light(frame)
+        slope = ndimage.gaussian_gradient_magnitude(frame, math.hypot(self.blur, 1.0), output=float)
+        return np.asarray(slope * gain, np.float32)
+
+    def _light(self, frame: Grey) -> tuple[float, Array]:
+        """Light of a frame over that of the picture, and the factor of contrasts in dark places."""
+        step = max(1, int(np.sqrt(frame.size / LOOKED)))
+        few = np.s_[::step, ::step]
+        lamp = float(np.median(frame[few] / np.maximum(self.picture[few], 1.0)))
+        bright = np.quantile(self.ground[few], BRIGHT)
+        gain = bright / (lamp * np.maximum(self.ground, DARKEST * bright))
+        return lamp, np.asarray(gain, np.float32)
 
 
 def learn(
@@ -115,16 +126,15 @@ def learn(
         )
     local = ground(picture, look.dark, min(BESIDE * (width or look.width), widest))
     look = _seen(few, look._replace(ground=local), threshold)
-    for blur in BLURS:
-        if blur and blur > SOFTEST * look.width:
-            break
-        sharp = look._replace(blur=blur)
-        fields = [sharp.contrasts(one) for one in samples]
-        sharp = sharp._replace(noise=_noise(fields))
-        if NOISY * sharp.noise <= 0.5 * look.contrast:
-            break
-    look = sharp._replace(threshold=0.5 * look.contrast if threshold is None else threshold)
-    return look._replace(width=width or next(_widest(fields, (look.threshold,)))[0])
+    look = look._replace(threshold=0.5 * look.contrast if threshold is None else threshold)
+    blurs = [blur for blur in BLURS if blur <= SOFTEST * look.width]
+    fields = [[look._replace(blur=blur).contrasts(one) for one in samples] for blur in blurs]
+    noises = [_noise(one) for one in fields]
+    enough = [at for at, noise in enumerate(noises) if NOISY * noise <= 0.5 * look.contrast]
+    at = enough[0] if enough else -1
+    look = look._replace(blur=blurs[at], noise=noises[0])
+    slopes = [look.slopes(one) for one in samples]
+    return look._replace(width=width or next(_widest(fields[at], slopes, (look.threshold,)))[0])
 
 
 def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Look:
@@ -166,10 +176,11 @@ def _seen(samples: Sequence[Grey], look: Look, threshold: float | None) -> Look:
     them: of several thresholds the one counts that shows the widest thing.
     """
     fields = [look.contrasts(one) for one in samples]
+    slopes = [look.slopes(one) for one in samples]
     noise = _noise(fields)
     least = min(max(NOISY * noise, FAINTEST), STRONGEST) if threshold is None else threshold
     steps = [least * 2**n for n in range(STEPS) if threshold is None or n == 0]
-    width, level = max(_widest(fields, steps), key=lambda one: one[0])
+    width, level = max(_widest(fields, slopes, steps), key=lambda one: one[0])
     return look._replace(noise=noise, threshold=least, contrast=max(level, least), width=width)
 
 
@@ -179,18 +190,20 @@ def _noise(fields: Sequence[Array]) -> float:
     return 1.4826 / math.sqrt(2.0) * float(np.median(steps)) if steps else 0.0
 
 
-def _widest(fields: Sequence[Array], thresholds: Sequence[float]) -> Iterator[tuple[float, float]]:
-    """Width of the widest thing with a sharp edge, pixels, and its contrast, at each threshold."""
-    slopes = [ndimage.gaussian_gradient_magnitude(field, 1.0) for field in fields]
+def _widest(
+    fields: Sequence[Array], slopes: Sequence[Array], thresholds: Sequence[float]
+) -> Iterator[tuple[float, float]]:
+    """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
     for threshold in thresholds:
         things = [
             thing
             for field, slope in zip(fields, slopes, strict=True)
             for thing in _sharp(field, slope, threshold)
         ]
-        width = max((one for one, _ in things), default=0.0)
-        levels = [level for one, level in things if one > 0.5 * width]
-        yield width, float(np.median(levels)) if levels else 0.0
+        widest = max((width for width, _ in things), default=0.0)
+        wide = [thing for thing in things if thing[0] > 0.5 * widest]  # marks and letters are not
+        width, level = np.median(wide, axis=0) if wide else (0.0, 0.0)
+        yield float(width), float(level)
 
 
 def _sharp(field: Array, slope: Array, threshold: float) -> Iterator[tuple[float, float]]:

@@ -2,7 +2,7 @@
 
 import math
 from collections.abc import Sequence
-from itertools import pairwise
+from itertools import chain, islice, pairwise
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,9 +13,10 @@ from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.tables import csv_text
+from walkergen.jobs.track import camera, doubts, heading, link
 from walkergen.jobs.track import film as films
-from walkergen.jobs.track import heading, link
 from walkergen.jobs.track import look as looks
+from walkergen.jobs.track.camera import Shake
 from walkergen.jobs.track.film import Clock, Film, Grey
 from walkergen.jobs.track.find import Blob, find
 from walkergen.jobs.track.heading import Headed
@@ -39,6 +40,9 @@ TRACKS, PICTURE = "tracks.csv", "check.png"
 
 SAMPLES = 8
 """Number of frames, from the first on, that tell the look of a film."""
+
+SHIFTS = 200
+"""Number of frames, about, that tell whether the camera shakes."""
 
 SIDES: tuple[str, ...] = ("dark", "light")
 """How walkers may differ from the ground."""
@@ -87,6 +91,11 @@ class Walker(NamedTuple):
     """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
     headed: Headed
 
+    @property
+    def net_mm(self) -> float:
+        """Distance from its first place to its last, mm; a full circle has none."""
+        return math.dist(self.position[0], self.position[-1])
+
 
 class Tracked(NamedTuple):
     """What was found in a film, and where it was written."""
@@ -104,20 +113,24 @@ class Tracked(NamedTuple):
     mm_per_px: float
     mm_per_px_se: float | None
     """Standard error of `mm_per_px`; None where it was given without."""
+    shake: Shake
     folder: Path
 
     @property
-    def noise_mm(self) -> float:
-        """Largest error of a place that the film allows, mm: what three places in a row tell.
+    def jitter_mm(self) -> float:
+        """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
+        return doubts.jitter([self._unbroken(one) for one in self.walkers])
 
-        Motion that is not even adds to it, so the error is smaller. NaN for too few frames.
-        """
-        bends = [
-            np.diff(one.position, n=2, axis=0)[np.diff(one.seen.frames, n=2) == 0]
-            for one in self.walkers
-        ]
-        every = np.concatenate(bends)
-        return float(np.sqrt(np.mean(every**2) / 6.0)) if len(every) else math.nan
+    def path_mm(self, walker: Walker) -> float:
+        """Length of a walker's path, mm, its jitter left out."""
+        return doubts.path(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
+
+    def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
+        """Times and places of all frames from a walker's first to its last; NaN where lost."""
+        first, last = walker.seen.frames[[0, -1]]
+        places = np.full((last - first + 1, 2), np.nan)
+        places[walker.seen.frames - first] = walker.position
+        return self.clock.times[first : last + 1], places
 
 
 def check(options: Options) -> None:
@@ -158,8 +171,8 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     film = films.about(path)
     part = _part(film, options.region)
     try:
-        picture, look, found, clock = _found(film, part, options, progress)
-        linked = link.link(found, options.frames[0], clock.fps)
+        found = _found(film, part, options, progress)
+        linked = link.link(found.blobs, options.frames[0], found.clock.fps)
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
     scale, scale_se = _scale(options, linked)
@@ -168,10 +181,10 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
         Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
     ]
     made = Tracked(
-        film, options, look, linked, walkers, len(found), _still(found), clock, scale, scale_se,
-        folder,
+        film, options, found.look, linked, walkers, len(found.blobs), _still(found.blobs),
+        found.clock, scale, scale_se, found.shake, folder,
     )  # fmt: skip
-    _write(made, picture, part)
+    _write(made, found.picture, part)
     return made
 
 
@@ -187,47 +200,45 @@ def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, in
     return left, top, left + width, top + height
 
 
+class _Found(NamedTuple):
+    """What was found in a film, frame by frame."""
+
+    picture: Grey
+    """First of the frames."""
+    look: Look
+    blobs: list[list[Blob]]
+    clock: Clock
+    shake: Shake
+
+
 def _found(
     film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress
-) -> tuple[Grey, Look, list[list[Blob]], Clock]:
-    """First picture, the film's look, things found in each frame, and the frames' times."""
+) -> _Found:
     left, top, right, bottom = part
     first, last = options.frames
     total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
-    waiting: list[Grey] = []
-    found: list[list[Blob]] = []
-    look: Look | None = None
     dark = None if options.walkers is None else options.walkers == "dark"
-
-    def learnt() -> Look:
-        return looks.learn(waiting, dark, options.threshold, options.width_px)
-
-    def take(grey: Grey, now: Look) -> None:
-        found.append(find(grey, now, options.heading == "mark"))
-        progress("frames", len(found), max(total, len(found)))
-
+    marked = options.heading == "mark"
     with films.play(film, first, last) as reel:
-        for _, whole in reel.frames:
-            grey = whole[top:bottom, left:right]
-            if look is not None:
-                take(grey, look)
-                continue
-            waiting.append(grey)
-            if len(waiting) == SAMPLES:
-                look = learnt()
-                for one in waiting:
-                    take(one, look)
+        frames = (whole[top:bottom, left:right] for _, whole in reel.frames)
+        samples = list(islice(frames, SAMPLES))
+        if len(samples) < 2:
+            raise InputError(
+                f"{len(samples)} frame{'' if len(samples) == 1 else 's'} from {first} on: at least "
+                "2 are needed"
+            )
+        look = looks.learn(samples, dark, options.threshold, options.width_px)
+        near = [blob for grey in samples for blob in find(grey, look, marked=False)]
+        points = camera.fixed(samples, look, near)
+        found: list[list[Blob]] = []
+        shifts: list[Array] = []
+        for number, grey in enumerate(chain(samples, frames)):
+            found.append(find(grey, look, marked))
+            if points is not None and number % max(1, total // SHIFTS) == 0:
+                shifts.append(camera.shift(points, grey, found[-1]))
+            progress("frames", len(found), max(total, len(found)))
         clock = films.clock(film, reel.stamps, options.fps)
-    if len(waiting) < 2:
-        raise InputError(
-            f"{len(waiting)} frame{'' if len(waiting) == 1 else 's'} from {first} on: at least 2 "
-            "are needed"
-        )
-    if look is None:
-        look = learnt()
-        for one in waiting:
-            take(one, look)
-    return waiting[0], look, found, clock
+    return _Found(samples[0], look, found, clock, camera.shake(shifts))
 
 
 def _still(found: Sequence[Sequence[Blob]]) -> int:

@@ -9,10 +9,15 @@ from rich.markup import escape
 from rich.table import Table
 
 from walkergen.files import words
+from walkergen.jobs.track import doubts
 from walkergen.jobs.track.make import Tracked
 
 READ, LEAST_S = 0.95, 0.5
 """Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
+
+SHAKY, PULLED, LARGER, UNSTEADY = 0.2, 0.3, 0.04, 0.02
+"""Shake and pull of shadows, pixels, and shares by which a walker's size differs from place to
+place, or from frame to frame, that are worth a warning."""
 
 LOST = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
@@ -23,15 +28,14 @@ def to_table(made: Tracked) -> Table:
     table = Table(
         title=escape(made.film.path.name), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
     )
-    for heading in ("walker", "frames", "lost", "way (mm)"):
+    for heading in ("walker", "frames", "lost", "net way (mm)", "path (mm)"):
         table.add_column(heading, justify="right")
     table.add_column("heading by")
     for number, one in enumerate(made.walkers):
         frames = one.seen.frames
-        way = float(np.hypot(*(one.position[-1] - one.position[0])))
         table.add_row(
-            str(number), f"{frames[0]}..{frames[-1]}", str(_lost(frames)), words.number(way),
-            one.headed.how,
+            str(number), f"{frames[0]}..{frames[-1]}", str(_lost(frames)),
+            words.number(one.net_mm), words.number(made.path_mm(one)), one.headed.how,
         )  # fmt: skip
     return table
 
@@ -52,17 +56,19 @@ def notes(made: Tracked) -> list[str]:
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
         f"{words.number(made.mm_per_px, 4)} mm a pixel{error}; {rate}."
     ]
-    if not math.isnan(made.noise_mm):
+    if not math.isnan(made.jitter_mm):
         found.append(
-            f"Places are off by at most {words.number(made.noise_mm, 2)} mm, by how three in a row "
-            "bend; lens and perspective are not undone."
+            f"Places jitter by {words.number(made.jitter_mm, 2)} mm between neighbouring frames. "
+            "It is no bound: what stays or changes slowly, as a shadow or the lens, is not in it."
         )
+    if math.isnan(made.shake.rms):
+        found.append("Nothing that stands still tells whether the camera shakes.")
     return found
 
 
 def warnings(made: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
-    linked, count = made.linked, made.looked
+    linked, count, seen = made.linked, made.looked, [one.seen for one in made.walkers]
     told = []
     end, announced = made.clock.played_s, made.film.seconds
     if made.options.frames[1] is None and end < READ * announced - LEAST_S:
@@ -84,6 +90,12 @@ def warnings(made: Tracked) -> list[str]:
     ]
     if unknown:
         told.append(f"no heading of walker {', '.join(unknown[:10])}: see the table")
+    if (most := doubts.at_once(seen)) < len(seen):
+        told.append(
+            f"{len(seen)} tracks, but never more than {most} walkers at once: one that was lost "
+            "may go on under another number, so that tracks are not independent samples"
+        )
+    told += _camera(made)
     if made.still:
         told.append(
             f"nothing moves in {made.still} of {count} frames: if the film holds its last picture, "
@@ -92,10 +104,48 @@ def warnings(made: Tracked) -> list[str]:
     return told
 
 
+def _camera(made: Tracked) -> list[str]:
+    """What light and camera do to the places, each with its size."""
+    seen, look = [one.seen for one in made.walkers], made.look
+    told = []
+    if look.blur:
+        told.append(
+            f"little contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
+            f"{look.contrast / look.noise:.2g} times the noise of a pixel: give more light"
+        )
+    if made.shake.rms > SHAKY:
+        told.append(
+            f"the camera shakes: what stands still moves by {_length(made.shake.rms, made)} "
+            f"r.m.s., {_length(made.shake.largest, made)} at most, and places with it: fix the "
+            "camera"
+        )
+    if (pull := doubts.shadow(seen)) > PULLED:
+        told.append(
+            f"shadows are taken for walkers, and pull at their centres by {_length(pull, made)}: "
+            "light from all sides, or give a higher --threshold"
+        )
+    size = doubts.sizes(seen)
+    if size.change > max(LARGER, doubts.SURE * size.error):
+        told.append(
+            f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
+            "lengths with them: the camera does not look straight down, or its lens bends"
+        )
+    if size.scatter > UNSTEADY:
+        told.append(
+            f"walkers change their size by {100 * size.scatter:.2g} % as they run: shadows, light "
+            "or noise are taken for a part of them"
+        )
+    return told
+
+
+def _length(pixels: float, made: Tracked) -> str:
+    return f"{words.number(pixels, 2)} pixels ({words.number(pixels * made.mm_per_px, 2)} mm)"
+
+
 def facts(made: Tracked) -> dict[str, Any]:
     """Everything for JSON and the manifest, with units in the names."""
     linked, look = made.linked, made.look
-    noise = made.noise_mm
+    size = doubts.sizes([one.seen for one in made.walkers])
     return {
         "film": made.film.path.name, **made.options._asdict(),
         "fps": made.clock.fps, "regular_rate": made.clock.regular,
@@ -105,15 +155,24 @@ def facts(made: Tracked) -> dict[str, Any]:
         "short_tracks": linked.short,
         "walkers_are": "dark" if look.dark else "light", "threshold": look.threshold,
         "width_px": look.width, "length_px": linked.length, "area_px": linked.area,
-        "position_error_at_most_mm": None if math.isnan(noise) else noise,
+        "jitter_mm": _known(made.jitter_mm), "contrast": look.contrast, "noise": look.noise,
+        "shake_px": _known(made.shake.rms), "shake_most_px": _known(made.shake.largest),
+        "shadow_px": doubts.shadow([one.seen for one in made.walkers]),
+        "size_change_share": size.change, "size_change_se_share": _known(size.error),
+        "size_scatter_share": size.scatter,
         "tracks": [
             {"particle": number, "first": int(one.seen.frames[0]), "last": int(one.seen.frames[-1]),
+             "net_mm": one.net_mm, "path_mm": made.path_mm(one),
              "lost": _lost(one.seen.frames), "heading_by": one.headed.how,
              "headings": int((~np.isnan(one.headed.theta)).sum())}
             for number, one in enumerate(made.walkers)
         ],
         "warnings": warnings(made),
     }  # fmt: skip
+
+
+def _known(value: float) -> float | None:
+    return value if math.isfinite(value) else None
 
 
 def _lost(frames: "np.ndarray[Any, np.dtype[np.int64]]") -> int:

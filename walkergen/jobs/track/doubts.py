@@ -1,0 +1,111 @@
+"""Estimates of what is wrong with tracks that look right: jitter, shadows, sizes that differ."""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.jobs.track.link import Seen
+
+Array = npt.NDArray[np.float64]
+
+LEGS = 10.0
+"""Length of the straight legs of a path over the jitter: noise lengthens each by its square."""
+
+INDEPENDENT = 10
+"""Number of neighbouring frames, about, that err alike."""
+
+SURE = 4.0
+"""Standard errors by which a shadow, or a change of size, must differ from 0."""
+
+
+def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
+    """Error of a place that changes from frame to frame, along an axis.
+
+    `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others.
+    From how far a place lies off the line between those before and after, so that uneven motion
+    adds to it, and what stays, or changes slowly, is not in it. NaN for too few frames.
+    """
+    squares = []
+    for times, places in tracks:
+        if len(times) < 3:
+            continue
+        share = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
+        bend = places[1:-1] - (1.0 - share) * places[:-2] - share * places[2:]
+        squares.append(bend**2 / (1.0 + (1.0 - share) ** 2 + share**2))
+    every = np.concatenate(squares) if squares else np.zeros(0)
+    every = every[~np.isnan(every)]
+    return float(np.sqrt(np.mean(every))) if len(every) else math.nan
+
+
+def path(places: Array, noise: float) -> float:
+    """Length of a path through places, shape (n, 2), each off by `noise` along an axis.
+
+    In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
+    grow with their number even for a walker that stands.
+    """
+    least, way, last = LEGS * noise, 0.0, places[0]
+    for place in places[1:]:
+        leg = math.dist(place, last)
+        if leg >= least:
+            way, last = way + leg, place
+    return way
+
+
+def shadow(walkers: Sequence[Seen]) -> float:
+    """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved."""
+    pulls = []
+    for one in walkers:
+        ways = one.blobs[:, 7:9]
+        mean = ways.mean(axis=0)
+        error = float(np.sqrt(ways.var(axis=0).sum() / max(len(ways) / INDEPENDENT, 1.0)))
+        size = float(np.hypot(*mean))
+        pulls.append(size if size > SURE * error else 0.0)
+    return float(np.sqrt(np.mean(np.square(pulls))))
+
+
+class Sizes(NamedTuple):
+    """How much larger walkers look in one place than in another, as a share, and its error."""
+
+    change: float
+    error: float
+    scatter: float
+    """Standard deviation of the rest, as a share: from frame to frame, and as walkers turn."""
+
+
+def sizes(walkers: Sequence[Seen]) -> Sizes:
+    """Change of a walker's own size over the places that walkers reach: perspective, or a lens.
+
+    Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
+    """
+    rows = np.concatenate([one.blobs[:, :3] for one in walkers])
+    owner = np.repeat(np.arange(len(walkers)), [len(one.blobs) for one in walkers])
+    place = rows[:, :2] - rows[:, :2].mean(axis=0)
+    place /= np.abs(place).max() or 1.0
+    terms = np.column_stack([place, (place**2).sum(axis=1)])
+    size = 0.5 * np.log(rows[:, 2])
+    own = np.array([_centred(column, owner) for column in (*terms.T, size)])
+    fit, _, rank, _ = np.linalg.lstsq(own[:3].T, own[3])
+    if rank < 3:
+        return Sizes(0.0, math.inf, float(own[3].std()))
+    rest = own[3] - fit @ own[:3]
+    fitted = terms @ fit
+    ends = terms[[fitted.argmax(), fitted.argmin()]]
+    apart = ends[0] - ends[1]
+    spread = np.linalg.pinv(own[:3] @ own[:3].T) * float(np.mean(rest**2)) * INDEPENDENT
+    return Sizes(
+        math.expm1(float(apart @ fit)), math.sqrt(float(apart @ spread @ apart)), float(rest.std())
+    )
+
+
+def _centred(values: Array, owner: npt.NDArray[np.int64]) -> Array:
+    """Values without the mean of their walker's."""
+    means = np.bincount(owner, values) / np.bincount(owner)
+    return np.asarray(values - means[owner])
+
+
+def at_once(walkers: Sequence[Seen]) -> int:
+    """Largest number of walkers that are seen in one frame."""
+    return int(np.bincount(np.concatenate([one.frames for one in walkers])).max())
