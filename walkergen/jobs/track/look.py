@@ -41,7 +41,7 @@ WIDEST, BESIDE = 0.7, 4.0
 """Widest window over the shorter side of the frame, and over the width of a walker, so that a few
 may touch: what is wider is ground."""
 
-WINDOWS, AROUND, SAME = (1.0, 0.7, 0.4), 1.6, 0.25
+WINDOWS, AROUND, SAME = (1.0, 0.85, 0.5), 1.6, 0.25
 """Windows over the widest; least window over a walker's width; share by which that may depend on
 them."""
 
