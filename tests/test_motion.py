@@ -4,10 +4,10 @@ import json
 
 import numpy as np
 import pytest
-from synthetic_tracks import Walker, film
+from synthetic_tracks import Walker, film, lane
 
 from walkergen.analysis import motion, walks
-from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.tracks import Track
 from walkergen.errors import InputError
 
 WALKER = Walker()
@@ -145,38 +145,24 @@ def test_headings_that_cannot_be_right_are_doubted(change, told):
     assert doubts == [] if told is None else any(told in doubt for doubt in doubts)
 
 
-def lane(seed, particles, frames, speed=60.0, plate=None, interval=0.01, memory=5.0):
-    """Walkers in a lane whose speed fluctuates by 30 mm/s with a memory of some frames."""
-    rng = np.random.default_rng(seed)
-    tracks = []
-    for number in range(particles):
-        kicks = rng.normal(size=frames)
-        fluctuation = np.zeros(frames)
-        for i in range(1, frames):
-            fluctuation[i] = fluctuation[i - 1] * np.exp(-1 / memory) + kicks[i]
-        path = np.cumsum(speed + 30.0 * fluctuation / fluctuation.std()) * interval
-        tracks.append(Track(number, path[:, None], None, plate))
-    return Tracks(tuple(tracks), interval, 0, "")
-
-
 @pytest.mark.parametrize(("particles", "frames"), [(1, 3000), (10, 400)])
 def test_lane_speed_covers_the_truth_within_one_track_and_between_many(particles, frames):
     scores = []
     for seed in range(60):
-        one = motion.analyse(lane(seed, particles, frames)).estimates["lane_speed"]
+        one = motion.analyse(lane(seed, [60.0] * particles, frames)).estimates["lane_speed"]
         scores.append((one.value - 60.0) / one.se)
     assert 0.5 < np.mean(np.abs(scores) < 1) < 0.86  # 68 % +- 6 % of 60 runs, 3 sigma
 
 
 def test_a_lane_film_of_few_correlation_times_is_refused():
     # Memory of 1 s in 10 s of film: five independent speeds.
-    found = motion.analyse(lane(3, 1, 1000, memory=100.0)).estimates
+    found = motion.analyse(lane(3, [60.0], 1000, memory=100.0)).estimates
     assert found["speed"].value is None
     assert "correlated over" in found["speed"].reason
 
 
 def test_a_lane_has_no_turning_and_says_so():
-    found = motion.analyse(lane(1, 10, 400))
+    found = motion.analyse(lane(1, [60.0] * 10, 400))
     assert found.estimates["turning_bias"].reason
     assert found.estimates["parallel_mean"].value == pytest.approx(60 * 0.04, rel=0.1)
     assert not len(found.orthogonal.at)
@@ -197,7 +183,7 @@ def test_densities_are_normalised_and_have_the_moments_told():
 
 
 def test_speed_over_plate_speed_is_a_line_through_the_origin():
-    runs = [lane(n, 8, 400, 2.0 * plate, plate) for n, plate in enumerate((15.0, 20.0, 30.0))]
+    runs = [lane(n, [2.0 * plate] * 8, 400, plate) for n, plate in enumerate((15.0, 20.0, 30.0))]
     together = runs[0]._replace(tracks=tuple(t for run in runs for t in run.tracks))
     found = motion.analyse(together)
     assert [plate for plate, _ in found.by_plate_speed] == [15.0, 20.0, 30.0]
@@ -233,7 +219,7 @@ def test_the_walks_limits():
 def test_the_summary_is_plain_json():
     from walkergen.jobs.analyse import tables as motion_tables
 
-    for tracks in (film(8, 3, 3.0), lane(1, 2, 100), film(8, 1, 0.1)):
+    for tracks in (film(8, 3, 3.0), lane(1, [60.0] * 2, 100), film(8, 1, 0.1)):
         data = motion_tables.as_dict(motion.analyse(tracks))
         assert json.loads(json.dumps(data, allow_nan=False)) == data
         assert data["particles"] == len(tracks.tracks)

@@ -2,29 +2,24 @@
 
 import numpy as np
 import pytest
+from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, turning, walks
-from walkergen.analysis.tracks import Track, Tracks
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""
 
-SUBSTEPS, INTERVAL = 5, 0.02
+INTERVAL = 0.02
+
+EXACT = Walker(
+    speed=SPEED, drift=DRIFT, turn=TURN, turn_sd=SCATTER, rate=D_R,
+    noise=0.0, heading_noise=0.0, lost=0.0,
+)  # fmt: skip
 
 
 def wanderers(seed, walkers=16, seconds=8.0, scatter=SCATTER, diffusion=D_R, noise=0.0):
-    rng, h = np.random.default_rng(seed), INTERVAL / SUBSTEPS
-    steps, tracks = round(seconds / h), []
-    for number in range(walkers):
-        rate = TURN + scatter * rng.normal()
-        turns = rate * h + np.sqrt(2 * diffusion * h) * rng.normal(size=steps)
-        heading = np.concatenate([[0.0], np.cumsum(turns)])
-        unit = np.exp(1j * heading)
-        moved = (SPEED + 1j * DRIFT) * h * 0.5 * (unit[1:] + unit[:-1])
-        path = np.concatenate([[0.0], np.cumsum(moved)])[::SUBSTEPS]
-        seen = heading[::SUBSTEPS] + noise * rng.normal(size=len(path))
-        tracks.append(Track(number, np.stack([path.real, path.imag], axis=1), seen))
-    return Tracks(tuple(tracks), INTERVAL, 0, "")
+    one = EXACT._replace(turn_sd=scatter, rate=diffusion, heading_noise=noise)
+    return film(seed, walkers, seconds, one, INTERVAL)
 
 
 def test_drift_turning_and_scatter_are_those_put_in():
