@@ -134,7 +134,8 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
     on_plane = headed and not tracks.lane
-    apart = turning.scatter(tracks.tracks, tracks.interval) if on_plane else None
+    turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
+    apart = turning.scatter(turnings) if on_plane else None
     frame = Frame(
         grid, tracks.interval, tracks.lane, headed, (apart.value or 0.0) if apart else 0.0,
         np.where(fitted, msd.se, np.nan),
@@ -151,9 +152,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
     if apart is not None:
         judged["turning_scatter"] = apart
-        judged["rotational_diffusion"] = turning.diffusion(
-            tracks.tracks, tracks.interval, values["heading_noise"]
-        )
+        judged["rotational_diffusion"] = turning.diffusion(turnings, judged["heading_noise"])
         if apart.value is not None:
             judged |= turning.persistence(judged["rotational_diffusion"], judged["speed"])
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
