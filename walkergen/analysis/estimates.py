@@ -42,8 +42,8 @@ UNITS = {
 mean square of the part of the velocity that persists for longer than the lag of displacements.
 `sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
 deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
-walker's own mean turning. `persistence_rate` is the decay of the correlation of all walkers, or
-D_r where a scatter of their turning rates is resolved.
+walker's own mean turning. `persistence_rate` is the decay of the correlation of headings about the
+same; without headings, of displacements, which also lose direction where walkers turn apart.
 """
 
 HEADED = (
@@ -84,8 +84,9 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True when headings are known."""
-    scatter: float
-    """Standard deviation of turning rates between walkers, rad/s; 0 where it is not resolved."""
+    turned_s: float
+    """Time over which the mean turning was measured that each walker's headings lack, s; infinite
+    where they lack none."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -134,20 +135,15 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if use.sum() < 4:
         return
     lag, values, errors = lag[use], values[use], errors[use]
-    start: tuple[float, ...] = _start(lag, values, errors)
 
-    def model(
-        at: Array, amplitude: float, rate: float, turn: float, variance: float = 0.0
-    ) -> Complex:
-        apart: Array = np.exp(-0.5 * variance * at**2)  # turning rates scatter between walkers
-        return walks.decay(at, amplitude, rate, turn, window) * apart
+    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
+        return walks.decay(at * (1.0 - at / frame.turned_s), amplitude, rate, turn, window)
 
-    if frame.scatter > 0:
-        start = (*start, frame.scatter**2)
-    fitted = walks.fit(model, lag, values, errors, start)
+    fitted = walks.fit(model, lag, values, errors, _start(lag, values, errors))
     if fitted is None:
         return
-    amplitude, rate, turn = fitted[:3]
+    amplitude, rate, turn = fitted
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:

@@ -56,7 +56,8 @@ class Moments(NamedTuple):
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
     turn: Complex
-    """Sum of products of headings by lag; without headings, of displacements over `step`, mm^2."""
+    """Sum of products of headings, less their steady turn, by lag; without headings, of
+    displacements over `step`, mm^2."""
     turn_pairs: Array
     density_along: Array
     """Number of displacements along the heading in each bin."""
@@ -115,15 +116,18 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def measure(track: Track, grid: Grid) -> Moments:
-    """Moments of one track."""
+def measure(track: Track, grid: Grid, turning: float = 0.0) -> Moments:
+    """Moments of one track; its heading turns by `turning` (rad) a sample, which does not count."""
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
-    turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
+    headings = direction(track, grid.step)
+    turn, turn_pairs = lagged.products(
+        headings * np.exp(-1j * turning * np.arange(len(headings))), grid.turn_lags
+    )
     return Moments(
         _run(track),
-        *_body_aside_turn(track),
+        *_body_aside_turn(track, turning),
         _powers(forward),
         _powers(sideways),
         square,
@@ -188,11 +192,17 @@ def carried(track: Track, step: int) -> Complex:
     return moved
 
 
-def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
+def on_arc(turning: float) -> float:
+    """Share of a way on an arc, which turns by `turning` (rad), that `carried` finds."""
+    return float(np.sinc(turning / np.pi))
+
+
+def _body_aside_turn(track: Track, turning: float) -> tuple[Array, Array, Array]:
     if track.heading is None:
         return np.zeros(2), np.zeros(2), np.zeros(2)
     unit = np.exp(1j * track.heading)
-    moved, turned = carried(track, 1), np.angle(unit[1:] * np.conj(unit[:-1]))
+    turned = np.angle(unit[1:] * np.conj(unit[:-1]))
+    moved = carried(track, 1) / on_arc(turning)
     moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
     return (
         np.array([moved.real.sum(), float(len(moved))]),

@@ -9,15 +9,11 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 from scipy import special
 
-from walkergen.analysis import lagged
-from walkergen.analysis.estimates import FEWEST_SAMPLES, SIGNIFICANT, Estimate
+from walkergen.analysis import lagged, moments
+from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
 from walkergen.analysis.tracks import Track
-
-Array = npt.NDArray[np.float64]
-Whole = npt.NDArray[np.int64]
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
@@ -33,6 +29,7 @@ turns one in 500 is then beyond a half turn, and taken for one the other way rou
 class Turning(NamedTuple):
     """Turning of one walker, in pieces of its track with r_i the rate in T_i s."""
 
+    particle: int
     rate: float
     """Mean rate of turning, rad/s."""
     squares: float
@@ -41,8 +38,8 @@ class Turning(NamedTuple):
     seconds: float
     """Time for which turns are known: the sum of T_i."""
     noise: float
-    """Expectation of `squares`, 1/s, from headings that are off by 1 rad each: the ends of stretches
-    without a gap, of which neighbouring pieces share some."""
+    """Expectation of `squares`, 1/s, where each heading is off by 1 rad and nothing turns: of the
+    ends of stretches without a gap, some of which neighbouring pieces share."""
 
 
 def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
@@ -51,17 +48,18 @@ def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
     Samples are `interval` s apart. Turns count as far as they are known: those across a gap where
     headings are as correlated as BRIDGED over its length.
     """
-    headed = [track.heading for track in tracks if track.heading is not None]
-    size = max((len(heading) - 1 for heading in headed), default=0) // PIECES
+    units = {
+        track.particle: np.exp(1j * track.heading) for track in tracks if track.heading is not None
+    }
+    size = max((len(unit) - 1 for unit in units.values()), default=0) // PIECES
     if not size:
         return []
-    units = [np.exp(1j * heading) for heading in headed]
-    longest = _longest_known(units, size)
-    every = [_turning(unit, size, longest, interval) for unit in units]
+    longest = _longest_known(list(units.values()), size)
+    every = [_turning(name, unit, size, longest, interval) for name, unit in units.items()]
     return [one for one in every if one is not None]
 
 
-def _longest_known(units: Sequence[npt.NDArray[np.complex128]], size: int) -> int:
+def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
     """Longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
     gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
     lags = np.unique(np.concatenate(gaps))
@@ -76,7 +74,7 @@ def _longest_known(units: Sequence[npt.NDArray[np.complex128]], size: int) -> in
 
 
 def _turning(
-    unit: npt.NDArray[np.complex128], size: int, longest: int, interval: float
+    particle: int, unit: moments.Complex, size: int, longest: int, interval: float
 ) -> Turning | None:
     """Turning of one walker by its unit vectors, in pieces of about `size` samples."""
     seen = np.flatnonzero(~np.isnan(unit))
@@ -103,7 +101,7 @@ def _turning(
     rate = float(turned.sum()) / whole
     squares = float((seconds * (turned / seconds - rate) ** 2).sum())
     noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / whole)
-    return Turning(rate, squares, len(turned), whole, noise)
+    return Turning(particle, rate, squares, len(turned), whole, noise)
 
 
 def scatter(found: Sequence[Turning]) -> Estimate:
@@ -116,7 +114,7 @@ def scatter(found: Sequence[Turning]) -> Estimate:
     if len(found) < 2:
         told = f"{len(found)} walkers with several pieces of a track; at least 2"
         return Estimate(None, None, told)
-    rates, seconds = (np.array([one[at] for one in found]) for at in (0, 3))
+    rates, seconds = np.array([(one.rate, one.seconds) for one in found]).T
     free, inside = len(found) - 1, _free(found)
     spread = float(rates.var(ddof=1))
     noise = _squares(found) / inside * float((1.0 / seconds).mean())
@@ -153,24 +151,3 @@ def _free(found: Sequence[Turning]) -> int:
 
 def _squares(found: Sequence[Turning]) -> float:
     return sum(one.squares for one in found)
-
-
-def persistence(diffused: Estimate, speed: Estimate) -> dict[str, Estimate]:
-    """Persistence of walkers that turn at rates of their own, from rotational diffusion and speed.
-
-    Their correlation falls by the scatter of these rates, and tells next to nothing of diffusion.
-    """
-    found = {"persistence_rate": diffused}
-    rate, error = diffused.value, diffused.se
-    if rate is None or error is None or not rate > SIGNIFICANT * error:
-        told = diffused.reason or "rotational diffusion is not resolved: film for longer"
-        return found | dict.fromkeys(
-            ("persistence_time", "persistence_length"), Estimate(None, None, told)
-        )
-    found["persistence_time"] = Estimate(1.0 / rate, error / rate**2)
-    length = Estimate(None, None, speed.reason)
-    if speed.value is not None and speed.se is not None:
-        way = abs(speed.value) / rate
-        length = Estimate(way, math.hypot(way * error, speed.se) / rate)
-    return found | {"persistence_length": length}
-
