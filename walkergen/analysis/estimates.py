@@ -6,6 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy import special
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
@@ -24,12 +25,16 @@ DECAYED = 0.2
 MOST_DIGITS = 6
 """Largest number of decimals of a value in words; beyond it has an exponent."""
 
+UNLIKE = 0.05
+"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
+
 FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
 
 UNITS = {
     "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
-    "sideways_speed": "mm_s", "turning_bias": "rad_s", "turning_scatter": "rad_s",
+    "speed_scatter": "mm_s", "sideways_speed": "mm_s",
+    "turning_bias": "rad_s", "turning_scatter": "rad_s",
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
     "heading_noise": "rad", "ballistic_speed": "mm_s",
@@ -40,11 +45,16 @@ UNITS = {
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
-`sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
-deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
-walker's own mean turning. `persistence_rate` is the decay of the correlation of headings about the
-same; without headings, of displacements, which also lose direction where walkers turn apart.
+`sideways_speed` is the mean drift to the left of the heading; `speed_scatter` and
+`turning_scatter` are the standard deviations of speeds and turning rates between walkers,
+`rotational_diffusion` D_r of headings about each walker's own mean turning. `persistence_rate` is
+the decay of the correlation of headings about the same; without headings, of displacements, which
+also lose direction where walkers turn apart.
 """
+
+INNER = ("msd_speed2", "msd_rate", "msd_offset", "shortened")
+"""Names of numbers that others derive from: of the fit of the squared displacement, and the share
+of a speed that displacements show, or without headings the root of the first product over it, s."""
 
 HEADED = (
     "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
@@ -67,11 +77,19 @@ class Estimate(NamedTuple):
     reason: str = ""
     freedom: float = math.inf
     """Degrees of freedom of the error: bounds follow Student's t."""
+    noise: float | None = None
+    """Variance that noise adds to the square of a standard deviation, whose bounds follow chi^2;
+    None for other quantities."""
 
     def interval(self, confidence: float) -> tuple[float, float] | None:
         """Lower and upper bound that hold the truth with a `confidence` of 0 to 1."""
         if self.value is None or self.se is None:
             return None
+        if self.noise is not None:
+            tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
+            total = (self.value**2 + self.noise) * self.freedom
+            low, high = (total / special.chdtri(self.freedom, one) - self.noise for one in tails)
+            return math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
         return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
 
 
@@ -84,13 +102,18 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True when headings are known."""
-    turned_s: float
-    """Time over which the mean turning was measured that each walker's headings lack, s; infinite
-    where they lack none."""
+    own_s: float
+    """Time over which the mean turning, or in a lane the mean speed, was measured that is taken off
+    each walker, s; infinite where nothing is."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
     """Errors of the correlation: of its real parts by lag, then of its imaginary parts."""
+
+    @property
+    def first_lag(self) -> int:
+        """Least lag between the starts of displacements that share no position, samples."""
+        return self.grid.step + 1
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
@@ -99,13 +122,13 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS, and the fit's msd_*; NaN where it has no meaning or no fit."""
-    found = dict.fromkeys((*UNITS, "msd_speed2", "msd_rate", "msd_offset"), math.nan)
+    """Compute every number of UNITS and INNER; NaN where it has no meaning or no fit."""
+    found = dict.fromkeys((*UNITS, *INNER), math.nan)
     found["lane_speed"] = _ratio(sums.run) / frame.interval
     _spread(found, "parallel", sums.along)
     _spread(found, "orthogonal", sums.across)
     if frame.lane:
-        found["speed"] = found["lane_speed"]
+        found["speed"], found["shortened"] = found["lane_speed"], 1.0
         _dispersion(found, sums, frame)
     else:
         _persistence(found, sums, frame)
@@ -138,7 +161,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
 
     def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
-        return walks.decay(at * (1.0 - at / frame.turned_s), amplitude, rate, turn, window)
+        return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
 
     fitted = walks.fit(model, lag, values, errors, _start(lag, values, errors))
     if fitted is None:
@@ -150,6 +173,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
         # Noise of the headings, and turning within an interval, shorten the projected displacement.
         shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
+        found["shortened"] = shortened or math.nan
         raw = _ratio(sums.body) / frame.interval
         found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
         left = _ratio(sums.aside) / frame.interval
@@ -158,6 +182,8 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     else:
         found["turning_bias"] = turn
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
+        first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
+        found["shortened"] = window * math.sqrt(abs(first[0]))
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
 
@@ -205,15 +231,18 @@ def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) 
 
 
 def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the spread about the mean run in a lane, 2 D lag, over the last decade of fitted lags."""
+    """Fit the spread about each one's own run in a lane, over the last decade of fitted lags.
+
+    It is 2 D lag (1 - lag / T), as the own speed was measured over T.
+    """
     lag = frame.grid.square_lags * frame.interval
-    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
+    values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)
     use &= lag >= 0.1 * lag[use].max(initial=0.0)
     speed = found["lane_speed"]
     if use.sum() < 4:
         return
-    spread = values[use] - (speed * lag[use]) ** 2
+    spread = values[use] / (1.0 - lag[use] / frame.own_s)
     # The error of a variance grows with the variance itself: weights 1/lag.
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     found["diffusivity"] = 0.5 * float(slope)
@@ -224,35 +253,45 @@ def judge(
     values: Mapping[str, float],
     replicates: Sequence[Mapping[str, float]],
     frame: Frame,
-    means: Mapping[str, tuple[float, str]],
+    without_one: Sequence[Mapping[str, float]],
     longest_s: float,
 ) -> dict[str, Estimate]:
     """Attach jackknife errors to the values, or refuse them.
 
-    `means` has errors, or reasons of refusal, for means over samples too short to be independent;
+    `replicates` leave out a piece of the tracks each, `without_one` a walker each, where there are
+    few: where walkers differ by more than their pieces tell, the error is that over walkers.
     `longest_s` is the longest fitted lag, s.
     """
-    errors = {name: error for name, (error, _) in means.items()}
-    for name in values.keys() - errors.keys():
-        spread = np.array([[one[name]] for one in replicates])
-        finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
-        errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
-    refused = {name: reason for name, (_, reason) in means.items() if reason}
-    refused |= _meaningless(frame) | _unresolved(values, errors, frame, longest_s)
+    within = _jackknife(replicates) if len(replicates) >= FEWEST_SAMPLES else {}
+    errors = {name: (within.get(name, math.nan), len(replicates) - 1.0) for name in values}
+    free = len(without_one) - 1.0
+    for name, error in _jackknife(without_one).items() if free > 0 else ():
+        inside, freedom = errors[name]
+        if inside > 0 and special.fdtrc(free, freedom, (error / inside) ** 2) < UNLIKE:
+            errors[name] = error, free
+    plain = {name: error for name, (error, _) in errors.items()}
+    refused = _meaningless(frame) | _unresolved(values, plain, frame, longest_s)
     if len(replicates) < FEWEST_SAMPLES:
         few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
         refused = dict.fromkeys(UNITS, few)
     estimates = {}
     for name in UNITS:
         reason = refused.get(name, "")
-        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
+        error, freedom = errors[name]
+        if not reason and not (math.isfinite(values[name]) and math.isfinite(error)):
             reason = "too few data for its fit: film for longer"
         if reason:
             estimates[name] = Estimate(None, None, reason)
-            continue
-        freedom = math.inf if name in means else len(replicates) - 1.0
-        estimates[name] = Estimate(values[name], errors[name], "", freedom)
+        else:
+            estimates[name] = Estimate(values[name], error, "", freedom)
     return estimates
+
+
+def _jackknife(replicates: Sequence[Mapping[str, float]]) -> dict[str, float]:
+    """Error of every number; NaN where one replicate has none."""
+    names = list(replicates[0])
+    values = np.array([[one[name] for name in names] for one in replicates])
+    return dict(zip(names, statistics.jackknife_error(values).tolist(), strict=True))
 
 
 def _meaningless(frame: Frame) -> dict[str, str]:

@@ -55,6 +55,8 @@ class Moments(NamedTuple):
     square: Array
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
+    about_run: Array
+    """The same in a lane, about the mean speed of each walker's whole track."""
     turn: Complex
     """Sum of products of headings, less their steady turn, by lag; without headings, of
     displacements over `step`, mm^2."""
@@ -116,22 +118,29 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def measure(track: Track, grid: Grid, turning: float = 0.0) -> Moments:
-    """Moments of one track; its heading turns by `turning` (rad) a sample, which does not count."""
+def measure(track: Track, grid: Grid, own: float = 0.0) -> Moments:
+    """Moments of one track or of a piece of one.
+
+    `own` is the mean step of the whole track: the turn of its heading (rad) a sample, or in a lane
+    its way (mm).
+    """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
-    headings = direction(track, grid.step)
+    headings, lane = direction(track, grid.step), track.position.shape[1] == 1
+    times = np.arange(len(track.position), dtype=float)
+    rest = lagged.squares(track.position - own * times[:, None], grid.square_lags)[0] if lane else 0
     turn, turn_pairs = lagged.products(
-        headings * np.exp(-1j * turning * np.arange(len(headings))), grid.turn_lags
+        headings * np.exp(-1j * own * times[: len(headings)]), grid.turn_lags
     )
     return Moments(
-        _run(track),
-        *_body_aside_turn(track, turning),
+        run(track),
+        *_body_aside_turn(track, own),
         _powers(forward),
         _powers(sideways),
         square,
         square_pairs,
+        rest + np.zeros_like(square),
         turn,
         turn_pairs,
         _histogram(forward, bins_along),
@@ -172,7 +181,8 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
     return moved.real, moved.imag
 
 
-def _run(track: Track) -> Array:
+def run(track: Track) -> Array:
+    """Displacement along x (mm) from the first to the last sample seen, and samples between."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
         return np.zeros(2)

@@ -14,7 +14,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import estimates, lagged, moments, turning
+from walkergen.analysis import between, estimates, lagged, moments, turning
+from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.tracks import Track, Tracks
@@ -29,8 +30,6 @@ FITTED = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
-INDEPENDENT = 8.0
-"""Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
 
 
 class Curve(NamedTuple):
@@ -67,11 +66,13 @@ class Motion(NamedTuple):
     correlation: Curve
     """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
     headings: of displacements, mm^2)."""
-    turned_s: float
+    own_s: float
     """Time over which that mean turning was measured, s; infinite where none is taken off."""
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
+    walkers: Sequence[Alone]
+    """Every walker by itself."""
     by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
     """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
@@ -126,7 +127,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     grid = _grid(tracks, lag_s, length, headed)
     on_plane = headed and not tracks.lane
     turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
-    own = _own_turns(tracks, turnings)
+    own = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
 
     def summed(some: Iterable[Track]) -> Moments:
         return moments.total(moments.measure(t, grid, own[t.particle]) for t in some)
@@ -144,20 +145,32 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
-    turned_s = float(np.mean([one.seconds for one in turnings])) if turnings else math.inf
+    times = [one.seconds for one in turnings]
+    if tracks.lane:
+        times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
+    own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, turned_s,
+        grid, tracks.interval, tracks.lane, headed, own_s,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
     values = estimates.evaluate(whole, frame)
+    alone = between.each(tracks, frame, values["shortened"], own)
+    together = between.compare(alone)
+    few = tracks.tracks if in_pieces and together is not None else ()
     judged = estimates.judge(
         values,
         [estimates.evaluate(one, frame) for one in left_out],
         frame,
-        _errors_of_means(tracks, grid.step, length) if in_pieces else {},
+        [estimates.evaluate(moments.without(whole, summed([one])), frame) for one in few],
         length // FITTED * tracks.interval,
     )
+    if in_pieces:
+        judged |= _means(alone, together, frame)
+    elif together is not None and not (headed or tracks.lane):
+        judged |= _mean_of_roots(judged, together.scatter)
+    lone = Estimate(None, None, "fewer than 2 walkers with speeds of their own")
+    judged["speed_scatter"] = together.scatter if together else lone
     fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
     if on_plane:
         judged["turning_scatter"] = turning.scatter(turnings)
@@ -169,15 +182,16 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
-        method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
+        method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
         doubts=_doubts(tracks, judged) if headed else [],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if np.isnan(fit).any() else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
-        turned_s=turned_s,
+        own_s=own_s,
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
         orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
+        walkers=alone,
     )
 
 
@@ -187,6 +201,12 @@ def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
     mean_rate = float(known[0] @ known[1] / known[1].sum()) if turnings else 0.0
     own = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
     return own | {one.particle: one.rate * tracks.interval for one in turnings}
+
+
+def _own_runs(tracks: Tracks) -> dict[int, float]:
+    """Mean way a sample of each particle in a lane, mm."""
+    runs = {track.particle: moments.run(track) for track in tracks.tracks}
+    return {name: way / max(samples, 1.0) for name, (way, samples) in runs.items()}
 
 
 def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
@@ -248,47 +268,24 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[float, str]]:
-    """Errors of mean speeds whose correlation lasts too long for pieces to be independent.
-
-    The speeds' own correlation time then gives the number of independent samples, or shows that
-    they are too few. Products over a lag do not depend on the direction at its start, so that for
-    them pieces of any length are good enough.
-    """
-    block = step * tracks.interval
-    runs, bodies, sides = [], [], []
-    for track in tracks.tracks:
-        moved = np.diff(moments.planar(track)[::step])
-        runs.append(moved.real)
-        if track.heading is not None:
-            carried = moments.carried(track, step)
-            bodies.append(carried.real)
-            sides.append(carried.imag)
-    found: dict[str, tuple[float, str]] = {}
-    headed_names = ("body_speed", "speed")
-    lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
-    for names, series in (
-        (lane_names, runs), (headed_names, bodies), (("sideways_speed",), sides)
-    ):  # fmt: skip
-        speeds = [one[~np.isnan(one)] / block for one in series]
-        time = statistics.correlation_time(speeds, block)
-        if speeds and (time is None or length * tracks.interval < INDEPENDENT * time):
-            found |= dict.fromkeys(names, _error_of_mean(speeds, block, time))
-    return found
+def _means(
+    alone: Sequence[Alone], together: Together | None, frame: Frame
+) -> Mapping[str, Estimate]:
+    """Means over few walkers, or over the track of a lone one."""
+    if together is not None:
+        return together.means
+    longest = max(alone, key=lambda one: one.seconds).estimates
+    # Without headings the fit of all products is sharper than the first one.
+    return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
 
 
-def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) -> tuple[float, str]:
-    if time is None:
-        fewest = statistics.FEWEST_VALUES
-        if max(map(len, speeds)) < fewest:
-            return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
-        return math.nan, "correlated over longer than the tracks can tell: film for longer"
-    error = statistics.error_of_mean(speeds, block, time)
-    if error is None:
-        total = sum(len(one) for one in speeds) * block
-        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
-        return math.nan, told
-    return error, ""
+def _mean_of_roots(judged: Mapping[str, Estimate], scatter: Estimate) -> Mapping[str, Estimate]:
+    """Mean speed of many walkers from its root mean square, which is larger where they differ."""
+    speed = judged["speed"]
+    if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
+        return {}
+    speed = speed._replace(value=math.sqrt(speed.value**2 - scatter.value**2))
+    return {"speed": speed, "motion_speed": speed}
 
 
 def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
@@ -327,16 +324,24 @@ def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
     return found
 
 
-def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:
-    if tracks.lane:
+def _method(
+    frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float
+) -> str:
+    if frame.lane:
         speed = "along the lane"
-    elif headed:
+    elif frame.headed:
         speed = "along the body's heading"
     else:
         speed = "along the direction of motion, root mean square of what persists for the lag"
     if not in_pieces:
-        return f"speed {speed}; errors from {samples} independent samples of particles"
+        method = f"speed {speed}; errors from {samples} independent samples of particles"
+        return f"{method}; of the mean speed, {together.limit}" if together else method
+    pieces = f"{samples} pieces of {length_s:.3g} s"
+    if together is None:
+        return f"speed {speed}; errors from {pieces}: how walkers differ, one cannot tell"
+    walkers = together.walkers
     return (
-        f"speed {speed}; errors from {samples} pieces of {length_s:.3g} s, which leave out how "
-        "walkers differ from one another"
+        f"speed {speed}; errors of speeds and turning bias over {walkers} walkers, by Student's t "
+        f"with {walkers - 1} degrees of freedom; of other numbers from {pieces}, or over walkers "
+        f"where they differ by more; of the mean speed, {together.limit}"
     )

@@ -9,17 +9,13 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
-from scipy import special
 
-from walkergen.analysis import lagged, moments
+from walkergen.analysis import between, lagged, moments
 from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
 from walkergen.analysis.tracks import Track
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
-
-CHANCE = 0.01
-"""Probability, for walkers that are alike, of a scatter that counts as resolved (an F test)."""
 
 BRIDGED = 0.6
 """Correlation of headings across a gap, at least, for the turn within it to be known: of normal
@@ -108,23 +104,15 @@ def scatter(found: Sequence[Turning]) -> Estimate:
     """Standard deviation of the mean turning rates of at least two walkers, rad/s.
 
     It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
-    so that diffusion of the heading alone gives none. The error is that of normally distributed
-    rates.
+    so that diffusion of the heading alone gives none.
     """
     if len(found) < 2:
         told = f"{len(found)} walkers with several pieces of a track; at least 2"
         return Estimate(None, None, told)
     rates, seconds = np.array([(one.rate, one.seconds) for one in found]).T
-    free, inside = len(found) - 1, _free(found)
-    spread = float(rates.var(ddof=1))
+    inside = _free(found)
     noise = _squares(found) / inside * float((1.0 / seconds).mean())
-    ratio = spread / noise if noise > 0 else math.inf if spread > 0 else 0.0
-    if special.fdtrc(free, inside, ratio) > CHANCE:
-        least = special.chdtri(free, 0.95)  # chi^2 lies above it with 95 %
-        most = math.sqrt(max(spread * free / least - noise, 0.0))
-        return Estimate(None, None, f"not resolved: below {most:.2g} rad/s (95 %)")
-    value = math.sqrt(spread - noise)
-    return Estimate(value, spread * math.sqrt(2.0 / free) / (2.0 * value), "", free)
+    return between.spread(rates, noise, inside, "rad/s")
 
 
 def diffusion(found: Sequence[Turning], noise: Estimate) -> Estimate:

@@ -67,6 +67,14 @@ class Analysis(Result):
             "low_95": low, "high_95": high, "reason": [one.reason for one in known],
         }, self.title, self.notes)  # fmt: skip
 
+    @property
+    def walkers(self) -> Table:
+        """A row for each walker: its speed and turning, with the errors within its track."""
+        rows = tables.as_dict(self.motion)["walkers"]
+        return Table({
+            name: [row.get(name) for row in rows] for name in rows[0] if name != "refused"
+        }, self.title)  # fmt: skip
+
     def rows(self) -> Iterator[tuple[str, str]]:
         """Names and values in words."""
         for name, unit, value, _ in tables.rows(self.motion):

@@ -44,8 +44,8 @@ def analyse(
 ) -> Analysed:
     """Read tracks, measure their motion and write tables and figures.
 
-    Writes analysis.csv, analysis.md, msd.csv, density.csv, correlation.csv, figures as PNG and
-    PDF, manifest.json. Raises InputError before anything is written.
+    Writes analysis.csv, analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, figures
+    as PNG and PDF, manifest.json. Raises InputError before anything is written.
     """
     studied = study(path, units, lag_s, progress)
     write(studied, path.name, units, folder, pictures, progress)
@@ -60,6 +60,7 @@ def write(
     with Folder(folder) as target:
         target.write("analysis.csv", motion_tables.to_csv(result).encode())
         target.write("analysis.md", motion_tables.to_markdown(result, title, notes).encode())
+        target.write("walkers.csv", motion_tables.walkers_csv(result).encode())
         if not result.by_plate_speed:
             _write_curves(result, target)
         progress("drawing", 2, 3)

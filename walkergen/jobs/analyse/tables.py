@@ -17,10 +17,20 @@ from walkergen.analysis.estimates import (
     with_error,
 )
 from walkergen.analysis.motion import Array, Motion
+from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 
 SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
+
+
+MOST_WALKERS = 24
+"""Largest number of walkers in a table that is printed."""
+
+OF_WALKERS = ("speed", "turning_bias")
+"""Estimates of each walker by itself, by the names of UNITS."""
+
+UNKNOWN = Estimate(None, None)
 
 
 def rows(motion: Motion) -> Iterator[tuple[str, str, str, str]]:
@@ -51,6 +61,34 @@ def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
     return table
 
 
+def walkers_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
+    """Table of each walker by itself, of many of the first."""
+    headings = ["walker", "seen (s)", "speed (mm/s)"]
+    turning = any("turning_bias" in one.estimates for one in motion.walkers)
+    table = Table(box=form, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in (*headings, "turning (rad/s)")[: 3 + turning]:
+        table.add_column(heading)
+    for one in motion.walkers[:MOST_WALKERS]:
+        told = (with_error(one.estimates.get(name, UNKNOWN)) for name in OF_WALKERS[: 1 + turning])
+        table.add_row(str(one.particle), words.number(one.seconds), *told)
+    if len(motion.walkers) > MOST_WALKERS:
+        table.caption = f"and {len(motion.walkers) - MOST_WALKERS} more in walkers.csv"
+    return table
+
+
+def walkers_csv(motion: Motion) -> str:
+    """Format as CSV, a line for each walker by itself."""
+    lines = []
+    for one in motion.walkers:
+        speed, turning = (one.estimates.get(name, UNKNOWN) for name in OF_WALKERS)
+        cells = (*speed[:2], *_ends(speed), *turning[:2])
+        lines.append((one.particle, one.seconds, *map(_cell, cells), speed.reason))
+    return csv_text(
+        ("particle", "seen_s", "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
+         "speed_high_95_mm_s", "turning_rad_s", "turning_se_rad_s", "refused"), lines,
+    )  # fmt: skip
+
+
 def line_told(motion: Motion) -> str:
     """Description of the line through the origin; '' without a line."""
     line = motion.line
@@ -67,7 +105,8 @@ def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
     """Format a Markdown page with the estimates and what they rest on."""
     several = bool(motion.by_plate_speed)
     table = plate_table(motion, box.MARKDOWN) if several else to_table(motion, "", box.MARKDOWN)
-    parts = (f"# {title}", *notes, as_markdown(table), line_told(motion))
+    walkers = as_markdown(walkers_table(motion, box.MARKDOWN))
+    parts = (f"# {title}", *notes, as_markdown(table), line_told(motion), walkers)
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
@@ -101,17 +140,24 @@ def _cell(value: float | None) -> float | str:
 def as_dict(motion: Motion) -> dict[str, Any]:
     """All results for JSON: values, errors and reasons by keys that carry their unit."""
     found: dict[str, Any] = {}
-    for name, unit in UNITS.items():
-        one = motion.estimates[name]
-        low, high = _ends(one)
-        found |= {f"{name}_{unit}": one.value, f"{name}_se_{unit}": one.se}
-        found |= {f"{name}_low_95_{unit}": low, f"{name}_high_95_{unit}": high}
+    for name in UNITS:
+        found |= _keyed(name, motion.estimates[name])
     found |= {
         "refused": {
             f"{name}_{unit}": motion.estimates[name].reason
             for name, unit in UNITS.items()
             if motion.estimates[name].reason
         },
+        "walkers": [
+            {"particle": one.particle, "seen_s": one.seconds}
+            | {
+                key: value
+                for name in OF_WALKERS
+                for key, value in _keyed(name, one.estimates.get(name, UNKNOWN)).items()
+            }
+            | ({"refused": one.estimates["speed"].reason} if one.estimates["speed"].reason else {})
+            for one in motion.walkers
+        ],
         "particles": motion.particles,
         "samples": motion.samples,
         "tracked_s": motion.tracked_s,
@@ -137,6 +183,13 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         ]
         found["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
     return found
+
+
+def _keyed(name: str, one: Estimate) -> dict[str, float | None]:
+    """An estimate by keys that carry its unit."""
+    low, high = _ends(one)
+    ends = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
+    return {f"{name}_{UNITS[name]}": one.value, f"{name}_se_{UNITS[name]}": one.se} | ends
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
