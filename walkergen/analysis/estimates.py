@@ -65,6 +65,14 @@ class Estimate(NamedTuple):
     value: float | None
     se: float | None
     reason: str = ""
+    freedom: float = math.inf
+    """Degrees of freedom of the error: bounds follow Student's t."""
+
+    def interval(self, confidence: float) -> tuple[float, float] | None:
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1."""
+        if self.value is None or self.se is None:
+            return None
+        return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
 
 
 class Frame(NamedTuple):
@@ -243,8 +251,11 @@ def judge(
         reason = refused.get(name, "")
         if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
             reason = "too few data for its fit: film for longer"
-        value, error = (None, None) if reason else (values[name], errors[name])
-        estimates[name] = Estimate(value, error, reason)
+        if reason:
+            estimates[name] = Estimate(None, None, reason)
+            continue
+        freedom = math.inf if name in means else len(replicates) - 1.0
+        estimates[name] = Estimate(values[name], errors[name], "", freedom)
     return estimates
 
 
@@ -289,9 +300,20 @@ def with_error(one: Estimate) -> str:
     """Format a value with its error to two digits of the error, or the reason of its refusal."""
     if one.value is None or one.se is None:
         return one.reason
-    if not one.se > 0:
-        return words.number(one.value, 4)
-    digits = max(1 - math.floor(math.log10(one.se)), 0)
+    return " ± ".join(_to_digits_of(one.se, (one.value, one.se) if one.se > 0 else (one.value,)))
+
+
+def bounds_95(one: Estimate) -> str:
+    """Format the bounds of 95 % to two digits of the error; '' without any."""
+    ends = one.interval(0.95)
+    return " to ".join(_to_digits_of(one.se, ends)) if ends and one.se else ""
+
+
+def _to_digits_of(error: float, values: Sequence[float]) -> list[str]:
+    """Format values to two digits of an error; to four of their own without one."""
+    if not error > 0:
+        return [words.number(value, 4) for value in values]
+    digits = max(1 - math.floor(math.log10(error)), 0)
     if digits > MOST_DIGITS:
-        return f"{words.number(one.value)} ± {words.number(one.se, 2)}"
-    return f"{one.value:.{digits}f} ± {one.se:.{digits}f}"
+        return [words.number(value, 3 if abs(value) > error else 2) for value in values]
+    return [f"{value:.{digits}f}" for value in values]

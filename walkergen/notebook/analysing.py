@@ -59,17 +59,17 @@ class Analysis(Result):
                 "plate_speed_mm_s": plates, "speed_mm_s": [one.value for one in speeds],
                 "speed_se_mm_s": [one.se for one in speeds],
             }, self.title, self.notes)  # fmt: skip
-        known = self.estimates
+        known = [self.estimates[name] for name in UNITS]
+        low, high = zip(*(one.interval(0.95) or (None, None) for one in known), strict=True)
         return Table({
             "name": list(UNITS), "unit": [tables.SHOWN.get(one, one) for one in UNITS.values()],
-            "value": [known[name].value for name in UNITS],
-            "se": [known[name].se for name in UNITS],
-            "reason": [known[name].reason for name in UNITS],
+            "value": [one.value for one in known], "se": [one.se for one in known],
+            "low_95": low, "high_95": high, "reason": [one.reason for one in known],
         }, self.title, self.notes)  # fmt: skip
 
     def rows(self) -> Iterator[tuple[str, str]]:
         """Names and values in words."""
-        for name, unit, value in tables.rows(self.motion):
+        for name, unit, value, _ in tables.rows(self.motion):
             yield f"{name} ({unit})", value
         for note in self.notes:
             yield "note", note

@@ -8,7 +8,14 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, with_error
+from walkergen.analysis.estimates import (
+    HEADINGS_KNOWN,
+    IN_A_LANE,
+    UNITS,
+    Estimate,
+    bounds_95,
+    with_error,
+)
 from walkergen.analysis.motion import Array, Motion
 from walkergen.files.tables import as_markdown, csv_text
 
@@ -16,18 +23,18 @@ SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "r
 """Units as they are printed where they are not part of a key."""
 
 
-def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
-    """Name, unit and value in words of every estimate that tracks of this kind can have."""
+def rows(motion: Motion) -> Iterator[tuple[str, str, str, str]]:
+    """Name, unit, value and bounds in words of every estimate that tracks of this kind can have."""
     for name, unit in UNITS.items():
         one = motion.estimates[name]
         if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
-            yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one)
+            yield name.replace("_", " "), SHOWN.get(unit, unit), with_error(one), bounds_95(one)
 
 
 def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
     """Table of the estimates."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("", "", "value ± standard error"):
+    for heading in ("", "", "value ± standard error", "95 %"):
         table.add_column(heading)
     for row in rows(motion):
         table.add_row(*row)
@@ -65,12 +72,16 @@ def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
 
 
 def to_csv(motion: Motion) -> str:
-    """Format as CSV, a line for each estimate: key with unit, value, standard error, refusal."""
+    """Format as CSV, a line for each estimate: key with unit, value, error, bounds, refusal."""
     lines = [
-        (f"{name}_{unit}", _cell(one.value), _cell(one.se), one.reason)
+        (f"{name}_{unit}", *map(_cell, (one.value, one.se, *_ends(one))), one.reason)
         for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
     ]
-    return csv_text(("quantity", "value", "se", "refused"), lines)
+    return csv_text(("quantity", "value", "se", "low_95", "high_95", "refused"), lines)
+
+
+def _ends(one: Estimate) -> tuple[float | None, float | None]:
+    return one.interval(0.95) or (None, None)
 
 
 def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Sequence[Array]]]) -> str:
@@ -92,7 +103,9 @@ def as_dict(motion: Motion) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one = motion.estimates[name]
+        low, high = _ends(one)
         found |= {f"{name}_{unit}": one.value, f"{name}_se_{unit}": one.se}
+        found |= {f"{name}_low_95_{unit}": low, f"{name}_high_95_{unit}": high}
     found |= {
         "refused": {
             f"{name}_{unit}": motion.estimates[name].reason
