@@ -5,6 +5,7 @@ import pytest
 from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, turning, walks
+from walkergen.analysis.walks import Spread
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""
@@ -115,12 +116,14 @@ def test_local_exponents_fall_from_ballistic_to_diffusive_as_the_walk_says():
 
 def test_local_exponents_follow_the_curvature():
     lags = np.unique(np.rint(np.geomspace(1, 300, 60)).astype(int))
-    found = motion._exponents(lags, walks.squared(0.02 * lags, 1.0, 2.0, 0.0, TURN))
+    found = motion._exponents(lags, walks.squared(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN)))
     known = ~np.isnan(found)
     # Lines through the same lags, which lie unevenly on the scale of logarithms, are 0.02 off.
     np.testing.assert_allclose(found[known], _exact_exponent(0.02 * lags)[known], atol=0.01)
 
 
 def _exact_exponent(lag):
-    up, down = (walks.squared(lag * f, 1.0, 2.0, 0.0, TURN) for f in (1.001, 1 / 1.001))
+    up, down = (
+        walks.squared(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001)
+    )
     return np.log(up / down) / (2 * np.log(1.001))

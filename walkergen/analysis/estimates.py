@@ -1,7 +1,7 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.analysis.walks import Spread
 from walkergen.files import words
 from walkergen.numerics import statistics
 
@@ -33,7 +34,8 @@ UNITS = {
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
     "heading_noise": "rad", "ballistic_speed": "mm_s",
-    "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
+    "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
+    "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
 """Names of all estimates, and the unit of each as keys write it.
@@ -42,9 +44,18 @@ UNITS = {
 mean square of the part of the velocity that persists for longer than the lag of displacements.
 `sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
 deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
-walker's own mean turning. `persistence_rate` is the decay of the correlation of all walkers, or
-D_r where a scatter of their turning rates is resolved.
+walker's own mean turning. `diffusivity` is that of long times, of all that moves a walker;
+`translational_diffusion` the part of it that is no run. `persistence_rate` is the decay of the
+correlation of all walkers, or D_r where a scatter of their turning rates is resolved.
 """
+
+FITS = (
+    "amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first"
+)  # fmt: skip
+"""Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
+mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
+(rad^2) that of the headings' noise, `msd_first` the squared displacement (mm^2) that noise and
+diffusion make within one sample."""
 
 HEADED = (
     "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
@@ -98,8 +109,11 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS, and the fit's msd_*; NaN where it has no meaning or no fit."""
-    found = dict.fromkeys((*UNITS, "msd_speed2", "msd_rate", "msd_offset"), math.nan)
+    """Compute every number of UNITS and of FITS but those of the squared displacement on a plane.
+
+    NaN where a number has no meaning or no fit.
+    """
+    found = dict.fromkeys((*UNITS, *FITS), math.nan)
     found["lane_speed"] = _ratio(sums.run) / frame.interval
     _spread(found, "parallel", sums.along)
     _spread(found, "orthogonal", sums.across)
@@ -108,7 +122,6 @@ def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
         _dispersion(found, sums, frame)
     else:
         _persistence(found, sums, frame)
-        _squared_displacement(found, sums, frame)
     return found
 
 
@@ -158,9 +171,10 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
         left = _ratio(sums.aside) / frame.interval
         found["sideways_speed"] = left / shortened if shortened else math.nan
-        found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
+        found["heading_variance"] = -math.log(max(amplitude, 1e-300))
+        found["heading_noise"] = math.sqrt(max(found["heading_variance"], 0.0))
     else:
-        found["turning_bias"] = turn
+        found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
@@ -183,29 +197,17 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
     return float(size[0]), fall / lag[at], turn
 
 
-def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the mean squared displacement of a persistent walk (paper's figure 6a) and its offset."""
-    lag = frame.grid.square_lags * frame.interval
-    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
-    use = np.isfinite(values) & (frame.square_errors > 0)
-    rate, turn = found["persistence_rate"], found["turning_bias"]
-    if use.sum() < 4 or math.isnan(rate):
-        return
-
-    def model(at: Array, speed2: float, rate: float, offset: float) -> Array:
-        return walks.squared(at, speed2, rate, offset, turn)
-
-    middle = np.flatnonzero(use)[int(use.sum()) // 2]
-    start = (values[middle] / lag[middle] ** 2, rate, 0.0)
-    fitted = walks.fit(model, lag[use], values[use], frame.square_errors[use], start)
-    if fitted is None:
-        return
-    speed2, rate, offset = (float(value) for value in fitted)
-    found |= {"msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset}
-    found["ballistic_speed"] = math.sqrt(max(speed2, 0.0))
-    found["diffusivity"] = walks.diffusivity(speed2, rate, turn)
-    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2 if speed2 else math.nan
-    found["localisation_noise"] = math.sqrt(max(offset, 0.0) / 4.0)
+def of_spread(spread: Spread, interval: float) -> dict[str, float]:
+    """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
+    speed2, rate, diffusion, offset, _ = spread
+    return {
+        "msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset,
+        "msd_first": offset + 4.0 * diffusion * interval,
+        "ballistic_speed": math.sqrt(max(speed2, 0.0)),
+        "diffusivity": spread.diffusivity, "translational_diffusion": diffusion,
+        "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
+        "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
+    }  # fmt: skip
 
 
 def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
@@ -222,78 +224,6 @@ def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     found["diffusivity"] = 0.5 * float(slope)
     found["crossover_time"] = float(slope) / speed**2 if speed else math.nan
-
-
-def judge(
-    values: Mapping[str, float],
-    replicates: Sequence[Mapping[str, float]],
-    frame: Frame,
-    means: Mapping[str, tuple[float, str]],
-    longest_s: float,
-) -> dict[str, Estimate]:
-    """Attach jackknife errors to the values, or refuse them.
-
-    `means` has errors, or reasons of refusal, for means over samples too short to be independent;
-    `longest_s` is the longest fitted lag, s.
-    """
-    errors = {name: error for name, (error, _) in means.items()}
-    for name in values.keys() - errors.keys():
-        spread = np.array([[one[name]] for one in replicates])
-        finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
-        errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
-    refused = {name: reason for name, (_, reason) in means.items() if reason}
-    refused |= _meaningless(frame) | _unresolved(values, errors, frame, longest_s)
-    if len(replicates) < FEWEST_SAMPLES:
-        few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
-        refused = dict.fromkeys(UNITS, few)
-    estimates = {}
-    for name in UNITS:
-        reason = refused.get(name, "")
-        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
-            reason = "too few data for its fit: film for longer"
-        if reason:
-            estimates[name] = Estimate(None, None, reason)
-            continue
-        freedom = math.inf if name in means else len(replicates) - 1.0
-        estimates[name] = Estimate(values[name], errors[name], "", freedom)
-    return estimates
-
-
-def _meaningless(frame: Frame) -> dict[str, str]:
-    if frame.lane:
-        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
-        return dict.fromkeys((*names, "localisation_noise"), IN_A_LANE)
-    if frame.headed:
-        return {"motion_speed": HEADINGS_KNOWN}
-    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
-
-
-def _unresolved(
-    values: Mapping[str, float], errors: Mapping[str, float], frame: Frame, longest_s: float
-) -> dict[str, str]:
-    """Refuse quotients by rates that the data cannot tell from zero: these have no error bar."""
-    found = {}
-    if frame.lane:
-        if not values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]:
-            found["crossover_time"] = "the spread about the mean run is too small to tell"
-        return found
-    rate, error = values["persistence_rate"], errors["persistence_rate"]
-    if not (rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
-        at_least = max(rate, 0.0) + 2.0 * error
-        if math.isfinite(at_least) and at_least > 0:
-            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
-        found |= dict.fromkeys(("persistence_time", "persistence_length"), told)
-    rate, error = values["msd_rate"], errors["msd_rate"]
-    resolved = values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]
-    if not (resolved and rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"ballistic at all lags up to {longest_s:.3g} s: film for longer"
-        found |= dict.fromkeys(("diffusivity", "crossover_time"), told)
-    offset, error = values["msd_offset"], errors["msd_offset"]
-    if not offset > SIGNIFICANT * error:
-        most = math.sqrt((max(offset, 0.0) + 2.0 * error) / 4.0) if math.isfinite(error) else 0.0
-        found["localisation_noise"] = f"not resolved: below {most:.2g} mm (95 %)"
-    return found
 
 
 def with_error(one: Estimate) -> str:

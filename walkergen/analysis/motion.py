@@ -14,9 +14,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import estimates, lagged, moments, turning
+from walkergen.analysis import estimates, judgement, lagged, moments, spreads, turning
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid
+from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Tracks
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
@@ -61,8 +62,8 @@ class Motion(NamedTuple):
     exponent: Curve
     """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
     diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
-    msd_fit: tuple[float, ...] | None
-    """Parameters speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    msd_fit: Fitted | None
+    """Fit of `msd` with its goodness; None where it was not fitted."""
     correlation: Curve
     """Modulus of the correlation of headings by lag (without headings: of displacements, mm^2)."""
     parallel: Curve
@@ -127,7 +128,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     # Whole tracks have pairs that their pieces lack.
     whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
     both = [whole, *left_out]
-    squares = [mean(m.square, m.square_pairs).real for m in both]
+    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
     slopes = [_exponents(grid.square_lags, one) for one in squares]
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
@@ -140,19 +141,27 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
-    values = estimates.evaluate(whole, frame)
-    judged = estimates.judge(
-        values,
-        [estimates.evaluate(one, frame) for one in left_out],
+    numbers = [estimates.evaluate(one, frame) for one in both]
+    fit = None
+    if not tracks.lane:
+        lag = tracks.interval * grid.square_lags[fitted].astype(float)
+        fit = spreads.fit(lag, [one[fitted] for one in squares], _turns(numbers, headed))
+        numbers = [
+            one | estimates.of_spread(spread, tracks.interval)
+            for one, spread in zip(numbers, fit.spreads, strict=True)
+        ]
+    judged = judgement.judge(
+        numbers[0],
+        numbers[1:],
         frame,
+        fit,
         _errors_of_means(tracks, grid.step, length) if in_pieces else {},
         length // FITTED * tracks.interval,
     )
-    fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
     if apart is not None:
         judged["turning_scatter"] = apart
         judged["rotational_diffusion"] = turning.diffusion(
-            tracks.tracks, tracks.interval, values["heading_noise"]
+            tracks.tracks, tracks.interval, numbers[0]["heading_noise"]
         )
         if apart.value is not None:
             judged |= turning.persistence(judged["rotational_diffusion"], judged["speed"])
@@ -167,11 +176,18 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         doubts=_doubts(tracks, judged) if headed else [],
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
-        msd_fit=None if np.isnan(fit).any() else fit,
+        msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
         orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
     )
+
+
+def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
+    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
+    turns, parts = ([one[name] for one in numbers] for name in ("turning_bias", "amplitude"))
+    error = _jackknife([np.array([one]) for one in parts[1:]])[0]
+    return turns if headed or parts[0] > estimates.SIGNIFICANT * error else [0.0] * len(turns)
 
 
 def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:

@@ -23,14 +23,23 @@ RATES = 33
 CURVED = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
+GROWTH = 1.1
+"""Ratio of lags between which a local exponent of the fit is taken."""
+
+BALLISTIC = 1.8
+"""Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
+
+FEWEST = 3
+"""Number of samples below which there is no fit: its weights need some without each one."""
+
 NONE = Spread(*[math.nan] * 5)
 
 
 class Fitted(NamedTuple):
-    """Fit of the mean squared displacement, and of each replicate without one sample."""
+    """Fit of the mean squared displacement."""
 
-    spread: Spread
-    replicates: tuple[Spread, ...]
+    spreads: tuple[Spread, ...]
+    """Parameters of all samples, then of those without each one."""
     run: bool
     """Whether a run shows: without it speed2 and rate are 0, and diffusion is all there is."""
     misfit: float
@@ -38,33 +47,60 @@ class Fitted(NamedTuple):
     p_value: float
     """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
 
+    def regime(self, lag: float) -> str:
+        """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
+        spread = self.spreads[0]._replace(offset=0.0)
+        near, far = walks.squared(np.array([lag / GROWTH, lag]), spread)
+        exponent = math.log(far / near) / math.log(GROWTH) if far > 0 and near > 0 else math.nan
+        if exponent > BALLISTIC:
+            return f"ballistic at all lags up to {lag:.3g} s"
+        return f"no end of the run is resolved within {lag:.3g} s"
 
-def fit(lag: Array, squares: Sequence[Array], errors: Array, turns: Sequence[float]) -> Fitted:
+
+def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     """Fit squared displacements (mm^2) at lags (s): first of all samples, then without each one.
 
-    `errors` are NaN at lags that are not fitted, `turns` (rad/s) the rates of turning of each.
+    `turns` (rad/s) are the rates of turning of each. Parameters are NaN where lags are too few.
     """
-    use = (errors > 0) & np.isfinite(squares).all(axis=0)
-    if use.sum() < 6 or not np.isfinite(turns).all():
-        return Fitted(NONE, (NONE,) * (len(squares) - 1), False, math.nan, math.nan)
-    lag, errors, values = lag[use], errors[use], np.stack(squares)[:, use]
+    values = np.stack(squares)
+    use = np.isfinite(values).all(axis=0)
+    if len(values) > FEWEST:
+        use = use & (_errors(values) > 0).all(axis=0)
+    if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
+        return Fitted((NONE,) * len(values), False, math.nan, math.nan)
+    lag, values = lag[use], values[:, use]
+    errors = np.stack([_smooth(lag, one) for one in _errors(values)])
     run = _curves(lag, values, errors, turns)
     rates = np.geomspace(1e-3 / lag[-1], 2.0 / lag[0], RATES) if run else None
-    fits = [
-        _best(lag, one, errors, turn, rates) for one, turn in zip(values, turns, strict=True)
-    ]
-    rest = [
-        (one - walks.squared(lag, spread)) / errors for one, spread in zip(values, fits, strict=True)
-    ]
-    return Fitted(fits[0], tuple(fits[1:]), run, *_goodness(rest[0], np.stack(rest[1:])))
+    fits = [_best(lag, *row, rates) for row in zip(values, errors, turns, strict=True)]
+    rest = (values - np.stack([walks.squared(lag, one) for one in fits])) / errors[0]
+    return Fitted(tuple(fits), run, *_goodness(rest[0], rest[1:]))
+
+
+def _errors(values: Array) -> Array:
+    """Error of each row of `values`, those of all samples and of those without each one.
+
+    Where one error served all rows, what the weights owe to chance would not be in the jackknife.
+    """
+    count = len(values) - 1
+    samples = count * values[0] - (count - 1) * values[1:]
+    kept = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
+    return np.stack([one.std(axis=0, ddof=1) / math.sqrt(len(one)) for one in kept])
+
+
+def _smooth(lag: Array, errors: Array) -> Array:
+    """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
+    at = np.log(lag)
+    smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
+    return smooth
 
 
 def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> bool:
     """Whether a run shows beside diffusion and noise, at any rate that the lags can show."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array([
-        [_linear(lag, one, errors, rate, turn)[0].speed2 for rate in rates]
-        for one, turn in zip(values, turns, strict=True)
+        [_linear(lag, value, error, rate, turn)[0].speed2 for rate in rates]
+        for value, error, turn in zip(values, errors, turns, strict=True)
     ])  # fmt: skip
     from scipy.special import stdtrit
 

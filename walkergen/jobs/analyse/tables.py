@@ -35,7 +35,7 @@ def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Tab
     """Table of the estimates."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("", "", "value ± standard error", "95 %"):
-        table.add_column(heading)
+        table.add_column(heading, min_width=len(heading))
     for row in rows(motion):
         table.add_row(*row)
     return table
