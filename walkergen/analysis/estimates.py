@@ -46,7 +46,8 @@ mean square of the part of the velocity that persists for longer than the lag of
 deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
 walker's own mean turning. `diffusivity` is that of long times, of all that moves a walker;
 `translational_diffusion` the part of it that is no run. `persistence_rate` is the decay of the
-correlation of all walkers, or D_r where a scatter of their turning rates is resolved.
+correlation of headings about the same mean turning; without headings, of displacements, which also
+lose direction where walkers turn apart.
 """
 
 FITS = (
@@ -95,8 +96,9 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True when headings are known."""
-    scatter: float
-    """Standard deviation of turning rates between walkers, rad/s; 0 where it is not resolved."""
+    turned_s: float
+    """Time over which the mean turning was measured that each walker's headings lack, s; infinite
+    where they lack none."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -147,41 +149,55 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if use.sum() < 4:
         return
     lag, values, errors = lag[use], values[use], errors[use]
-    start: tuple[float, ...] = _start(lag, values, errors)
 
-    def model(
-        at: Array, amplitude: float, rate: float, turn: float, variance: float = 0.0
-    ) -> Complex:
-        apart: Array = np.exp(-0.5 * variance * at**2)  # turning rates scatter between walkers
-        return walks.decay(at, amplitude, rate, turn, window) * apart
+    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
+        return walks.decay(at * (1.0 - at / frame.turned_s), amplitude, rate, turn, window)
 
-    if frame.scatter > 0:
-        start = (*start, frame.scatter**2)
-    fitted = walks.fit(model, lag, values, errors, start)
+    fitted = walks.fit(model, lag, values, errors, _start(lag, values, errors))
     if fitted is None:
         return
-    amplitude, rate, turn = fitted[:3]
+    amplitude, rate, turn = fitted
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
-        # Noise of the headings, and turning within an interval, shorten the projected displacement.
-        shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
-        raw = _ratio(sums.body) / frame.interval
-        found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
-        left = _ratio(sums.aside) / frame.interval
-        found["sideways_speed"] = left / shortened if shortened else math.nan
-        found["heading_variance"] = -math.log(max(amplitude, 1e-300))
-        found["heading_noise"] = math.sqrt(max(found["heading_variance"], 0.0))
+        variance = -_at_once(lag, values)
+        shortened = math.exp(-0.5 * variance)
+        velocity = _velocity(sums, rate * frame.interval) / (shortened * frame.interval)
+        found["body_speed"] = found["speed"] = velocity.real
+        found["sideways_speed"] = velocity.imag
+        found["heading_variance"] = variance
+        found["heading_noise"] = math.sqrt(max(variance, 0.0))
     else:
         found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
 
-def _within(decay: float) -> float:
-    """Mean of exp(-decay t) over t in 0..1: the part of a heading that is left over an interval."""
-    return -math.expm1(-decay) / decay if decay else 1.0
+def _at_once(lag: Array, kept: Complex) -> float:
+    """Logarithm of the correlation of headings at lag 0 but for itself: less twice their noise.
+
+    By the parabola through the first three lags: with inertia, headings hardly turn at first, so
+    that the fitted decay would not meet it.
+    """
+    height = np.log(np.maximum(np.abs(kept[:3]), 1e-300))
+    return float(np.polyval(np.polyfit(lag[:3], height, 2), 0.0))
+
+
+def _velocity(sums: Moments, decay: float) -> complex:
+    """Displacement a sample (mm) along the heading and to its left, at the heading's own time.
+
+    Headings before a displacement, and those after it, are extrapolated to it each by itself, as
+    there may be a cusp between them (headings that diffuse) or none (inertia). What is left is of
+    second order in `decay`, the loss of direction a sample.
+    """
+    (near, near_pairs), (far, far_pairs) = sums.near, sums.far
+    if not near_pairs.real or not far_pairs.real:
+        return complex(math.nan, math.nan)
+    straight: complex = 1.5 * near / near_pairs - 0.5 * far / far_pairs
+    within = -math.expm1(-decay) / decay if decay else 1.0
+    return straight / (within * (1.5 - 0.5 * math.exp(-decay)))
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:

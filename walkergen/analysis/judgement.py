@@ -24,8 +24,26 @@ from walkergen.analysis.estimates import (
 from walkergen.analysis.spreads import Fitted
 from walkergen.numerics import statistics
 
+TOO_FEW = "too few data for its fit: film for longer"
+
 CHANCE = 5e-3
 """Probability of a number that counts as larger than 0 though it is not (Student's t)."""
+
+
+def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Estimate:
+    """Number by the jackknife, refused or not: of all samples, then of those without each one."""
+    value, error = numbers[0][name], _error(numbers[1:], name)
+    if not (math.isfinite(value) and math.isfinite(error)):
+        return Estimate(None, None, TOO_FEW)
+    return Estimate(value, error, "", len(numbers) - 2.0)
+
+
+def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
+    """Jackknife error of a number; NaN with too few samples, or where one has no number."""
+    spread = np.array([[one[name]] for one in replicates])
+    if len(spread) < FEWEST_SAMPLES or not np.isfinite(spread).all():
+        return math.nan
+    return float(statistics.jackknife_error(spread)[0])
 
 
 def judge(
@@ -42,10 +60,7 @@ def judge(
     `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
     """
     errors = {name: error for name, (error, _) in means.items()}
-    for name in values.keys() - errors.keys():
-        spread = np.array([[one[name]] for one in replicates])
-        finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
-        errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
+    errors |= {name: _error(replicates, name) for name in values.keys() - errors.keys()}
     refused = {name: reason for name, (_, reason) in means.items() if reason}
     refused |= _meaningless(frame) | _unresolved(
         _Numbers(values, errors, len(replicates) - 1), frame, fitted, longest_s
@@ -57,7 +72,7 @@ def judge(
     for name in UNITS:
         reason = refused.get(name, "")
         if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
-            reason = "too few data for its fit: film for longer"
+            reason = TOO_FEW
         if reason:
             estimates[name] = Estimate(None, None, reason)
             continue

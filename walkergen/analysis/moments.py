@@ -43,10 +43,11 @@ class Moments(NamedTuple):
 
     run: Array
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
-    body: Array
-    """Displacement ahead (mm) over neighbouring samples (see `carried`), and number of pairs."""
-    aside: Array
-    """Displacement to the left (mm) over neighbouring samples, and number of such pairs."""
+    near: Complex
+    """Displacement ahead (mm; imaginary part: to the left) over neighbouring samples, along the
+    headings at both, and number of such pairs."""
+    far: Complex
+    """The same along the headings a sample earlier and a sample later than these."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -56,7 +57,8 @@ class Moments(NamedTuple):
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
     turn: Complex
-    """Sum of products of headings by lag; without headings, of displacements over `step`, mm^2."""
+    """Sum of products of headings, less their steady turn, by lag; without headings, of
+    displacements over `step`, mm^2."""
     turn_pairs: Array
     density_along: Array
     """Number of displacements along the heading in each bin."""
@@ -115,15 +117,21 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def measure(track: Track, grid: Grid) -> Moments:
-    """Moments of one track."""
+def measure(track: Track, grid: Grid, turning: float = 0.0) -> Moments:
+    """Moments of one track; its heading turns by `turning` (rad) a sample, which does not count."""
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
-    turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
+    headings = direction(track, grid.step)
+    turn, turn_pairs = lagged.products(
+        headings * np.exp(-1j * turning * np.arange(len(headings))), grid.turn_lags
+    )
+    none = np.zeros(2, dtype=complex)
     return Moments(
         _run(track),
-        *_body_aside_turn(track),
+        none if track.heading is None else _ahead(track, turning, 0),
+        none if track.heading is None else _ahead(track, turning, 1),
+        _turned(track),
         _powers(forward),
         _powers(sideways),
         square,
@@ -188,17 +196,32 @@ def carried(track: Track, step: int) -> Complex:
     return moved
 
 
-def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
+def _ahead(track: Track, turning: float, out: int) -> Complex:
+    """Sum and number of displacements (mm) along headings `out` samples from their ends.
+
+    Headings are turned forth and back to the middle by `turning` (rad a sample), and the way is
+    that on the arc, not its chord: a walker that turns steadily is not slower, nor drifts aside.
+    """
+    assert track.heading is not None
+    chord = np.sinc(0.5 * turning / np.pi)
+    moved = np.diff(planar(track)) / chord
+    beyond = np.full(out, np.nan)
+    heading = np.concatenate([beyond, track.heading, beyond])
+    values = [
+        moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
+        for first in (0, 2 * out + 1)
+    ]
+    known = np.concatenate(values)
+    known = known[~np.isnan(known)]
+    return np.array([known.sum(), len(known)])
+
+
+def _turned(track: Track) -> Array:
     if track.heading is None:
-        return np.zeros(2), np.zeros(2), np.zeros(2)
-    unit = np.exp(1j * track.heading)
-    moved, turned = carried(track, 1), np.angle(unit[1:] * np.conj(unit[:-1]))
-    moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
-    return (
-        np.array([moved.real.sum(), float(len(moved))]),
-        np.array([moved.imag.sum(), float(len(moved))]),
-        np.array([turned.sum(), float(len(turned))]),
-    )
+        return np.zeros(2)
+    turns = np.diff(track.heading)
+    turns = np.angle(np.exp(1j * turns[~np.isnan(turns)]))
+    return np.array([turns.sum(), float(len(turns))])
 
 
 def _powers(values: Array) -> Array:

@@ -8,17 +8,18 @@ offset that is fitted and reported.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import estimates, judgement, lagged, moments, spreads, turning
-from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
-from walkergen.analysis.moments import Grid
+from walkergen.analysis.estimates import SIGNIFICANT, UNITS, Estimate, Frame, mean
+from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
-from walkergen.analysis.tracks import Tracks
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.turning import Turning
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
 from walkergen.numerics.statistics import Line, line_through_origin
@@ -65,7 +66,10 @@ class Motion(NamedTuple):
     msd_fit: Fitted | None
     """Fit of `msd` with its goodness; None where it was not fitted."""
     correlation: Curve
-    """Modulus of the correlation of headings by lag (without headings: of displacements, mm^2)."""
+    """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
+    headings: of displacements, mm^2)."""
+    turned_s: float
+    """Time over which that mean turning was measured, s; infinite where none is taken off."""
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
@@ -121,12 +125,19 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         raise InputError("no particle is seen twice; nothing moves")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
-    parts = [moments.total(moments.measure(track, grid) for track in group) for group in groups]
+    on_plane = headed and not tracks.lane
+    turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
+    own = _own_turns(tracks, turnings)
+
+    def summed(some: Iterable[Track]) -> Moments:
+        return moments.total(moments.measure(t, grid, own[t.particle]) for t in some)
+
+    parts = [summed(group) for group in groups]
     rest = moments.total(parts)
     left_out = [moments.without(rest, part) for part in parts]
     in_pieces = moments.in_pieces(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
+    whole = summed(tracks.tracks) if in_pieces else rest
     both = [whole, *left_out]
     squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
@@ -134,10 +145,9 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
-    on_plane = headed and not tracks.lane
-    apart = turning.scatter(tracks.tracks, tracks.interval) if on_plane else None
+    turned_s = float(np.mean([one.seconds for one in turnings])) if turnings else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, (apart.value or 0.0) if apart else 0.0,
+        grid, tracks.interval, tracks.lane, headed, turned_s,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
@@ -158,13 +168,11 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         _errors_of_means(tracks, grid.step, length) if in_pieces else {},
         length // FITTED * tracks.interval,
     )
-    if apart is not None:
-        judged["turning_scatter"] = apart
+    if on_plane:
+        judged["turning_scatter"] = turning.scatter(turnings)
         judged["rotational_diffusion"] = turning.diffusion(
-            tracks.tracks, tracks.interval, numbers[0]["heading_noise"]
+            turnings, judgement.measured(numbers, "heading_variance")
         )
-        if apart.value is not None:
-            judged |= turning.persistence(judged["rotational_diffusion"], judged["speed"])
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,
@@ -178,6 +186,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
+        turned_s=turned_s,
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
         orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
     )
@@ -185,9 +194,18 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
 
 def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
-    turns, parts = ([one[name] for one in numbers] for name in ("turning_bias", "amplitude"))
-    error = _jackknife([np.array([one]) for one in parts[1:]])[0]
-    return turns if headed or parts[0] > estimates.SIGNIFICANT * error else [0.0] * len(turns)
+    lasting = judgement.measured(numbers, "amplitude")
+    if headed or (lasting.value and lasting.se and lasting.value > SIGNIFICANT * lasting.se):
+        return [one["turning_bias"] for one in numbers]
+    return [0.0] * len(numbers)
+
+
+def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
+    """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
+    known = np.array([(one.rate, one.seconds) for one in turnings]).reshape(-1, 2).T
+    mean_rate = float(known[0] @ known[1] / known[1].sum()) if turnings else 0.0
+    own = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
+    return own | {one.particle: one.rate * tracks.interval for one in turnings}
 
 
 def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:

@@ -121,10 +121,8 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
     if rate is not None:
         lag = np.linspace(0.0, motion.correlation.at[-1], 200)
         at, first = motion.correlation.at[0], motion.correlation.value[0]
-        apart = motion.estimates["turning_scatter"].value or 0.0
-        decay = np.exp(-rate * (lag - at) - 0.5 * apart**2 * (lag**2 - at**2))
-        name = "exponential, and turning apart" if apart else "exponential"
-        axes.plot(lag, first * decay, color=WARM, label=name)
+        bridge = lag * (1.0 - lag / motion.turned_s) - at * (1.0 - at / motion.turned_s)
+        axes.plot(lag, first * np.exp(-rate * bridge), color=WARM, label="exponential")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("lag (s)")
