@@ -14,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import estimates, judgement, lagged, moments, spreads, turning
+from walkergen.analysis import doubts, estimates, judgement, lagged, moments, spreads, turning
 from walkergen.analysis.estimates import SIGNIFICANT, UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
@@ -57,7 +57,7 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """Reasons to doubt the headings, or what they mean for a number."""
+    """Reasons to doubt the tracks, or what they mean for a number."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     exponent: Curve
@@ -78,9 +78,6 @@ class Motion(NamedTuple):
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
 
-
-JUMPING = 0.01
-"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
 LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
@@ -181,7 +178,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
-        doubts=_doubts(tracks, judged) if headed else [],
+        doubts=doubts.of(tracks, groups, fit) + _unlike(judged),
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
@@ -310,40 +307,13 @@ def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) ->
     return error, ""
 
 
-def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
-    """Doubts about headings that jump, or that fit displacements only when turned or mirrored.
-
-    Also about fits for walkers that turn at different rates.
-    """
-    jumps = pairs = 0
-    along = mirrored = 0.0 + 0.0j
-    for track in tracks.tracks:
-        unit = moments.direction(track, 1)
-        moved = np.diff(moments.planar(track))
-        turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
-        jumps += int(np.count_nonzero(turned > 0.5 * math.pi))
-        pairs += int(np.count_nonzero(~np.isnan(turned)))
-        along += np.nansum(moved * np.conj(unit[:-1]))
-        mirrored += np.nansum(moved * unit[:-1])
-    found = []
-    if jumps > JUMPING * pairs:
-        found.append(
-            f"headings turn by more than 90 deg in {jumps} of {pairs} steps: are they known only "
-            "up to a half turn? Speeds along and across the body then mean nothing"
-        )
-    if abs(mirrored) > 2.0 * abs(along):
-        found.append(
-            "displacements fit the headings only when these are mirrored: theta has to count from "
-            "x toward y of the file's own axes"
-        )
-    elif along.real < -abs(along.imag):
-        found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
-    if judged["turning_scatter"].value is not None:
-        found.append(
-            "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
-            "displacement (diffusivity, crossover) knows nothing"
-        )
-    return found
+def _unlike(judged: Mapping[str, Estimate]) -> list[str]:
+    if judged["turning_scatter"].value is None:
+        return []
+    return [
+        "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
+        "displacement (diffusivity, crossover) knows nothing"
+    ]
 
 
 def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:

@@ -47,6 +47,16 @@ class Fitted(NamedTuple):
     p_value: float
     """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
 
+    @property
+    def told(self) -> str:
+        """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
+        if math.isnan(self.p_value):
+            return ""
+        return (
+            f"fit of the squared displacement: misfit {self.misfit:.2g} of what chance makes on "
+            f"average, probability {self.p_value:.2g}"
+        )
+
     def regime(self, lag: float) -> str:
         """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
         spread = self.spreads[0]._replace(offset=0.0)

@@ -117,6 +117,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
+        "msd_fit": _fit(motion),
         "msd": _points(
             (*motion.msd, *motion.exponent[1:]),
             "lag_s",
@@ -137,6 +138,19 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         ]
         found["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
     return found
+
+
+def _fit(motion: Motion) -> dict[str, float | None] | None:
+    """Parameters of the fit of the squared displacement, and its goodness."""
+    fit = motion.msd_fit
+    if fit is None:
+        return None
+    speed2, rate, diffusion, offset, turn = fit.spreads[0]
+    values = {
+        "speed2_mm2_s2": speed2, "rate_per_s": rate, "diffusion_mm2_s": diffusion,
+        "offset_mm2": offset, "turn_rad_s": turn, "misfit": fit.misfit, "p_value": fit.p_value,
+    }  # fmt: skip
+    return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
