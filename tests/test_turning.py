@@ -6,6 +6,7 @@ from synthetic_tracks import Walker, film
 
 from walkergen.analysis import motion, turning, walks
 from walkergen.analysis.estimates import Estimate
+from walkergen.analysis.walks import Spread
 
 SPEED, DRIFT, TURN, SCATTER, D_R = 60.0, 4.0, 0.8, 1.5, 0.1
 """mm/s ahead and to the left, rad/s of all and between walkers, rad^2/s."""
@@ -27,8 +28,8 @@ def scatter_of(tracks):
     return turning.scatter(turning.walkers(tracks.tracks, tracks.interval))
 
 
-def diffusion_of(tracks, noise=Estimate(0.0, 0.0)):  # noqa: B008
-    return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise)
+def diffusion_of(tracks, noise2=Estimate(0.0, 0.0)):  # noqa: B008
+    return turning.diffusion(turning.walkers(tracks.tracks, tracks.interval), noise2)
 
 
 def test_drift_turning_and_scatter_are_those_put_in():
@@ -89,7 +90,7 @@ def test_errors_of_scatter_and_diffusion_cover_the_truth():
 def test_noise_of_headings_is_no_diffusion(lost):
     noisy = EXACT._replace(heading_noise=0.1, lost=lost)
     tracks = film(3, 60, 8.0, noisy, INTERVAL)
-    one = diffusion_of(tracks, Estimate(0.1, 0.0))
+    one = diffusion_of(tracks, Estimate(0.1**2, 0.0))
     assert abs(one.value - D_R) < 3.5 * one.se
     if not lost:
         # n pieces of t s that share their ends raise it by noise^2 (n + 1) / (n t): n = 8, t = 1 s.
@@ -159,12 +160,14 @@ def test_local_exponents_fall_from_ballistic_to_diffusive_as_the_walk_says():
 
 def test_local_exponents_follow_the_curvature():
     lags = np.unique(np.rint(np.geomspace(1, 300, 60)).astype(int))
-    found = motion._exponents(lags, walks.squared(0.02 * lags, 1.0, 2.0, 0.0, TURN))
+    found = motion._exponents(lags, walks.squared(0.02 * lags, Spread(1.0, 2.0, 0.0, 0.0, TURN)))
     known = ~np.isnan(found)
     # Lines through the same lags, which lie unevenly on the scale of logarithms, are 0.02 off.
     np.testing.assert_allclose(found[known], _exact_exponent(0.02 * lags)[known], atol=0.01)
 
 
 def _exact_exponent(lag):
-    up, down = (walks.squared(lag * f, 1.0, 2.0, 0.0, TURN) for f in (1.001, 1 / 1.001))
+    up, down = (
+        walks.squared(lag * f, Spread(1.0, 2.0, 0.0, 0.0, TURN)) for f in (1.001, 1 / 1.001)
+    )
     return np.log(up / down) / (2 * np.log(1.001))

@@ -13,7 +13,7 @@ import numpy.typing as npt
 from scipy import special
 
 from walkergen.analysis import moments
-from walkergen.analysis.estimates import SIGNIFICANT, Estimate, Frame
+from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, Estimate, Frame
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.numerics import statistics
 
@@ -128,17 +128,25 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
         one = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
         return {"lane_speed": along, "speed": one, "motion_speed": one}
     assert track.heading is not None
-    carried = moments.carried(track, 1) / moments.on_arc(turn)
+    near, far = (_mean_known(moments.ahead(track, turn, out)) for out in (0, 1))
+    moved = NEAR * near + FAR * far
     speeds = moments.carried(track, step) / (step * interval * shortened)
-    ones, unit = np.ones(len(carried)), 1.0 / (shortened * interval)
-    ahead = _Series(carried.real, ones, unit, speeds.real)
+    ones, unit = np.ones(len(moved)), 1.0 / (shortened * interval)
+    ahead = _Series(moved.real, ones, unit, speeds.real)
     heading = np.exp(1j * track.heading)
     turned = np.angle(heading[1:] * np.conj(heading[:-1]))
     return {
         "lane_speed": along, "speed": ahead, "body_speed": ahead,
-        "sideways_speed": _Series(carried.imag, ones, unit, speeds.imag),
+        "sideways_speed": _Series(moved.imag, ones, unit, speeds.imag),
         "turning_bias": _Series(turned, ones, 1.0 / interval, np.zeros(0)),
     }  # fmt: skip
+
+
+def _mean_known(values: moments.Complex) -> moments.Complex:
+    """Mean of the rows that are known; NaN where none is."""
+    known = ~np.isnan(values)
+    mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.where(known.any(axis=0), mean, np.nan)
 
 
 def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
@@ -146,7 +154,9 @@ def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
     known = ~np.isnan(series.steps)
     parts = np.array_split(np.stack([series.steps, series.samples])[:, known], PIECES, axis=1)
     sums = np.array([part.sum(axis=1) for part in parts if part.size])
-    if not len(sums) or not math.isfinite(series.unit):
+    if not math.isfinite(series.unit):
+        return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
+    if not len(sums):
         return math.nan, Estimate(None, None, "too short a track: film for longer")
     if series.squared and (reason := _unresolved(sums, series.unit)):
         return math.nan, Estimate(None, None, reason)

@@ -1,7 +1,7 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -10,6 +10,7 @@ from scipy import special
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.analysis.walks import Spread
 from walkergen.files import words
 from walkergen.numerics import statistics
 
@@ -25,9 +26,6 @@ DECAYED = 0.2
 MOST_DIGITS = 6
 """Largest number of decimals of a value in words; beyond it has an exponent."""
 
-UNLIKE = 0.05
-"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
-
 FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
 
@@ -38,23 +36,35 @@ UNITS = {
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
     "heading_noise": "rad", "ballistic_speed": "mm_s",
-    "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
+    "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
+    "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
 """Names of all estimates, and the unit of each as keys write it.
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
-`sideways_speed` is the mean drift to the left of the heading; `speed_scatter` and
-`turning_scatter` are the standard deviations of speeds and turning rates between walkers,
-`rotational_diffusion` D_r of headings about each walker's own mean turning. `persistence_rate` is
-the decay of the correlation of headings about the same; without headings, of displacements, which
-also lose direction where walkers turn apart.
+`sideways_speed` is the mean drift to the left of the heading, `speed_scatter` and `turning_scatter`
+the standard deviations of speeds and turning rates between walkers, `rotational_diffusion` D_r of
+headings about each walker's own mean turning. `diffusivity` is that of long times, of all that
+moves a walker; `translational_diffusion` the part of it that is no run. `persistence_rate` is the
+decay of the correlation of headings about the same mean turning; without headings, of
+displacements, which also lose direction where walkers turn apart.
 """
 
-INNER = ("msd_speed2", "msd_rate", "msd_offset", "shortened")
-"""Names of numbers that others derive from: of the fit of the squared displacement, and the share
-of a speed that displacements show, or without headings the root of the first product over it, s."""
+FITS = (
+    "amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first",
+    "shortened",
+)  # fmt: skip
+"""Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
+mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
+(rad^2) that of the headings' noise, `shortened` the share of a speed that displacements along
+headings show, or without headings the root of the first product over the speed (s), `msd_first` the
+squared displacement (mm^2) that noise and diffusion make within one sample."""
+
+NEAR, FAR = 1.5, -0.5
+"""Weights of displacements along headings half a sample and one and a half from their middles, that
+extrapolate to none."""
 
 HEADED = (
     "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
@@ -122,8 +132,11 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS and INNER; NaN where it has no meaning or no fit."""
-    found = dict.fromkeys((*UNITS, *INNER), math.nan)
+    """Compute every number of UNITS and of FITS but those of the squared displacement on a plane.
+
+    NaN where a number has no meaning or no fit.
+    """
+    found = dict.fromkeys((*UNITS, *FITS), math.nan)
     found["lane_speed"] = _ratio(sums.run) / frame.interval
     _spread(found, "parallel", sums.along)
     _spread(found, "orthogonal", sums.across)
@@ -132,7 +145,6 @@ def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
         _dispersion(found, sums, frame)
     else:
         _persistence(found, sums, frame)
-        _squared_displacement(found, sums, frame)
     return found
 
 
@@ -171,25 +183,52 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
-        # Noise of the headings, and turning within an interval, shorten the projected displacement.
-        shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
-        found["shortened"] = shortened or math.nan
-        raw = _ratio(sums.body) / frame.interval
-        found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
-        left = _ratio(sums.aside) / frame.interval
-        found["sideways_speed"] = left / shortened if shortened else math.nan
-        found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
+        variance = -_at_once(lag, values)
+        shortened = math.exp(-0.5 * variance) * _extrapolated(rate * frame.interval)
+        velocity = _velocity(sums) / (shortened * frame.interval)
+        found["shortened"] = shortened
+        found["body_speed"] = found["speed"] = velocity.real
+        found["sideways_speed"] = velocity.imag
+        found["heading_variance"] = variance
+        found["heading_noise"] = math.sqrt(max(variance, 0.0))
     else:
-        found["turning_bias"] = turn
+        found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
         first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
         found["shortened"] = window * math.sqrt(abs(first[0]))
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
 
-def _within(decay: float) -> float:
-    """Mean of exp(-decay t) over t in 0..1: the part of a heading that is left over an interval."""
-    return -math.expm1(-decay) / decay if decay else 1.0
+def _at_once(lag: Array, kept: Complex) -> float:
+    """Logarithm of the correlation of headings at lag 0 but for itself: less twice their noise.
+
+    By the parabola through the first three lags: with inertia, headings hardly turn at first, so
+    that the fitted decay would not meet it.
+    """
+    height = np.log(np.maximum(np.abs(kept[:3]), 1e-300))
+    return float(np.polyval(np.polyfit(lag[:3], height, 2), 0.0))
+
+
+def _velocity(sums: Moments) -> complex:
+    """Displacement a sample (mm) along the heading and to its left, at the heading's own time.
+
+    Headings before a displacement, and those after it, are extrapolated to it each by itself, as
+    there may be a cusp between them (headings that diffuse) or none (inertia).
+    """
+    (near, near_pairs), (far, far_pairs) = sums.near, sums.far
+    if not near_pairs.real or not far_pairs.real:
+        return complex(math.nan, math.nan)
+    straight: complex = NEAR * near / near_pairs + FAR * far / far_pairs
+    return straight
+
+
+def _extrapolated(decay: float) -> float:
+    """What the extrapolation of `_velocity` leaves: 1 but for the second order in `decay`.
+
+    That is the loss of direction a sample.
+    """
+    within = -math.expm1(-decay) / decay if decay else 1.0
+    return within * (NEAR + FAR * math.exp(-decay))
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
@@ -205,29 +244,17 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
     return float(size[0]), fall / lag[at], turn
 
 
-def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the mean squared displacement of a persistent walk (paper's figure 6a) and its offset."""
-    lag = frame.grid.square_lags * frame.interval
-    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
-    use = np.isfinite(values) & (frame.square_errors > 0)
-    rate, turn = found["persistence_rate"], found["turning_bias"]
-    if use.sum() < 4 or math.isnan(rate):
-        return
-
-    def model(at: Array, speed2: float, rate: float, offset: float) -> Array:
-        return walks.squared(at, speed2, rate, offset, turn)
-
-    middle = np.flatnonzero(use)[int(use.sum()) // 2]
-    start = (values[middle] / lag[middle] ** 2, rate, 0.0)
-    fitted = walks.fit(model, lag[use], values[use], frame.square_errors[use], start)
-    if fitted is None:
-        return
-    speed2, rate, offset = (float(value) for value in fitted)
-    found |= {"msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset}
-    found["ballistic_speed"] = math.sqrt(max(speed2, 0.0))
-    found["diffusivity"] = walks.diffusivity(speed2, rate, turn)
-    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2 if speed2 else math.nan
-    found["localisation_noise"] = math.sqrt(max(offset, 0.0) / 4.0)
+def of_spread(spread: Spread, interval: float) -> dict[str, float]:
+    """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
+    speed2, rate, diffusion, offset, _ = spread
+    return {
+        "msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset,
+        "msd_first": offset + 4.0 * diffusion * interval,
+        "ballistic_speed": math.sqrt(max(speed2, 0.0)),
+        "diffusivity": spread.diffusivity, "translational_diffusion": diffusion,
+        "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
+        "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
+    }  # fmt: skip
 
 
 def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
@@ -247,88 +274,6 @@ def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     found["diffusivity"] = 0.5 * float(slope)
     found["crossover_time"] = float(slope) / speed**2 if speed else math.nan
-
-
-def judge(
-    values: Mapping[str, float],
-    replicates: Sequence[Mapping[str, float]],
-    frame: Frame,
-    without_one: Sequence[Mapping[str, float]],
-    longest_s: float,
-) -> dict[str, Estimate]:
-    """Attach jackknife errors to the values, or refuse them.
-
-    `replicates` leave out a piece of the tracks each, `without_one` a walker each, where there are
-    few: where walkers differ by more than their pieces tell, the error is that over walkers.
-    `longest_s` is the longest fitted lag, s.
-    """
-    within = _jackknife(replicates) if len(replicates) >= FEWEST_SAMPLES else {}
-    errors = {name: (within.get(name, math.nan), len(replicates) - 1.0) for name in values}
-    free = len(without_one) - 1.0
-    for name, error in _jackknife(without_one).items() if free > 0 else ():
-        inside, freedom = errors[name]
-        if inside > 0 and special.fdtrc(free, freedom, (error / inside) ** 2) < UNLIKE:
-            errors[name] = error, free
-    plain = {name: error for name, (error, _) in errors.items()}
-    refused = _meaningless(frame) | _unresolved(values, plain, frame, longest_s)
-    if len(replicates) < FEWEST_SAMPLES:
-        few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
-        refused = dict.fromkeys(UNITS, few)
-    estimates = {}
-    for name in UNITS:
-        reason = refused.get(name, "")
-        error, freedom = errors[name]
-        if not reason and not (math.isfinite(values[name]) and math.isfinite(error)):
-            reason = "too few data for its fit: film for longer"
-        if reason:
-            estimates[name] = Estimate(None, None, reason)
-        else:
-            estimates[name] = Estimate(values[name], error, "", freedom)
-    return estimates
-
-
-def _jackknife(replicates: Sequence[Mapping[str, float]]) -> dict[str, float]:
-    """Error of every number; NaN where one replicate has none."""
-    names = list(replicates[0])
-    values = np.array([[one[name] for name in names] for one in replicates])
-    return dict(zip(names, statistics.jackknife_error(values).tolist(), strict=True))
-
-
-def _meaningless(frame: Frame) -> dict[str, str]:
-    if frame.lane:
-        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
-        return dict.fromkeys((*names, "localisation_noise"), IN_A_LANE)
-    if frame.headed:
-        return {"motion_speed": HEADINGS_KNOWN}
-    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
-
-
-def _unresolved(
-    values: Mapping[str, float], errors: Mapping[str, float], frame: Frame, longest_s: float
-) -> dict[str, str]:
-    """Refuse quotients by rates that the data cannot tell from zero: these have no error bar."""
-    found = {}
-    if frame.lane:
-        if not values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]:
-            found["crossover_time"] = "the spread about the mean run is too small to tell"
-        return found
-    rate, error = values["persistence_rate"], errors["persistence_rate"]
-    if not (rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
-        at_least = max(rate, 0.0) + 2.0 * error
-        if math.isfinite(at_least) and at_least > 0:
-            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
-        found |= dict.fromkeys(("persistence_time", "persistence_length"), told)
-    rate, error = values["msd_rate"], errors["msd_rate"]
-    resolved = values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]
-    if not (resolved and rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"ballistic at all lags up to {longest_s:.3g} s: film for longer"
-        found |= dict.fromkeys(("diffusivity", "crossover_time"), told)
-    offset, error = values["msd_offset"], errors["msd_offset"]
-    if not offset > SIGNIFICANT * error:
-        most = math.sqrt((max(offset, 0.0) + 2.0 * error) / 4.0) if math.isfinite(error) else 0.0
-        found["localisation_noise"] = f"not resolved: below {most:.2g} mm (95 %)"
-    return found
 
 
 def with_error(one: Estimate) -> str:

@@ -43,10 +43,11 @@ class Moments(NamedTuple):
 
     run: Array
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
-    body: Array
-    """Displacement ahead (mm) over neighbouring samples (see `carried`), and number of pairs."""
-    aside: Array
-    """Displacement to the left (mm) over neighbouring samples, and number of such pairs."""
+    near: Complex
+    """Displacement ahead (mm; imaginary part: to the left) over neighbouring samples, along the
+    headings at both, and number of such pairs."""
+    far: Complex
+    """The same along the headings a sample earlier and a sample later than these."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -135,7 +136,9 @@ def measure(track: Track, grid: Grid, own: float = 0.0) -> Moments:
     )
     return Moments(
         run(track),
-        *_body_aside_turn(track, own),
+        _known(ahead(track, own, 0)),
+        _known(ahead(track, own, 1)),
+        _turned(track),
         _powers(forward),
         _powers(sideways),
         square,
@@ -202,23 +205,38 @@ def carried(track: Track, step: int) -> Complex:
     return moved
 
 
-def on_arc(turning: float) -> float:
-    """Share of a way on an arc, which turns by `turning` (rad), that `carried` finds."""
-    return float(np.sinc(turning / np.pi))
+def ahead(track: Track, turning: float, out: int) -> Complex:
+    """Displacements (mm) along headings `out` samples before and after them, shape (2, n).
 
-
-def _body_aside_turn(track: Track, turning: float) -> tuple[Array, Array, Array]:
+    The imaginary part is to the left; NaN where one is not known. Headings are turned forth and
+    back to the middle by `turning` (rad a sample), and the way is that on the arc, not its chord: a
+    walker that turns steadily is not slower, nor drifts aside.
+    """
     if track.heading is None:
-        return np.zeros(2), np.zeros(2), np.zeros(2)
-    unit = np.exp(1j * track.heading)
-    turned = np.angle(unit[1:] * np.conj(unit[:-1]))
-    moved = carried(track, 1) / on_arc(turning)
-    moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
-    return (
-        np.array([moved.real.sum(), float(len(moved))]),
-        np.array([moved.imag.sum(), float(len(moved))]),
-        np.array([turned.sum(), float(len(turned))]),
-    )
+        return np.zeros((2, 0), dtype=complex)
+    chord = np.sinc(0.5 * turning / np.pi)
+    moved = np.diff(planar(track)) / chord
+    beyond = np.full(out, np.nan)
+    heading = np.concatenate([beyond, track.heading, beyond])
+    values = [
+        moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
+        for first in (0, 2 * out + 1)
+    ]
+    return np.stack(values)
+
+
+def _known(values: Complex) -> Complex:
+    """Sum and number of values that are known."""
+    known = values[~np.isnan(values)]
+    return np.array([known.sum(), len(known)])
+
+
+def _turned(track: Track) -> Array:
+    if track.heading is None:
+        return np.zeros(2)
+    turns = np.diff(track.heading)
+    turns = np.angle(np.exp(1j * turns[~np.isnan(turns)]))
+    return np.array([turns.sum(), float(len(turns))])
 
 
 def _powers(values: Array) -> Array:

@@ -14,10 +14,20 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import between, estimates, lagged, moments, turning
+from walkergen.analysis import (
+    between,
+    doubts,
+    estimates,
+    judgement,
+    lagged,
+    moments,
+    spreads,
+    turning,
+)
 from walkergen.analysis.between import Alone, Together
-from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
+from walkergen.analysis.estimates import SIGNIFICANT, UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
 from walkergen.analysis.turning import Turning
 from walkergen.errors import InputError
@@ -55,14 +65,14 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """Reasons to doubt the headings, or what they mean for a number."""
+    """Reasons to doubt the tracks, or what they mean for a number."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     exponent: Curve
     """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
     diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
-    msd_fit: tuple[float, ...] | None
-    """Parameters speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    msd_fit: Fitted | None
+    """Fit of `msd` with its goodness; None where it was not fitted."""
     correlation: Curve
     """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
     headings: of displacements, mm^2)."""
@@ -78,9 +88,6 @@ class Motion(NamedTuple):
     line: Line | None = None
     """Line of speed against plate speed, through the origin."""
 
-
-JUMPING = 0.01
-"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
 LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
@@ -139,7 +146,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     # Whole tracks have pairs that their pieces lack.
     whole = summed(tracks.tracks) if in_pieces else rest
     both = [whole, *left_out]
-    squares = [mean(m.square, m.square_pairs).real for m in both]
+    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
     slopes = [_exponents(grid.square_lags, one) for one in squares]
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
@@ -154,27 +161,27 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
-    values = estimates.evaluate(whole, frame)
-    alone = between.each(tracks, frame, values["shortened"], own)
+    longest = length // FITTED
+    numbers, fit = _numbers(both, frame, longest)
+    alone = between.each(tracks, frame, numbers[0]["shortened"], own)
     together = between.compare(alone)
     few = tracks.tracks if in_pieces and together is not None else ()
-    judged = estimates.judge(
-        values,
-        [estimates.evaluate(one, frame) for one in left_out],
-        frame,
-        [estimates.evaluate(moments.without(whole, summed([one])), frame) for one in few],
-        length // FITTED * tracks.interval,
-    )
+    without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
+    judged = judgement.judge(
+        numbers[0], numbers[1:], frame, fit, _numbers(without_one, frame, longest)[0][1:],
+        longest * tracks.interval,
+    )  # fmt: skip
     if in_pieces:
         judged |= _means(alone, together, frame)
     elif together is not None and not (headed or tracks.lane):
         judged |= _mean_of_roots(judged, together.scatter)
     lone = Estimate(None, None, "fewer than 2 walkers with speeds of their own")
     judged["speed_scatter"] = together.scatter if together else lone
-    fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
     if on_plane:
         judged["turning_scatter"] = turning.scatter(turnings)
-        judged["rotational_diffusion"] = turning.diffusion(turnings, judged["heading_noise"])
+        judged["rotational_diffusion"] = turning.diffusion(
+            turnings, judgement.measured(numbers, "heading_variance")
+        )
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,
@@ -183,16 +190,41 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
         method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
-        doubts=_doubts(tracks, judged) if headed else [],
+        doubts=doubts.of(tracks, groups, fit) + _unlike(judged),
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
-        msd_fit=None if np.isnan(fit).any() else fit,
+        msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         own_s=own_s,
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
         orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
         walkers=alone,
     )
+
+
+def _numbers(
+    sums: Sequence[Moments], frame: Frame, longest: int
+) -> tuple[list[dict[str, float]], Fitted | None]:
+    """Numbers of all samples, then of those without each one, and their fit over lags."""
+    numbers = [estimates.evaluate(one, frame) for one in sums]
+    if frame.lane:
+        return numbers, None
+    fitted = frame.grid.square_lags <= longest
+    lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
+    squares = [np.asarray(mean(one.square, one.square_pairs), float)[fitted] for one in sums]
+    fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
+    return [
+        one | estimates.of_spread(spread, frame.interval)
+        for one, spread in zip(numbers, fit.spreads, strict=True)
+    ], fit
+
+
+def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
+    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
+    lasting = judgement.measured(numbers, "amplitude")
+    if headed or (lasting.value and lasting.se and lasting.value > SIGNIFICANT * lasting.se):
+        return [one["turning_bias"] for one in numbers]
+    return [0.0] * len(numbers)
 
 
 def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
@@ -206,7 +238,7 @@ def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
 def _own_runs(tracks: Tracks) -> dict[int, float]:
     """Mean way a sample of each particle in a lane, mm."""
     runs = {track.particle: moments.run(track) for track in tracks.tracks}
-    return {name: way / max(samples, 1.0) for name, (way, samples) in runs.items()}
+    return {name: float(way / max(samples, 1.0)) for name, (way, samples) in runs.items()}
 
 
 def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
@@ -288,40 +320,13 @@ def _mean_of_roots(judged: Mapping[str, Estimate], scatter: Estimate) -> Mapping
     return {"speed": speed, "motion_speed": speed}
 
 
-def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
-    """Doubts about headings that jump, or that fit displacements only when turned or mirrored.
-
-    Also about fits for walkers that turn at different rates.
-    """
-    jumps = pairs = 0
-    along = mirrored = 0.0 + 0.0j
-    for track in tracks.tracks:
-        unit = moments.direction(track, 1)
-        moved = np.diff(moments.planar(track))
-        turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
-        jumps += int(np.count_nonzero(turned > 0.5 * math.pi))
-        pairs += int(np.count_nonzero(~np.isnan(turned)))
-        along += np.nansum(moved * np.conj(unit[:-1]))
-        mirrored += np.nansum(moved * unit[:-1])
-    found = []
-    if jumps > JUMPING * pairs:
-        found.append(
-            f"headings turn by more than 90 deg in {jumps} of {pairs} steps: are they known only "
-            "up to a half turn? Speeds along and across the body then mean nothing"
-        )
-    if abs(mirrored) > 2.0 * abs(along):
-        found.append(
-            "displacements fit the headings only when these are mirrored: theta has to count from "
-            "x toward y of the file's own axes"
-        )
-    elif along.real < -abs(along.imag):
-        found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
-    if judged["turning_scatter"].value is not None:
-        found.append(
-            "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
-            "displacement (diffusivity, crossover) knows nothing"
-        )
-    return found
+def _unlike(judged: Mapping[str, Estimate]) -> list[str]:
+    if judged["turning_scatter"].value is None:
+        return []
+    return [
+        "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
+        "displacement (diffusivity, crossover) knows nothing"
+    ]
 
 
 def _method(

@@ -115,22 +115,23 @@ def scatter(found: Sequence[Turning]) -> Estimate:
     return between.spread(rates, noise, inside, "rad/s")
 
 
-def diffusion(found: Sequence[Turning], noise: Estimate) -> Estimate:
+def diffusion(found: Sequence[Turning], noise2: Estimate) -> Estimate:
     """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
-    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise`^2 with the noise of a
-    heading (rad). The error is that of a variance of independent normal values, and of the noise.
+    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise2`, with the variance of a
+    heading's noise (rad^2). The error is that of a variance of independent normal values, and of
+    the noise.
     """
     free = _free(found)
     if free < FEWEST_SAMPLES:
         told = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
         return Estimate(None, None, told)
-    if noise.value is None or noise.se is None:
+    if noise2.value is None or noise2.se is None:
         return Estimate(None, None, "the noise of the headings is unknown: film for longer")
     raised = sum(one.noise for one in found) / (2.0 * free)
     variance = _squares(found) / (2.0 * free)
-    error = math.hypot(variance * math.sqrt(2.0 / free), 2.0 * raised * noise.value * noise.se)
-    return Estimate(variance - raised * noise.value**2, error, "", free)
+    error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
+    return Estimate(variance - raised * noise2.value, error, "", free)
 
 
 def _free(found: Sequence[Turning]) -> int:

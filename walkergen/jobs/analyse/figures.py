@@ -49,14 +49,14 @@ def msd_figure(motion: Motion, title: str) -> Figure:
     limits = axes.get_xlim(), axes.get_ylim()
     speed2 = diffusivity = None
     if motion.msd_fit is not None:
-        speed2, rate, offset, turn = motion.msd_fit
+        spread = motion.msd_fit.spreads[0]
+        speed2 = spread.speed2
         fine = np.geomspace(lag[0], lag[-1], 200)
-        axes.plot(fine, walks.squared(fine, speed2, rate, offset, turn), color=WARM, label="fit",
-                  zorder=2.5)  # fmt: skip
+        axes.plot(fine, walks.squared(fine, spread), color=WARM, label="fit", zorder=2.5)
         diffusivity = motion.estimates["diffusivity"].value
     elif (speed := motion.estimates["lane_speed"].value) is not None:
         speed2 = speed**2
-    if speed2:
+    if speed2 and speed2 > 0:
         name = f"slope 2: v²t², v = {math.sqrt(speed2):.3g} mm/s"
         axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=0.8, label=name)
     if diffusivity:

@@ -35,8 +35,9 @@ def study(path: Path, units: Units, lag_s: float | None, progress: Progress) -> 
     found = tracks.read(path, units)
     progress("measuring", 1, 3)
     result = motion.analyse(found, lag_s)
-    told = [result.method, *result.doubts, *([found.told] if found.told else [])]
-    return Studied(found, result, [f"{line}." for line in told])
+    fit = result.msd_fit.told if result.msd_fit else ""
+    told = [result.method, fit, *result.doubts, found.told]
+    return Studied(found, result, [f"{line}." for line in told if line])
 
 
 def analyse(

@@ -45,7 +45,7 @@ def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Tab
     """Table of the estimates."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
     for heading in ("", "", "value ± standard error", "95 %"):
-        table.add_column(heading)
+        table.add_column(heading, min_width=len(heading))
     for row in rows(motion):
         table.add_row(*row)
     return table
@@ -163,6 +163,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
+        "msd_fit": _fit(motion),
         "msd": _points(
             (*motion.msd, *motion.exponent[1:]),
             "lag_s",
@@ -190,6 +191,19 @@ def _keyed(name: str, one: Estimate) -> dict[str, float | None]:
     low, high = _ends(one)
     ends = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
     return {f"{name}_{UNITS[name]}": one.value, f"{name}_se_{UNITS[name]}": one.se} | ends
+
+
+def _fit(motion: Motion) -> dict[str, float | None] | None:
+    """Parameters of the fit of the squared displacement, and its goodness."""
+    fit = motion.msd_fit
+    if fit is None:
+        return None
+    speed2, rate, diffusion, offset, turn = fit.spreads[0]
+    values = {
+        "speed2_mm2_s2": speed2, "rate_per_s": rate, "diffusion_mm2_s": diffusion,
+        "offset_mm2": offset, "turn_rad_s": turn, "misfit": fit.misfit, "p_value": fit.p_value,
+    }  # fmt: skip
+    return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
