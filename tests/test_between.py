@@ -2,6 +2,7 @@
 
 import csv
 import json
+import re
 
 import numpy as np
 import pytest
@@ -138,4 +139,5 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
     assert [float(row["speed_mm_s"]) for row in rows] == pytest.approx(SPEEDS, rel=1e-3)
     assert (folder / "walkers.pdf").is_file()
     table = CliRunner().invoke(app, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
-    assert all(words in table for words in ("walker", "65.0", "Student"))
+    assert "Student" in table
+    assert re.search(r"^ *1 +20 +6[45][.][0-9]+ ±", table, re.MULTILINE)
