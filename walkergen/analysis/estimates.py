@@ -1,7 +1,7 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -33,7 +33,7 @@ UNITS = {
     "sideways_speed": "mm_s", "turning_bias": "rad_s", "turning_scatter": "rad_s",
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
-    "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "turning_memory": "s", "heading_noise": "rad", "ballistic_speed": "mm_s",
     "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
     "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
@@ -59,7 +59,8 @@ mean square that persists, `lasting` that of it which lasts for the first lag, `
 diffusion make within one sample."""
 
 HEADED = (
-    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
+    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory",
+    "heading_noise",
 )  # fmt: skip
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
@@ -99,6 +100,8 @@ class Frame(NamedTuple):
     turned_s: float
     """Time over which the mean turning was measured that each walker's headings lack, s; infinite
     where they lack none."""
+    memory: bool
+    """Whether rates of turning last for a while, so that headings are lost late."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -154,17 +157,32 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
         return walks.decay(at * (1.0 - at / frame.turned_s), amplitude, rate, turn, window)
 
-    fitted = walks.fit(model, lag, values, errors, _start(lag, values, errors))
+    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        return model(walks.late(at, abs(memory)), amplitude, rate, turn)
+
+    start: tuple[float, ...] = _start(lag, values, errors)
+    if frame.memory:
+        start = _late_start(lag, values, errors)
+    fitted = walks.fit(late if frame.memory else model, lag, values, errors, start)
     if fitted is None:
         return
-    amplitude, rate, turn = fitted
+    amplitude, rate, turn, *memory = map(float, fitted)
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
         variance = -_at_once(lag, values)
+        lasting = abs(memory[0]) if memory else 0.0
+        if lasting:
+            variance = -math.log(max(amplitude, 1e-300))
+            found["turning_memory"] = lasting
+
+        def kept(samples: Array) -> Array:
+            after = samples * frame.interval
+            return np.asarray(np.exp(-rate * (walks.late(after, lasting) if lasting else after)))
+
         shortened = math.exp(-0.5 * variance)
-        velocity = _velocity(sums, rate * frame.interval) / (shortened * frame.interval)
+        velocity = _velocity(sums, kept) / (shortened * frame.interval)
         found["body_speed"] = found["speed"] = velocity.real
         found["sideways_speed"] = velocity.imag
         found["heading_variance"] = variance
@@ -173,6 +191,17 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
+
+
+def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+    """Guess amplitude, rate, no turn, and memory: the best of several by lines in logarithms."""
+    height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
+    guesses = []
+    for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
+        line, rest, *_ = np.polyfit(walks.late(lag, memory), height, 1, w=weights, full=True)
+        guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
+    _, amplitude, rate, memory = min(guesses)
+    return amplitude, rate, 0.0, memory
 
 
 def _at_once(lag: Array, kept: Complex) -> float:
@@ -185,19 +214,21 @@ def _at_once(lag: Array, kept: Complex) -> float:
     return float(np.polyval(np.polyfit(lag[:3], height, 2), 0.0))
 
 
-def _velocity(sums: Moments, decay: float) -> complex:
+def _velocity(sums: Moments, kept: Callable[[Array], Array]) -> complex:
     """Displacement a sample (mm) along the heading and to its left, at the heading's own time.
 
     Headings before a displacement, and those after it, are extrapolated to it each by itself, as
-    there may be a cusp between them (headings that diffuse) or none (inertia). What is left is of
-    second order in `decay`, the loss of direction a sample.
+    there may be a cusp between them (headings that diffuse) or none (inertia). What that leaves, of
+    second order in the loss of direction a sample, is undone with what is `kept` of a heading by
+    lag (samples).
     """
     (near, near_pairs), (far, far_pairs) = sums.near, sums.far
     if not near_pairs.real or not far_pairs.real:
         return complex(math.nan, math.nan)
     straight: complex = 1.5 * near / near_pairs - 0.5 * far / far_pairs
-    within = -math.expm1(-decay) / decay if decay else 1.0
-    return straight / (within * (1.5 - 0.5 * math.exp(-decay)))
+    at, weights = np.polynomial.legendre.leggauss(8)
+    left = [0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0)]
+    return straight / (1.5 * left[0] - 0.5 * left[1])
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:

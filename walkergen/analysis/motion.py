@@ -15,7 +15,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, estimates, judgement, lagged, moments, spreads, turning
-from walkergen.analysis.estimates import SIGNIFICANT, UNITS, Estimate, Frame, mean
+from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
@@ -144,11 +144,17 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     fitted = grid.square_lags <= length // FITTED
     turned_s = float(np.mean([one.seconds for one in turnings])) if turnings else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, turned_s,
+        grid, tracks.interval, tracks.lane, headed, turned_s, False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
     numbers = [estimates.evaluate(one, frame) for one in both]
+    if on_plane:
+        lasting = [estimates.evaluate(one, frame._replace(memory=True)) for one in both]
+        memory = judgement.measured(lasting, "turning_memory")
+        # Within a sample it cannot be told from less noise of the headings.
+        if judgement.resolved(memory) and lasting[0]["turning_memory"] > tracks.interval:
+            numbers = lasting
     fit = None
     if not tracks.lane:
         lag = tracks.interval * grid.square_lags[fitted].astype(float)
@@ -191,8 +197,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
 
 def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
-    lasting = judgement.measured(numbers, "amplitude")
-    if headed or (lasting.value and lasting.se and lasting.value > SIGNIFICANT * lasting.se):
+    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
         return [one["turning_bias"] for one in numbers]
     return [0.0] * len(numbers)
 

@@ -28,6 +28,16 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
     return result
 
 
+def late(lag: Array, memory: float) -> Array:
+    """Lags (s) less what headings keep while their rate of turning lasts for `memory` > 0 s.
+
+    A rate of turning with an exponential correlation of this time, as of a body with moment of
+    inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).
+    """
+    result: Array = lag + memory * np.expm1(-lag / memory)
+    return result
+
+
 class Spread(NamedTuple):
     """Parameters of the mean squared displacement on a plane; NaN where they were not fitted."""
 
