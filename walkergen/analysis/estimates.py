@@ -246,12 +246,13 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
 
 def of_spread(spread: Spread, interval: float) -> dict[str, float]:
     """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
-    speed2, rate, diffusion, offset, _ = spread
+    speed2, offset = spread.mean_square, spread.offset
     return {
-        "msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset,
-        "msd_first": offset + 4.0 * diffusion * interval,
+        "msd_speed2": speed2, "msd_rate": spread.rate, "msd_offset": offset,
+        "msd_first": offset + 4.0 * spread.diffusion * interval,
         "ballistic_speed": math.sqrt(max(speed2, 0.0)),
-        "diffusivity": spread.diffusivity, "translational_diffusion": diffusion,
+        "diffusivity": spread.diffusivity,
+        "translational_diffusion": math.nan if spread.smooth_rate else spread.diffusion,
         "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
         "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
     }  # fmt: skip

@@ -166,8 +166,14 @@ def _unresolved_spread(
     if not numbers.positive("msd_speed2"):
         told = numbers.below("msd_speed2", "mm/s", root=True)
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+    smooth = fitted.spreads[0].smooth_rate
+    if smooth:
+        refused["translational_diffusion"] = (
+            f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
+        )
     turned = numbers.values["msd_rate"] * longest_s > DECAYED
-    if not (turned and numbers.positive("msd_rate", "diffusivity")):
+    needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
+    if not (turned and numbers.positive(*needed)):
         told = f"{fitted.regime(longest_s)}: film for longer"
         refused |= dict.fromkeys(("diffusivity", "crossover_time"), told)
     return refused
