@@ -1,7 +1,7 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -35,7 +35,7 @@ UNITS = {
     "turning_bias": "rad_s", "turning_scatter": "rad_s",
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
-    "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "turning_memory": "s", "heading_noise": "rad", "ballistic_speed": "mm_s",
     "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
     "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
@@ -67,7 +67,8 @@ NEAR, FAR = 1.5, -0.5
 extrapolate to none."""
 
 HEADED = (
-    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
+    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory",
+    "heading_noise",
 )  # fmt: skip
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
@@ -115,6 +116,8 @@ class Frame(NamedTuple):
     own_s: float
     """Time over which the mean turning, or in a lane the mean speed, was measured that is taken off
     each walker, s; infinite where nothing is."""
+    memory: bool
+    """Whether rates of turning last for a while, so that headings are lost late."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -175,16 +178,31 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
         return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
 
-    fitted = walks.fit(model, lag, values, errors, _start(lag, values, errors))
+    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        return model(walks.late(at, abs(memory)), amplitude, rate, turn)
+
+    start: tuple[float, ...] = _start(lag, values, errors)
+    if frame.memory:
+        start = _late_start(lag, values, errors)
+    fitted = walks.fit(late if frame.memory else model, lag, values, errors, start)
     if fitted is None:
         return
-    amplitude, rate, turn = fitted
+    amplitude, rate, turn, *memory = map(float, fitted)
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
         variance = -_at_once(lag, values)
-        shortened = math.exp(-0.5 * variance) * _extrapolated(rate * frame.interval)
+        lasting = abs(memory[0]) if memory else 0.0
+        if lasting:
+            variance = -math.log(max(amplitude, 1e-300))
+            found["turning_memory"] = lasting
+
+        def kept(samples: Array) -> Array:
+            after = samples * frame.interval
+            return np.asarray(np.exp(-rate * (walks.late(after, lasting) if lasting else after)))
+
+        shortened = math.exp(-0.5 * variance) * _extrapolated(kept)
         velocity = _velocity(sums) / (shortened * frame.interval)
         found["shortened"] = shortened
         found["body_speed"] = found["speed"] = velocity.real
@@ -197,6 +215,17 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
         found["shortened"] = window * math.sqrt(abs(first[0]))
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
+
+
+def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+    """Guess amplitude, rate, no turn, and memory: the best of several by lines in logarithms."""
+    height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
+    guesses = []
+    for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
+        line, rest, *_ = np.polyfit(walks.late(lag, memory), height, 1, w=weights, full=True)
+        guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
+    _, amplitude, rate, memory = min(guesses)
+    return amplitude, rate, 0.0, memory
 
 
 def _at_once(lag: Array, kept: Complex) -> float:
@@ -222,13 +251,14 @@ def _velocity(sums: Moments) -> complex:
     return straight
 
 
-def _extrapolated(decay: float) -> float:
-    """What the extrapolation of `_velocity` leaves: 1 but for the second order in `decay`.
+def _extrapolated(kept: Callable[[Array], Array]) -> float:
+    """What `_velocity` leaves of a speed, with what is `kept` of a heading by lag (samples).
 
-    That is the loss of direction a sample.
+    It is 1 but for the second order in the loss of direction a sample.
     """
-    within = -math.expm1(-decay) / decay if decay else 1.0
-    return within * (NEAR + FAR * math.exp(-decay))
+    at, weights = np.polynomial.legendre.leggauss(8)
+    near, far = (0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0))
+    return NEAR * near + FAR * far
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
@@ -246,12 +276,13 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
 
 def of_spread(spread: Spread, interval: float) -> dict[str, float]:
     """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
-    speed2, rate, diffusion, offset, _ = spread
+    speed2, offset = spread.mean_square, spread.offset
     return {
-        "msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset,
-        "msd_first": offset + 4.0 * diffusion * interval,
+        "msd_speed2": speed2, "msd_rate": spread.rate, "msd_offset": offset,
+        "msd_first": offset + 4.0 * spread.diffusion * interval,
         "ballistic_speed": math.sqrt(max(speed2, 0.0)),
-        "diffusivity": spread.diffusivity, "translational_diffusion": diffusion,
+        "diffusivity": spread.diffusivity,
+        "translational_diffusion": math.nan if spread.smooth_rate else spread.diffusion,
         "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
         "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
     }  # fmt: skip

@@ -41,6 +41,13 @@ def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Estimate:
     return Estimate(value, error, "", len(numbers) - 2.0)
 
 
+def resolved(number: Estimate) -> bool:
+    """Whether a number is larger than 0 beyond what chance makes of it."""
+    if number.value is None or number.se is None:
+        return False
+    return number.value > float(special.stdtrit(number.freedom, 1.0 - CHANCE)) * number.se
+
+
 def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
     """Jackknife error of a number; NaN with too few samples, or where one has no number."""
     spread = np.array([[one[name]] for one in replicates])
@@ -113,8 +120,10 @@ class _Numbers(NamedTuple):
 
     def positive(self, *names: str) -> bool:
         """Whether all are larger than 0, beyond what chance makes of it."""
-        least = float(special.stdtrit(self.freedom, 1.0 - CHANCE))
-        return all(self.values[name] > least * self.errors[name] for name in names)
+        return all(
+            resolved(Estimate(self.values[name], self.errors[name], "", self.freedom))
+            for name in names
+        )
 
     def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
         """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
@@ -139,6 +148,8 @@ def _unresolved(
             told += f"; more than {1.0 / at_least:.3g} s (95 %)"
         refused |= dict.fromkeys(("persistence_time", "persistence_length"), told)
     if frame.headed:
+        if math.isnan(numbers.values["turning_memory"]):
+            refused["turning_memory"] = "not resolved: headings lose direction from the first on"
         if not numbers.positive("heading_variance"):
             refused["heading_noise"] = numbers.below("heading_variance", "rad", root=True)
         if abs(numbers.values["speed"]) <= SIGNIFICANT * numbers.errors["speed"]:
@@ -168,8 +179,14 @@ def _unresolved_spread(
     if not numbers.positive("msd_speed2"):
         told = numbers.below("msd_speed2", "mm/s", root=True)
         refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+    smooth = fitted.spreads[0].smooth_rate
+    if smooth:
+        refused["translational_diffusion"] = (
+            f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
+        )
     turned = numbers.values["msd_rate"] * longest_s > DECAYED
-    if not (turned and numbers.positive("msd_rate", "diffusivity")):
+    needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
+    if not (turned and numbers.positive(*needed)):
         told = f"{fitted.regime(longest_s)}: film for longer"
         refused |= dict.fromkeys(("diffusivity", "crossover_time"), told)
     return refused

@@ -25,7 +25,7 @@ from walkergen.analysis import (
     turning,
 )
 from walkergen.analysis.between import Alone, Together
-from walkergen.analysis.estimates import SIGNIFICANT, UNITS, Estimate, Frame, mean
+from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
 from walkergen.analysis.moments import Grid, Moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
@@ -157,19 +157,28 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
     own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, own_s,
+        grid, tracks.interval, tracks.lane, headed, own_s, False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
+    numbers = [estimates.evaluate(one, frame) for one in both]
+    if on_plane:
+        late = frame._replace(memory=True)
+        lasting = [estimates.evaluate(one, late) for one in both]
+        memory = judgement.measured(lasting, "turning_memory")
+        # Within a sample it cannot be told from less noise of the headings.
+        if judgement.resolved(memory) and lasting[0]["turning_memory"] > tracks.interval:
+            frame, numbers = late, lasting
     longest = length // FITTED
-    numbers, fit = _numbers(both, frame, longest)
+    numbers, fit = _with_fit(numbers, both, frame, longest)
     alone = between.each(tracks, frame, numbers[0]["shortened"], own)
     together = between.compare(alone)
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
+    unlike = [estimates.evaluate(one, frame) for one in without_one]
     judged = judgement.judge(
-        numbers[0], numbers[1:], frame, fit, _numbers(without_one, frame, longest)[0][1:],
-        longest * tracks.interval,
+        numbers[0], numbers[1:], frame, fit,
+        _with_fit(unlike, without_one, frame, longest)[0][1:], longest * tracks.interval,
     )  # fmt: skip
     if in_pieces:
         judged |= _means(alone, together, frame)
@@ -202,11 +211,10 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     )
 
 
-def _numbers(
-    sums: Sequence[Moments], frame: Frame, longest: int
+def _with_fit(
+    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
 ) -> tuple[list[dict[str, float]], Fitted | None]:
-    """Numbers of all samples, then of those without each one, and their fit over lags."""
-    numbers = [estimates.evaluate(one, frame) for one in sums]
+    """Numbers of all samples, then of those without each one, with those of their fit over lags."""
     if frame.lane:
         return numbers, None
     fitted = frame.grid.square_lags <= longest
@@ -221,8 +229,7 @@ def _numbers(
 
 def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
-    lasting = judgement.measured(numbers, "amplitude")
-    if headed or (lasting.value and lasting.se and lasting.value > SIGNIFICANT * lasting.se):
+    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
         return [one["turning_bias"] for one in numbers]
     return [0.0] * len(numbers)
 

@@ -23,11 +23,20 @@ RATES = 33
 CURVED = 1e-3
 """Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
 
+SMOOTH = 0.025
+"""Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
+be large: the law with inertia holds without it as well."""
+
 GROWTH = 1.1
 """Ratio of lags between which a local exponent of the fit is taken."""
 
 BALLISTIC = 1.8
 """Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
+
+RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
+"""Ratios, less 1, of the rates of a run and of its beginning that are tried first."""
+
+NO_RUNS = ((0.0, 0.0), (0.0, 0.0))
 
 FEWEST = 3
 """Number of samples below which there is no fit: its weights need some without each one."""
@@ -81,8 +90,11 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     lag, values = lag[use], values[:, use]
     errors = np.stack([_smooth(lag, one) for one in _errors(values)])
     run = _curves(lag, values, errors, turns)
-    rates = np.geomspace(1e-3 / lag[-1], 2.0 / lag[0], RATES) if run else None
-    fits = [_best(lag, *row, rates) for row in zip(values, errors, turns, strict=True)]
+    fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
+    if run and _negative([one.diffusion for one in fits]):
+        first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
+        start = first.rate, first.smooth_rate
+        fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
     rest = (values - np.stack([walks.squared(lag, one) for one in fits])) / errors[0]
     return Fitted(tuple(fits), run, *_goodness(rest[0], rest[1:]))
 
@@ -109,7 +121,7 @@ def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) ->
     """Whether a run shows beside diffusion and noise, at any rate that the lags can show."""
     rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
     runs = np.array([
-        [_linear(lag, value, error, rate, turn)[0].speed2 for rate in rates]
+        [_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
         for value, error, turn in zip(values, errors, turns, strict=True)
     ])  # fmt: skip
     from scipy.special import stdtrit
@@ -118,41 +130,77 @@ def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) ->
     return bool((runs[0] > stdtrit(len(values) - 2, 1.0 - CURVED) * error).any())
 
 
-def _best(lag: Array, values: Array, errors: Array, turn: float, rates: Array | None) -> Spread:
-    """Least squares, exact for all but the rate, which is sought over rising `rates` and between.
+def _negative(numbers: Sequence[float]) -> bool:
+    """Whether a number, of all samples and without each one, is below 0 beyond chance."""
+    from scipy.special import stdtrit
 
-    Variable projection (Golub and Pereyra 1973); without `rates` there is no run.
+    error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
+    return numbers[0] < -float(stdtrit(len(numbers) - 2, 1.0 - SMOOTH)) * error
+
+
+def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
+    """Least squares, exact for all but the rate, which is sought over a grid and between its nodes.
+
+    Variable projection (Golub and Pereyra 1973). Without a `run` there is diffusion only.
     """
     from scipy.optimize import minimize_scalar
 
-    if rates is None:
-        return _linear(lag, values, errors, None, turn)[0]
+    if not run:
+        return _linear(lag, values, errors, (), turn)[0]
 
     def misfit(log_rate: float) -> float:
-        return _linear(lag, values, errors, math.exp(log_rate), turn)[1]
+        return _linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
 
-    logs = np.log(rates)
+    logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATES)
     best = int(np.argmin([misfit(one) for one in logs]))
     ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
     finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
-    return _linear(lag, values, errors, math.exp(finest.x), turn)[0]
+    return _linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
+
+
+def _fit_smooth(
+    lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None
+) -> Spread:
+    """The same for a run that sets in smoothly, from the two rates of `start` or from a grid."""
+    from scipy.optimize import minimize
+
+    def rates(logs: Sequence[float]) -> tuple[float, float]:
+        slow = math.exp(logs[0])
+        return slow, slow * (1.0 + math.exp(logs[1]))
+
+    def misfit(logs: Sequence[float]) -> float:
+        return _linear(lag, values, errors, rates(logs), turn)[1]
+
+    if start is None:
+        slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
+        logs = min(((one, math.log(ratio)) for one in slow for ratio in RATIOS), key=misfit)
+    else:
+        logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
+    options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}
+    finest = minimize(misfit, logs, method="Nelder-Mead", options=options)
+    return _linear(lag, values, errors, rates(finest.x), turn)[0]
 
 
 def _linear(
-    lag: Array, values: Array, errors: Array, rate: float | None, turn: float
+    lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
 ) -> tuple[Spread, float]:
-    """Best parameters at a rate (None: no run), and the sum of squared residuals."""
-    terms = [4.0 * lag, np.ones_like(lag)]
-    if rate is not None:
-        terms.append(walks.run_squared(lag, rate, turn))
+    """Best parameters of runs at these rates, and the sum of squared residuals.
+
+    Beside two runs there is no diffusion, which is the limit of the second one at a high rate.
+    """
+    terms = [np.ones_like(lag), *(walks.run_squared(lag, rate, turn) for rate in rates)]
+    if len(rates) < 2:
+        terms.append(4.0 * lag)
     design = np.stack(terms, axis=1) / errors[:, None]
     scale = np.sqrt((design**2).sum(axis=0))
     wanted = values / errors
     solution = np.linalg.lstsq(design / scale, wanted)[0] / scale
     rest = wanted - design @ solution
-    speed2 = 0.0 if rate is None else float(solution[2])
-    diffusion, offset = map(float, solution[:2])
-    return Spread(speed2, rate or 0.0, diffusion, offset, turn), float(rest @ rest)
+    offset, *others = map(float, solution)
+    diffusion = 0.0 if len(rates) > 1 else others.pop()
+    (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]
+    spread = Spread(speed2, rate, diffusion, offset, turn, smooth2, smooth_rate)
+    return spread, float(rest @ rest)
 
 
 def _goodness(rest: Array, replicates: Array) -> tuple[float, float]:

@@ -28,6 +28,16 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
     return result
 
 
+def late(lag: Array, memory: float) -> Array:
+    """Lags (s) less what headings keep while their rate of turning lasts for `memory` > 0 s.
+
+    A rate of turning with an exponential correlation of this time, as of a body with moment of
+    inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).
+    """
+    result: Array = lag + memory * np.expm1(-lag / memory)
+    return result
+
+
 class Spread(NamedTuple):
     """Parameters of the mean squared displacement on a plane; NaN where they were not fitted."""
 
@@ -41,12 +51,24 @@ class Spread(NamedTuple):
     """Twice the variance of the position's noise, summed over the dimensions, mm^2."""
     turn: float = 0.0
     """Mean rate of turning, rad/s."""
+    smooth2: float = 0.0
+    """Mean square (below 0) by which speeds correlate less at short lags: they set in smoothly, by
+    inertia, mm^2/s^2. It goes with the persistent part's speed2."""
+    smooth_rate: float = 0.0
+    """Rate at which that is lost, 1/s; 0 where there is none."""
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of the speed, mm^2/s^2."""
+        return self.speed2 + self.smooth2
 
     @property
     def diffusivity(self) -> float:
         """Long-time diffusivity, mm^2/s: diffusion + speed2 rate / (2 (rate^2 + turn^2))."""
-        run = self.speed2 * self.rate / (2.0 * (self.rate**2 + self.turn**2)) if self.rate else 0.0
-        return self.diffusion + run
+        runs = ((self.speed2, self.rate), (self.smooth2, self.smooth_rate))
+        return self.diffusion + sum(
+            0.5 * speed2 * rate / (rate**2 + self.turn**2) for speed2, rate in runs if rate
+        )
 
 
 def squared(lag: Array, spread: Spread) -> Array:
@@ -55,9 +77,9 @@ def squared(lag: Array, spread: Spread) -> Array:
     Without diffusion and noise it is speed2 lag^2 at short lags and 4 D lag at long ones, D =
     `spread.diffusivity`; for turn = 0 it is Fuerth's formula (1920).
     """
-    run = run_squared(lag, spread.rate, spread.turn)
-    result: Array = spread.speed2 * run + 4.0 * spread.diffusion * lag + spread.offset
-    return result
+    result: Array = spread.speed2 * run_squared(lag, spread.rate, spread.turn)
+    result += spread.smooth2 * run_squared(lag, spread.smooth_rate, spread.turn)
+    return result + 4.0 * spread.diffusion * lag + spread.offset
 
 
 def run_squared(lag: Array, rate: float, turn: float) -> Array:

@@ -50,7 +50,7 @@ def msd_figure(motion: Motion, title: str) -> Figure:
     speed2 = diffusivity = None
     if motion.msd_fit is not None:
         spread = motion.msd_fit.spreads[0]
-        speed2 = spread.speed2
+        speed2 = spread.mean_square
         fine = np.geomspace(lag[0], lag[-1], 200)
         axes.plot(fine, walks.squared(fine, spread), color=WARM, label="fit", zorder=2.5)
         diffusivity = motion.estimates["diffusivity"].value

@@ -198,11 +198,10 @@ def _fit(motion: Motion) -> dict[str, float | None] | None:
     fit = motion.msd_fit
     if fit is None:
         return None
-    speed2, rate, diffusion, offset, turn = fit.spreads[0]
-    values = {
-        "speed2_mm2_s2": speed2, "rate_per_s": rate, "diffusion_mm2_s": diffusion,
-        "offset_mm2": offset, "turn_rad_s": turn, "misfit": fit.misfit, "p_value": fit.p_value,
-    }  # fmt: skip
+    units = ("mm2_s2", "per_s", "mm2_s", "mm2", "rad_s", "mm2_s2", "per_s")
+    spread = zip(fit.spreads[0]._asdict().items(), units, strict=True)
+    values = {f"{name}_{unit}": value for (name, value), unit in spread}
+    values |= {"misfit": fit.misfit, "p_value": fit.p_value}
     return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
