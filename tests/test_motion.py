@@ -94,10 +94,16 @@ def test_speed_and_persistence_hold_with_inertia(kind):
     scores = []
     for seed in range(12):
         found = motion.analyse(film(seed, 8, 30.0, walker, 1 / 30)).estimates
-        scores.append([(found[name].value - true) / found[name].se for name, true in truth.items()])
+        known = {name: found[name] for name in truth if found[name].value is not None}
+        assert known.keys() >= {"speed", "persistence_rate"}
+        scores.append([
+            (known[name].value - true) / known[name].se if name in known else np.nan
+            for name, true in truth.items()
+        ])  # fmt: skip
+    assert np.isfinite(scores).mean() > 0.9
     # Student's t with 7 degrees of freedom scatters by 1.18: 0.34 for the mean of 12, and 3 of it.
     # Headings taken to diffuse gave 3.5 and -8 for the speed, -6 and beyond for persistence.
-    assert (np.abs(np.mean(scores, axis=0)) < 1.05).all(), np.mean(scores, axis=0)
+    assert (np.abs(np.nanmean(scores, axis=0)) < 1.05).all(), np.nanmean(scores, axis=0)
 
 
 def test_a_mirrored_film_turns_the_other_way():
