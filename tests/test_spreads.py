@@ -87,8 +87,9 @@ def test_the_misfit_is_about_one_where_the_law_holds_and_large_where_it_does_not
     fits = [found.msd_fit for found in analysed(FAST, 20)]
     assert 0.4 < np.mean([fit.misfit for fit in fits]) < 2.0
     assert np.mean([fit.p_value < 0.05 for fit in fits]) <= 0.2  # 5 % and 3 sigma of 20
-    # A dish 160 mm wide, whose walls are mirrors, lets none diffuse beyond it.
-    wide, roaming = 80.0, film(1, 8, 60.0, SLOW._replace(speed=60.0), 1 / 30, headed=False)
+    # A dish 80 mm wide, whose walls are mirrors, lets none diffuse beyond it.
+    roamer = SLOW._replace(speed=60.0, diffusion=0.0)
+    wide, roaming = 40.0, film(1, 16, 40.0, roamer, 1 / 30, headed=False)
     folded = tuple(
         t._replace(position=np.abs((t.position + wide) % (4 * wide) - 2 * wide) - wide)
         for t in roaming.tracks

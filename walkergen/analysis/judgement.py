@@ -165,6 +165,8 @@ def _unresolved_spread(
     numbers: _Numbers, first_s: float, fitted: Fitted, longest_s: float
 ) -> dict[str, str]:
     """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
+    if math.isnan(fitted.spreads[0].offset):
+        return {}  # nothing was fitted, which is reason enough
     if not fitted.run:
         refused = _noise_and_diffusion(numbers)
         told = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
