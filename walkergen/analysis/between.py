@@ -206,16 +206,16 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
         return None
     values, fewest = blocks[~np.isnan(blocks)], statistics.FEWEST_VALUES
     if len(values) < fewest:
-        return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
+        return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
     time = statistics.correlation_time([values], block)
     if time is None:
-        return math.nan, "correlated over longer than the track can tell: film for longer"
+        return math.nan, "changes too slowly for tracks so short: film for longer"
     if lasting >= INDEPENDENT * time:
         return None
     error = statistics.error_of_mean([values], block, time)
     if error is None:
         total = len(values) * block
-        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
+        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
         return math.nan, told
     return error, ""
 

@@ -129,7 +129,7 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
 def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     groups, length = moments.samples(tracks.tracks)
     if not groups:
-        raise InputError("no particle is seen twice; nothing moves")
+        raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
     on_plane = headed and not tracks.lane
