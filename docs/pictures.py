@@ -67,6 +67,9 @@ OTHERS = {
 WINDOW = (1215, 845)
 """Width and height of the browser's window, pixels."""
 
+LONGER_RUNS = b"\n## Longer runs\n"
+"""Title below which a page is kept when it is made anew."""
+
 
 class Picture(NamedTuple):
     """Picture of docs/: how it is made, and of what."""
@@ -284,10 +287,17 @@ def _make(command: str, pictures: Sequence[Picture]) -> None:
             made = picture.made
             data = made(folder) if callable(made) else (folder / made).read_bytes()
             for other in picture.beside:
-                output.write(ROOT / "docs" / other, (folder / other).read_bytes())
+                path = ROOT / "docs" / other
+                output.write(path, (folder / other).read_bytes() + _longer_runs(path))
             output.write(ROOT / "docs" / picture.name, stamped(data, facts(picture)))
             took = time.perf_counter() - began
             print(f"{picture.name}: {took:.0f} s, by {command_of(picture)}", flush=True)
+
+
+def _longer_runs(page: Path) -> bytes:
+    """End of a page that its command does not make: tables of benchmarks/, which take hours."""
+    old = page.read_bytes() if page.exists() else b""
+    return old[old.index(LONGER_RUNS) :] if LONGER_RUNS in old else b""
 
 
 def chosen(words: Sequence[str]) -> list[Picture]:

@@ -122,7 +122,7 @@ def test_few_runs_have_wide_intervals():
     rng = np.random.default_rng(3)
     for runs, factor in ((4, 3.182), (16, 2.131)):
         results = [noise_result(n, autoregressive(rng, 50, 0.0)) for n in range(runs)]
-        found = ensemble.summarise(results, 1.0)
+        found = ensemble.summarise(results, 31.2, 1.0)
         half = 0.5 * (found.speed_high_95_mm_s - found.speed_low_95_mm_s)
         assert half == pytest.approx(factor * found.speed_se_mm_s, rel=1e-3)
 

@@ -5,7 +5,7 @@ import math
 
 import pytest
 
-from walkergen import prediction
+from walkergen import discrepancy, prediction
 from walkergen.errors import InputError
 from walkergen.exploring import point as points
 from walkergen.exploring import wanted
@@ -117,6 +117,17 @@ def test_runs_that_tell_no_error_say_so():
     assert found["status"] == "error unknown: too few data; take more runs, or longer ones"
     assert found["speed_mm_s"] > 0
     assert (found["low_95_mm_s"], found["high_95_mm_s"]) == (None, None)
+
+
+def test_runs_that_share_an_orbit_tell_no_error_however_many_they_are():
+    orbit = {"legs.tilt_deg": 10.0, "scene.contact.restitution": 0.8}
+    time = {"scene.run.seconds": 2.0, "scene.run.discard_seconds": 2.0}
+    record = evaluate(point_at("relaxed", error="5%", **orbit, **time))
+    assert record["status"].startswith("error unknown: all runs are on one periodic orbit")
+    assert record["runs"] == 8  # more would end there too
+    assert record["speed_mm_s"] == pytest.approx(97.5, abs=0.1)
+    assert record["se_mm_s"] is None
+    assert record["low_95_mm_s"] is None
 
 
 def test_a_share_of_no_speed_counts_of_the_plates():
@@ -241,6 +252,16 @@ def test_a_key_changes_with_the_program(monkeypatch):
     before = key(point_at())
     monkeypatch.setattr(points, "digest", lambda: "another")
     assert key(point_at()) != before
+
+
+def test_a_new_table_of_predictions_forgets_no_runs(monkeypatch):
+    changed = [point_at(), point_at("space")]
+    kept = point_at("space")._replace(keep=())
+    before, same = [key(one) for one in changed], key(kept)
+    monkeypatch.setattr(discrepancy, "digest", lambda: "another")
+    assert all(key(one) != old for one, old in zip(changed, before, strict=True))
+    assert key(kept) == same
+    assert "predicted_mm_s" not in evaluate(point_at("relaxed")._replace(keep=()))
 
 
 def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():

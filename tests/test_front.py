@@ -285,6 +285,107 @@ def test_plots_that_are_not_there_are_named():
         found.plot("speed")
 
 
+SPEEDS = "tilt_deg,speed_mm_s,speed_se_mm_s\n5,60,1\n10,62,1\n20,25,1\n30,8,1\n"
+FORM = "".join(
+    f"{row}\n"
+    for row in (
+        "part,measured,reading,error,unloaded_mm,weight_g,at_mm",
+        "strip_1,thickness_mm,0.8,0.02,,,", "strip_1,width_mm,5,0.05,,,",
+        "strip_1,free_length_mm,60,0.5,,,", "strip_1,swings_20_s,0.33,0.01,,,",
+        "block,slides_deg,14,1,,,",
+    )
+)  # fmt: skip
+MEASURING = {
+    "fit": (
+        ("fit", "in.csv", "--fix", "friction=0.2", "--predict", "12"),
+        lambda: wg.fit("in.csv", fix={"friction": 0.2}, predict=[12], pictures=False),
+    ),
+    "theory": (
+        ("fit", "in.csv", "--model", "theory", "--fix", "restitution=0.8"),
+        lambda: wg.fit("in.csv", model="theory", fix={"restitution": 0.8}, pictures=False),
+    ),
+    "calibrate": (
+        ("calibrate", "in.csv", "--by", "ring"),
+        lambda: wg.calibrate("in.csv", by="ring", pictures=False),
+    ),
+    "slide": (
+        ("bench", "slide", "koumakis2016", "--measured", "14", "--measured-sd", "1"),
+        lambda: wg.bench("slide", PAPER, LANE, measured=14, measured_sd=1, pictures=False),
+    ),
+    "pluck": (
+        ("bench", "pluck", "--decrement", "0.1", "--decrement-sd", "0.02"),
+        lambda: wg.bench("pluck", "koumakis2016", decrement=0.1, decrement_sd=0.02, pictures=False),
+    ),
+}
+
+
+SIMULATED = ("slide",)
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(one, marks=[pytest.mark.slow] * (one in SIMULATED)) for one in MEASURING]
+)
+def test_what_was_measured_tells_the_same_as_by_the_commands(run, tmp_path, name):
+    words, call = MEASURING[name]
+    (tmp_path / "in.csv").write_text(FORM if name == "calibrate" else SPEEDS, encoding="utf-8")
+    told = json.loads(run(*words, "--no-pictures", "--json"))
+    by_command = {path.name: path.read_bytes() for path in (tmp_path / told["folder"]).iterdir()}
+    found = call()
+    by_call = {path.name: path.read_bytes() for path in (tmp_path / told["folder"]).iterdir()}
+    assert by_call == by_command
+    assert len(found.table) > 0
+    assert "<table" in found._repr_html_()
+    if "settings" in told:
+        assert found.settings == told["settings"]
+    if name == "fit":
+        assert list(found.table["mean"]) == [one["mean"] for one in told["parameters"].values()]
+        assert 12.0 in found.bands["tilt_deg"]
+    if name in ("fit", "theory", "calibrate"):
+        written = wg.load(tmp_path / told["folder"] / "scene.toml", "scene")
+        assert found.scene.contact == written.contact
+
+
+@pytest.mark.slow
+def test_a_drop_from_python_is_the_commands(run, tmp_path):
+    choices = {"height_mm": 5.0, "drops": 2, "folder": "drop", "pictures": False}
+    found = wg.bench("drop", PAPER, LANE, tilt=10, measured=0.4, measured_sd=0.05, **choices)
+    words = ("--tilt", "10", "--height-mm", "5", "--drops", "2", "--out", "told")
+    measured = ("--measured", "0.4", "--measured-sd", "0.05")
+    told = json.loads(run("bench", "drop", *words, *measured, "--no-pictures", "--json"))
+    assert found.settings == told["settings"]
+    assert (tmp_path / "drop" / "drop.csv").read_bytes() == (
+        tmp_path / "told" / "drop.csv"
+    ).read_bytes()
+
+
+def test_a_mesh_is_weighed_from_python(run):
+    wg.export(PAPER, "walker.stl")
+    weighed = wg.weigh("walker.stl", 1.2)
+    told = json.loads(run("weigh", "walker.stl", "--density", "1.2", "--json"))
+    assert weighed.total.mass_g == told["total"]["mass_g"]
+    assert weighed.table["volume_mm3"].tolist() == [told["total"]["volume_mm3"]]
+
+
+@pytest.mark.parametrize(
+    ("call", "told"),
+    [
+        (lambda: wg.fit("none.csv"), "none.csv: no such file"),
+        (lambda: wg.fit("in.csv", model="best"), "must be one of prediction, theory"),
+        (lambda: wg.fit("in.csv", fix={"mass": 1.0}), "one of restitution, friction"),
+        (lambda: wg.calibrate("in.csv", by="ear"), "deflection, ring, both"),
+        (lambda: wg.bench("throw", PAPER), "must be one of 'drop', 'slide', 'pluck'"),
+        (lambda: wg.bench("slide", PAPER, drops=3), "drops=3: test 'slide' has none"),
+        (lambda: wg.bench("drop", PAPER, measured=0.8), "needs --measured-sd"),
+        (lambda: wg.weigh("in.csv", 1000.0), "--density 1000: must lie in"),
+    ],
+)
+def test_senseless_measurements_are_refused(run, tmp_path, call, told):
+    (tmp_path / "in.csv").write_text(SPEEDS, encoding="utf-8")
+    with pytest.raises(InputError, match=told):
+        call()
+    assert not (tmp_path / "out").exists()
+
+
 def test_a_sweep_is_the_commands(run, tmp_path):
     words = ("--set", "legs.tilt_deg=5,10", "--set", "scene.drive.gamma=1.5,1.8", "--no-pictures")
     run("sweep", "koumakis2016", *words, "--out", "told")

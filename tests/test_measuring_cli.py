@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
+from walkergen.files.tables import csv_text
 from walkergen.scene import Scene
 
 WALKER = Walker()
@@ -144,14 +145,17 @@ SPEEDS = """tilt_deg,speed_mm_s,speed_se_mm_s,legs
 20,34.6,0.5,flexible
 30,22.2,0.5,
 10,0.3,0.5,braced
-15,0.3,-1,flexible
+15,-,0.5,flexible
 20,0.3,0.5,brased
 """
 
 
+THEORY = ("fit", "speeds.csv", "--model", "theory")
+
+
 def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
-    found = json.loads(run("fit", "speeds.csv", "--fix", "restitution=0.8", "--json").stdout)
+    found = json.loads(run(*THEORY, "--fix", "restitution=0.8", "--json").stdout)
     assert found["fitted"] == ["friction", "impact_speed_factor"]
     assert found["dof"] == 5
     told = " ".join(found["notes"])
@@ -175,7 +179,7 @@ def test_fit_writes_a_scene_in_which_the_theory_has_the_speeds(run, tmp_path):
 
 def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
-    text = " ".join(run("fit", "speeds.csv").stdout.split())
+    text = " ".join(run(*THEORY).stdout.split())
     assert "restitution and impact_speed_factor cannot be told apart" in text
     assert "68 % interval" in text
 
@@ -190,12 +194,17 @@ def test_fit_says_what_cannot_be_told_apart(run, tmp_path):
         (("analyse", "film.csv", "--fps", "100", "--mm-per-px", "1", "--lag-ms", "10", "--out",
           "film.csv"), "cannot be written"),
         (("fit", "film.csv"), "no column 'tilt_deg'"),
-        (("fit", "speeds.csv", "--fix", "mass=1"), "one of restitution, friction"),
-        (("fit", "speeds.csv", "--fix", "restitution=2"), "must lie in 0..1"),
-        (("fit", "speeds.csv", "--fix", "friction=x"), "not a number"),
-        (("fit", "speeds.csv", "--mode", "paper", "--law", "newton"), "poisson only"),
-        (("fit", "few.csv"), "2 speeds for 3 parameters"),
+        ((*THEORY, "--fix", "mass=1"), "one of restitution, friction"),
+        ((*THEORY, "--fix", "restitution=2"), "must lie in 0..1"),
+        ((*THEORY, "--fix", "friction=x"), "not a number"),
+        ((*THEORY, "--mode", "paper", "--law", "newton"), "poisson only"),
+        (("fit", "few.csv", "--model", "theory"), "2 speeds for 3 parameters"),
         (("fit", "steep.csv"), "tilt up to"),
+        (("fit", "semicolons.csv"), "separate cells by commas"),
+        (("fit", "behind.csv"), "Turn the sign"),
+        (("fit", "behind.csv", "--model", "space"), "Turn the sign"),
+        (("fit", "metres.csv"), "in m/s instead of mm/s"),
+        (("fit", "micrometres.csv"), "µm/s or pixels"),
     ],
 )  # fmt: skip
 def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
@@ -203,6 +212,11 @@ def test_bad_input_is_one_clear_line(run, tmp_path, words, hint):
     (tmp_path / "speeds.csv").write_text(SPEEDS)
     (tmp_path / "few.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n")
     (tmp_path / "steep.csv").write_text("tilt_deg,speed_mm_s\n5,10\n10,20\n15,9\n80,20\n")
+    for name, times in (("behind", -1.0), ("metres", 1e-3), ("micrometres", 1e3)):
+        rows = [(tilt, times * speed, abs(times)) for tilt, speed in ((5, 78), (10, 59), (20, 35))]
+        text = csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), rows)
+        (tmp_path / f"{name}.csv").write_text(text)
+    (tmp_path / "semicolons.csv").write_text("tilt_deg;speed_mm_s\n5;78,1\n10;59\n")
     result = run(*words)
     assert isinstance(result.exception, WalkergenError), (result.output, result.exception)
     assert hint in str(result.exception)

@@ -181,7 +181,7 @@ def test_a_lane_film_of_few_correlation_times_is_refused():
     # Memory of 1 s in 10 s of film: five independent speeds.
     found = motion.analyse(lane(3, [60.0], 1000, memory=100.0)).estimates
     assert found["speed"].value is None
-    assert "correlated over" in found["speed"].reason
+    assert "film for longer" in found["speed"].reason
 
 
 def test_a_lane_has_no_turning_and_says_so():

@@ -6,8 +6,8 @@ import numpy as np
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.analysis import orbits
 from walkergen.cli import app
+from walkergen.simulation import orbits
 
 LOCKED = (
     "simulate", "--scene", "lane-90hz", "--restitution", "0.8", "--model", "relaxed",
@@ -73,3 +73,16 @@ def test_in_python_too():
 def test_a_walker_at_rest_is_told_so():
     text = " ".join(simulate("--tilt", "10", "--gamma", "0.5").split())
     assert "0.00 mm/s; at rest: all runs end so, and tell no error" in text
+
+
+def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(tmp_path):
+    words = ["family", "koumakis2016", "--scene", "lane-90hz", "--tilt", "10", "--legs", "flexible",
+             "--simulate", "--out", str(tmp_path / "one"), "--no-pictures", "--json"]  # fmt: skip
+    keys = {"scene.contact.restitution": 0.8, "scene.legs.model": '"relaxed"',
+            "scene.run.seconds": 1, "scene.run.runs": 4}  # fmt: skip
+    result = CliRunner().invoke(app, [*words, *(f"--set={key}={keys[key]}" for key in keys)])
+    assert result.exit_code == 0, result.output
+    (member,) = json.loads(result.stdout)["rows"]
+    assert member["sim_se_mm_s"] is None
+    assert member["sim_low_95_mm_s"] is None
+    assert "on one periodic orbit" in member["sim_outcomes"]

@@ -87,9 +87,8 @@ def test_standard_deviation_of_the_theory_against_linear_propagation():
         by_leg * 0.01 / 0.4,  # a leg's mass goes with its thickness
     ]
     expected = np.linalg.norm(slopes) / (2 * step)
-    known = prediction.known_inputs(scene, design)
-    values = uncertain.draws(known, prediction.DRAWS, prediction.SEED)
-    drawn = prediction.theory_speeds(design, mass, scene, "coulomb", known, values)
+    inputs = prediction.drawn_inputs(scene, design)
+    drawn = prediction.theory_speeds(design, mass, scene, "coulomb", inputs)
     # Points of a lattice know a deviation to a percent; the second order is as much.
     assert drawn.std() == pytest.approx(expected, rel=0.04)
 

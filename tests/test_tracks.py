@@ -113,7 +113,7 @@ def test_many_rows_are_read_in_pieces(tmp_path, monkeypatch):
         ("t_s,x_mm\n0,1\n1,2\n2.4,2\n3,3\n4,3\n", Units(), "line 4 lies off the regular times"),
         ("t_s,x_mm\n0,1\n", Units(), "two different times"),
         ("a,b\n1,2\n", FILM, "columns seen: a, b"),
-        ("frame;x;y\n1;2;3\n", FILM, "columns seen: frame;x;y"),
+        ("frame;x;y\n1;2;3\n", FILM, "separate cells by commas"),
         ("frame,particle,x\n0,0,1\n", FILM, "no column 'y'"),
         ("frame,x,y,x\n0,0,1,1\n", FILM, "'x' occurs twice"),
         ("frame,x,y,theta,theta_deg\n0,0,1,1,1\n", FILM, "both theta"),

@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.special import ndtri
 
 from walkergen import uncertain
 from walkergen.scene import Contact, Scene
@@ -112,3 +113,11 @@ def test_members_of_a_family_share_draws_that_nobody_can_change():
     assert first is again
     with pytest.raises(ValueError, match="read-only"):
         first[0] = 0.0
+
+
+def test_quantiles_of_a_normal_input_are_those_of_scipy():
+    shares = np.r_[1e-300, 1e-12, np.linspace(0.001, 0.999, 999), 1.0 - 1e-15]
+    standard = Input("x", 0.0, 1.0, -np.inf)
+    assert uncertain.quantiles(standard, shares) == pytest.approx(
+        ndtri(shares), rel=1e-13, abs=1e-15
+    )

@@ -12,14 +12,18 @@ _HOMES = {
     "Scene": "scene",
     "WalkergenError": "errors",
     "analyse": "notebook.analysing",
+    "bench": "notebook.measuring",
+    "calibrate": "notebook.measuring",
     "export": "notebook.making",
     "family": "notebook.making",
+    "fit": "notebook.measuring",
     "load": "notebook.loading",
     "predict": "notebook.predicting",
     "simulate": "notebook.simulating",
     "sweep": "notebook.sweeping",
     "templates": "notebook.loading",
     "track": "notebook.tracking",
+    "weigh": "notebook.measuring",
 }
 """Modules of the names that are offered here; __init__.pyi has their types."""
 

@@ -2,6 +2,7 @@ from walkergen.errors import WalkergenError
 from walkergen.notebook.analysing import analyse
 from walkergen.notebook.loading import load, templates
 from walkergen.notebook.making import export, family
+from walkergen.notebook.measuring import bench, calibrate, fit, weigh
 from walkergen.notebook.predicting import predict
 from walkergen.notebook.simulating import simulate
 from walkergen.notebook.sweeping import sweep
@@ -19,12 +20,16 @@ __all__ = [
     "WalkergenError",
     "__version__",
     "analyse",
+    "bench",
+    "calibrate",
     "export",
     "family",
+    "fit",
     "load",
     "predict",
     "simulate",
     "sweep",
     "templates",
     "track",
+    "weigh",
 ]

@@ -6,7 +6,7 @@ error of the model. Outside the table the theory stands in, within the error tha
 """
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from typing import Literal, NamedTuple
 
 import numpy as np
@@ -17,7 +17,7 @@ from walkergen.discrepancy import LINEAR_BELOW, Place, UnknownError
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
-from walkergen.uncertain import PREDICTION, QUANTILES, Input, Share
+from walkergen.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
@@ -93,77 +93,62 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
     return (*uncertain.inputs(scene, design, PREDICTION), PRINT, MODEL)
 
 
-def spread(
-    design: Design,
-    mass: MassProperties,
-    scene: Scene,
-    mode: Mode,
-    known: Sequence[Input],
-    values: Array,
-) -> Spread:
-    """Speeds of a walker at values of `known_inputs`, shape (n, inputs)."""
-    drawn = {one.name: values[:, place] for place, one in enumerate(known)}
-    plate, model = scene.drive.peak_speed, drawn[MODEL.name]
+def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
+    """Speeds of a walker at values of `known_inputs`."""
+    plate, model = scene.drive.peak_speed, drawn.columns[MODEL.name]
     try:
         place = discrepancy.place_of(scene, design, mass)
         discrepancy.check(scene, place, design.braced)
     except UnknownError as error:
-        theory = theory_speeds(design, mass, scene, mode, known, values)
+        theory = theory_speeds(design, mass, scene, mode, drawn)
         error_sd = THEORY_SD * np.hypot(theory, LINEAR_BELOW * plate)
         return Spread(theory + error_sd * model, "theory", str(error))
-    places = _drawn_places(place, design, scene, drawn, len(values))
+    places = drawn_places(place, design, scene, drawn)
     table = discrepancy.speeds(places, design.tilt_deg, design.braced)
     sense = math.copysign(1.0, design.tilt_deg)  # a walker's mirror image has mirrored errors
     shifted = table._replace(centre=table.centre + sense * scene.prediction.model_sd * model)
-    return Spread(plate * shifted.at(sense * drawn[PRINT.name]), "table")
+    return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table")
 
 
-def _drawn_places(
-    place: Place, design: Design, scene: Scene, drawn: dict[str, Array], count: int
-) -> Place:
-    """Places in the table at draws of the inputs, arrays of shape (count,)."""
-    contact, limb, ones = scene.contact, design.limbs[0], np.ones(count)
+def drawn_places(place: Place, design: Design, scene: Scene, drawn: Drawn) -> Place:
+    """Places in the table at values of the inputs."""
     modulus = design.material.youngs_modulus_gpa
-    thickness = drawn.get("legs.thickness_mm", limb.thickness * ones) / limb.thickness
-    stiffness = drawn.get("material.youngs_modulus_gpa", modulus * ones) / modulus
-    friction = drawn.get("contact.friction", contact.friction * ones)
-    unevenness = drawn.get("feet.unevenness_um", scene.feet.unevenness_um * ones)
+    unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
     return place.drawn(
-        restitution=drawn.get("contact.restitution", place.restitution * ones),
-        friction=friction,
-        thickness=thickness,
-        modulus=stiffness,
-        body_mass=drawn.get("body mass", ones),
-        leg_mass=_leg_masses(design, drawn, ones),
+        restitution=drawn.of("contact.restitution", float(place.restitution)),
+        friction=drawn.of("contact.friction", scene.contact.friction),
+        thickness=_thickness(design, drawn),
+        modulus=drawn.of("material.youngs_modulus_gpa", modulus) / modulus,
+        body_mass=drawn.of("body mass", 1.0),
+        leg_mass=_leg_masses(design, drawn),
         unevenness=1e-3 * unevenness / scene.drive.amplitude,
     )
 
 
-def _leg_masses(design: Design, drawn: dict[str, Array], ones: Array) -> Array:
+def _thickness(design: Design, drawn: Drawn) -> Array:
+    """Ratios of a leg's drawn thickness to its nominal one."""
+    nominal = design.limbs[0].thickness
+    return drawn.of("legs.thickness_mm", nominal) / nominal
+
+
+def _leg_masses(design: Design, drawn: Drawn) -> Array:
     """Ratios of a leg's drawn mass to its nominal one, which go with its thickness unless a balance
     told the mass.
     """
-    nominal = design.limbs[0].thickness
-    thickness = drawn.get("legs.thickness_mm", nominal * ones) / nominal
-    return drawn.get("leg mass", ones) * (thickness if design.weighed.leg_mass_g is None else ones)
+    weighed = design.weighed.leg_mass_g is not None
+    return drawn.of("leg mass", 1.0) * (1.0 if weighed else _thickness(design, drawn))
 
 
 def theory_speeds(
-    design: Design,
-    mass: MassProperties,
-    scene: Scene,
-    mode: Mode,
-    known: Sequence[Input],
-    values: Array,
+    design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn
 ) -> Array:
-    """Speeds by the theory at values of the inputs, shape (n, inputs); mm/s, shape (n,)."""
-    drawn = {one.name: values[:, place] for place, one in enumerate(known)}
-    contact, ones = scene.contact, np.ones(len(values))
-    masses = scaled(mass, drawn.get("body mass", ones), _leg_masses(design, drawn, ones))
+    """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
+    contact = scene.contact
+    masses = scaled(mass, drawn.of("body mass", 1.0), _leg_masses(design, drawn))
     each = stationary(
         design, masses,
-        drawn.get("contact.restitution", contact.restitution * ones),
-        drawn.get("contact.friction", contact.friction * ones),
+        drawn.of("contact.restitution", contact.restitution),
+        drawn.of("contact.friction", contact.friction),
         mode, contact.law, (contact.restitution, contact.friction),
     )  # fmt: skip
     return np.asarray(each.factor) * scene.impact_speed
@@ -172,9 +157,17 @@ def theory_speeds(
 def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tuple[Share, ...]:
     """Shares of the inputs in the variance behind a walker's bounds, largest total first."""
     known = known_inputs(scene, design)
-    return uncertain.shares(
-        known, lambda values: spread(design, mass, scene, mode, known, values).speed, SEED
-    )
+
+    def speeds(values: Array) -> Array:
+        return spread(design, mass, scene, mode, uncertain.named(known, values)).speed
+
+    return uncertain.shares(known, speeds, SEED)
+
+
+def drawn_inputs(scene: Scene, design: Design) -> Drawn:
+    """Draws of `known_inputs` behind a speed and its bounds."""
+    known = known_inputs(scene, design)
+    return uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
 
 
 def predict(
@@ -187,8 +180,7 @@ def predict(
     """
     contact = scene.contact
     each = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
-    known = known_inputs(scene, design)
-    found = spread(design, mass, scene, mode, known, uncertain.draws(known, DRAWS, SEED))
+    found = spread(design, mass, scene, mode, drawn_inputs(scene, design))
     low95, low68, high68, high95 = np.quantile(found.speed, QUANTILES).tolist()
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
     theory = float(each.factor) * scene.impact_speed
@@ -271,9 +263,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
 
     The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
-    known = known_inputs(scene, design)
-    values = uncertain.draws(known, DRAWS, SEED)
-    contact = scene.contact
+    drawn, contact = drawn_inputs(scene, design), scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     levels = (*QUANTILES, 0.5)
     quantiles, theory, sticks = [], [], []
@@ -281,7 +271,7 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
         each = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
-        found = spread(variant, mass, scene, mode, known, values)
+        found = spread(variant, mass, scene, mode, drawn)
         quantiles.append(np.quantile(found.speed, levels))
         theory.append(float(each.factor) * scene.impact_speed)
         sticks.append(not all(each.reverses))

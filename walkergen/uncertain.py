@@ -7,12 +7,12 @@ and fit take from the same list those that they read.
 import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
+from statistics import NormalDist
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.numerics import normal
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -82,6 +82,24 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     )
 
 
+class Drawn(NamedTuple):
+    """Values of inputs by their names."""
+
+    columns: Mapping[str, Array]
+    """Values of each input, shape (number,)."""
+    number: int
+
+    def of(self, name: str, nominal: float) -> Array:
+        """Values of an input, shape (number,): the nominal one where it is not drawn."""
+        return self.columns.get(name, np.full(self.number, nominal))
+
+
+def named(known: Sequence[Input], values: Array) -> Drawn:
+    """Values of inputs, shape (count, inputs), by their names."""
+    columns = {one.name: values[:, place] for place, one in enumerate(known)}
+    return Drawn(columns, len(values))
+
+
 def draws(known: Sequence[Input], count: int, seed: int) -> Array:
     """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
 
@@ -123,14 +141,18 @@ def even(wide: int, count: int, seed: int) -> Array:
     return np.asarray((places + np.random.default_rng(seed).random(wide)) % 1.0)
 
 
+STANDARD = NormalDist()
+_of_standard = np.vectorize(STANDARD.inv_cdf, otypes=[float])
+
+
 def quantiles(one: Input, shares: Array) -> Array:
     """Quantiles of an input's distribution; shares in (0, 1), any shape."""
     low = -math.inf if one.folded else (one.low - one.mean) / one.sd
     high = math.inf if one.folded else (one.high - one.mean) / one.sd
-    bottom, top = normal.below(low), normal.below(high)
+    bottom, top = STANDARD.cdf(low), STANDARD.cdf(high)
     tiny = np.finfo(float).tiny
     within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
-    found = np.asarray(one.mean + one.sd * normal.quantiles(within))
+    found = np.asarray(one.mean + one.sd * _of_standard(within))
     return np.asarray(np.abs(found) if one.folded else np.clip(found, one.low, one.high))
 
 

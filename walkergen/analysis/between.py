@@ -22,6 +22,9 @@ Array = npt.NDArray[np.float64]
 CHANCE = 0.01
 """Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
 
+CORRECTED = ("speed", "body_speed", "sideways_speed")
+"""Means that share the correction of what displacements show of a speed."""
+
 COUNTED = 0.25
 """Share of the longest time seen from which a walker is compared with others."""
 
@@ -40,7 +43,7 @@ class Alone(NamedTuple):
     """Time from the first to the last frame in which it was seen."""
     values: dict[str, float]
     """Means by the names of `estimates.UNITS`, also those of which no error is known."""
-    estimates: dict[str, Estimate]
+    estimates: Mapping[str, Estimate]
     """The same with their errors within this walker's track."""
 
 
@@ -48,7 +51,7 @@ class Together(NamedTuple):
     """At least two walkers beside one another, each counted once."""
 
     walkers: int
-    means: dict[str, Estimate]
+    means: Mapping[str, Estimate]
     """Means over walkers by the names of `estimates.UNITS`, by Student's t with n - 1."""
     scatter: Estimate
     """Standard deviation of the speeds of walkers, mm/s."""
@@ -91,7 +94,9 @@ def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
         most = math.sqrt(max(total * free / least - noise, 0.0))
         return Estimate(None, None, f"not resolved: below {most:.2g} {unit} (95 %)")
     value = math.sqrt(total - noise)
-    return Estimate(value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise)
+    return Estimate(
+        value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise, root=True
+    )
 
 
 def each(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
@@ -152,8 +157,9 @@ def _mean_known(values: moments.Complex) -> moments.Complex:
 def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
     """Mean of a series, and the same with its error by pieces, or by its own correlation time."""
     known = ~np.isnan(series.steps)
-    parts = np.array_split(np.stack([series.steps, series.samples])[:, known], PIECES, axis=1)
-    sums = np.array([part.sum(axis=1) for part in parts if part.size])
+    values = np.stack([series.steps, series.samples])[:, known]
+    edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
+    sums = np.add.reduceat(values, np.unique(edges), axis=1).T if known.any() else np.zeros((0, 2))
     if not math.isfinite(series.unit):
         return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
     if not len(sums):
@@ -200,16 +206,16 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
         return None
     values, fewest = blocks[~np.isnan(blocks)], statistics.FEWEST_VALUES
     if len(values) < fewest:
-        return math.nan, f"no track of {fewest} x {1e3 * block:g} ms: its error is unknown"
+        return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
     time = statistics.correlation_time([values], block)
     if time is None:
-        return math.nan, "correlated over longer than the track can tell: film for longer"
+        return math.nan, "changes too slowly for tracks so short: film for longer"
     if lasting >= INDEPENDENT * time:
         return None
     error = statistics.error_of_mean([values], block, time)
     if error is None:
         total = len(values) * block
-        told = f"correlated over {time:.2g} s, and {total:.3g} s were tracked: film for longer"
+        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
         return math.nan, told
     return error, ""
 
@@ -239,6 +245,16 @@ def compare(alone: Sequence[Alone]) -> Together | None:
     inside = sum(min(one.freedom, statistics.FEWEST_SAMPLES) for one in known)
     scatter = spread(np.array([one.values["speed"] for one in walkers]), noise, inside, "mm/s")
     return Together(len(walkers), means, scatter, _limit(scatter, noise))
+
+
+def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, Estimate]:
+    """Means with the error of `shortened`, which those of all walkers share."""
+    relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
+    return {
+        name: one._replace(se=math.hypot(one.se, relative * one.value))
+        if name in CORRECTED and one.se is not None and one.value is not None else one
+        for name, one in means.items()
+    }  # fmt: skip
 
 
 def _over_walkers(values: Array) -> Estimate:

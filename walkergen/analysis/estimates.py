@@ -89,8 +89,9 @@ class Estimate(NamedTuple):
     freedom: float = math.inf
     """Degrees of freedom of the error: bounds follow Student's t."""
     noise: float | None = None
-    """Variance that noise adds to the square of a standard deviation, whose bounds follow chi^2;
-    None for other quantities."""
+    """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
+    root: bool = False
+    """True for the root of such a variance."""
 
     def interval(self, confidence: float) -> tuple[float, float] | None:
         """Lower and upper bound that hold the truth with a `confidence` of 0 to 1."""
@@ -98,9 +99,11 @@ class Estimate(NamedTuple):
             return None
         if self.noise is not None:
             tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
-            total = (self.value**2 + self.noise) * self.freedom
-            low, high = (total / special.chdtri(self.freedom, one) - self.noise for one in tails)
-            return math.sqrt(max(low, 0.0)), math.sqrt(max(high, 0.0))
+            power = 2 if self.root else 1
+            total = (self.value**power + self.noise) * self.freedom
+            ends = (total / special.chdtri(self.freedom, one) - self.noise for one in tails)
+            low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
+            return low, high
         return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
 
 

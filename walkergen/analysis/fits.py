@@ -111,8 +111,8 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     if dof < 1:
         raise InputError(
             f"{len(speeds.speed)} speeds for {len(free)} parameters ({', '.join(free)}); measure "
-            f"at least {len(free) + 1}, or fix some: --fix restitution=0.8; --model space, which "
-            "knows priors, takes any number"
+            f"at least {len(free) + 1}, or fix some: --fix restitution=0.8; without --model "
+            "theory, which knows no priors, any number will do"
         )
     if np.abs(unit_speeds(speeds, 0.5, 0.1)).max() < NEARLY_STILL * speeds.plate_speed.max():
         raise InputError(

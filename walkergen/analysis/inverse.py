@@ -79,7 +79,7 @@ def measured(
             raise InputError(f"{name} {one:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
-    return Measured(value, sd, tries)
+    return Measured(float(value), float(sd), tries)
 
 
 def invert(curve: Curve, found: Measured) -> Inverse:

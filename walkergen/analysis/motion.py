@@ -129,7 +129,7 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
 def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     groups, length = moments.samples(tracks.tracks)
     if not groups:
-        raise InputError("no particle is seen twice; nothing moves")
+        raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
     on_plane = headed and not tracks.lane
@@ -173,6 +173,13 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     numbers, fit = _with_fit(numbers, both, frame, longest)
     alone = between.each(tracks, frame, numbers[0]["shortened"], own)
     together = between.compare(alone)
+    if headed:
+        shortened = judgement.measured(numbers, "shortened")
+        alone = [
+            one._replace(estimates=between.corrected(one.estimates, shortened)) for one in alone
+        ]
+        if together is not None:
+            together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
     unlike = [estimates.evaluate(one, frame) for one in without_one]

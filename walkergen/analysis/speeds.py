@@ -20,6 +20,10 @@ LEAST = 1e-6
 LARGEST = {"tilt_deg": 90.0, "speed_mm_s": 1e5, "speed_se_mm_s": 1e5, "plate_speed_mm_s": 1e6}
 """Largest sizes that are measurements, not slips of the pen, by column."""
 
+SLOWEST, FASTEST = 0.005, 50.0
+"""Largest speed of a file over the plate's, below and above which its unit is another: walkers
+run at a twentieth to three times the plate's speed, and m/s or µm/s are a thousand times off."""
+
 SAME_PLATE = 0.05
 """Relative difference within which plate speeds are equal: amplitudes are read to a few percent."""
 
@@ -50,8 +54,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     if len(table.lines) > MOST_SPEEDS:
         raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
     for name in optional:
-        if name in table.values:
-            table = table.without(table.values[name] < LEAST, f"{name} must be >= {LEAST:g}")
+        _check_sizes(path, table, name)
     for name, most in LARGEST.items():
         if name in table.values:
             beyond = np.abs(table.values[name]) > most
@@ -73,6 +76,41 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         np.where(np.isnan(plate), plate_speed, plate),
         columns.summary(table.bad),
     )
+
+
+def _check_sizes(path: Path, table: columns.Columns, name: str) -> None:
+    """Raise InputError for the first number of a column that is 0 or below."""
+    if name in table.values and (wrong := table.values[name] < LEAST).any():
+        first = int(np.argmax(wrong))
+        raise InputError(
+            f"{path}:{table.lines[first]}: {name} = {table.values[name][first]:g}: must be >= "
+            f"{LEAST:g}: write it in mm/s, or leave the column blank where it is not known"
+        )
+
+
+def refuse_slips(path: Path, seen: Measured) -> None:
+    """Raise InputError for speeds of another unit or the other sign, by walkers of flexible legs.
+
+    Walkers run the way their legs lean: where none of a file does, its axis points the other way.
+    """
+    leaning = np.array([kind == "flexible" for kind in seen.legs]) & (seen.tilt != 0.0)
+    if not leaning.any():
+        return
+    ahead = (np.sign(seen.tilt) * seen.speed)[leaning]
+    error = np.zeros_like(ahead) if seen.se is None else seen.se[leaning]
+    if (ahead < -2.0 * error).any() and not (ahead > 2.0 * error).any():
+        raise InputError(
+            f"{path}: speed_mm_s is negative wherever it differs from 0: walkers run the way their "
+            "legs lean: is the film mirrored, or does x count the other way? Turn the sign"
+        )
+    ratio = float(np.max(np.abs(ahead) / seen.plate_speed[leaning]))
+    if not SLOWEST <= ratio <= FASTEST:
+        unit = "m/s" if ratio < SLOWEST else "µm/s or pixels"
+        raise InputError(
+            f"{path}: speed_mm_s is at most {np.abs(ahead).max():.3g}, or {ratio:.2g} times the "
+            f"plate's peak speed: must be {SLOWEST:g} to {FASTEST:g} times: is it in {unit} "
+            "instead of mm/s?"
+        )
 
 
 def on_plate(path: Path, kind: Kind, plate_speed: float) -> Measured:

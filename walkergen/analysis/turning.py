@@ -131,7 +131,10 @@ def diffusion(found: Sequence[Turning], noise2: Estimate) -> Estimate:
     raised = sum(one.noise for one in found) / (2.0 * free)
     variance = _squares(found) / (2.0 * free)
     error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
-    return Estimate(variance - raised * noise2.value, error, "", free)
+    # The noise's error makes the variance as uncertain as one of fewer pieces.
+    freedom = 2.0 * (variance / error) ** 2 if error else free
+    noise = raised * noise2.value
+    return Estimate(variance - noise, error, "", freedom, noise)
 
 
 def _free(found: Sequence[Turning]) -> int:

@@ -90,7 +90,7 @@ def drop(
         keys, "design scene", restitution=restitution, friction=friction, seed=seed
     )
     chosen = asked.one(design, tilt, legs)
-    found = inverse.measured(measured, measured_sd, tries, 1.0)
+    found = inverse.measured(measured, measured_sd, tries, make.MOST["drop"])
     test = make.Test(chosen, asked.scene(scene), found, pictures)
     how = make.Drop(height_mm, roll_deg, drops)
 
@@ -145,7 +145,7 @@ def slide(
 
     asked = loading.asked(keys, "design scene")
     chosen = asked.one(design, tilt, legs)
-    found = inverse.measured(measured, measured_sd, 1, 89.0)
+    found = inverse.measured(measured, measured_sd, 1, make.MOST["slide"])
     test = make.Test(chosen, asked.scene(scene), found, pictures)
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
@@ -185,8 +185,8 @@ def pluck(
 
     asked = loading.asked(keys, "design scene")
     chosen = asked.one(design, tilt, legs)
-    heard = inverse.measured(measured, measured_sd, 1, 1e6)
-    decay = inverse.measured(decrement, decrement_sd, 1, 100.0, "--decrement")
+    heard = inverse.measured(measured, measured_sd, 1, make.MOST["pluck"])
+    decay = inverse.measured(decrement, decrement_sd, 1, make.MOST_DECREMENT, "--decrement")
     test = make.Test(chosen, asked.scene(scene), heard, pictures)
     _report("pluck", chosen, out, json, quiet, lambda *where: make.plucked(test, decay, *where))
 
@@ -197,15 +197,15 @@ def _report(
     out: Path | None,
     json: bool,
     quiet: bool,
-    make: "Callable[[Path, Progress], Report]",
+    test: "Callable[[Path, Progress], Report]",
 ) -> None:
     """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
+    from walkergen.jobs.bench import make
     from walkergen.jobs.bench import report as reports
-    from walkergen.walker import names
 
-    folder = out or Path("out") / design.name / f"bench_{what}_{names.part(design)}"
+    folder = out or make.folder_of(what, design)
     with show.progress(f"bench {what}", wanted=not quiet) as progress:
-        report = make(folder, progress)
+        report = test(folder, progress)
     if json:
         show.as_json(reports.as_dict(report) | {"folder": str(folder)})
     elif not quiet:

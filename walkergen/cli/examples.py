@@ -19,7 +19,7 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "track film.mp4 --length 28 --heading mark --fps 240",
     ),
     "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
-    "fit": ("fit speeds.csv", "fit speeds.csv --model space --predict 8,12"),
+    "fit": ("fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": (
         "calibrate measurements.csv",
         "calibrate measurements.csv --design my.toml --scene plane-90hz",

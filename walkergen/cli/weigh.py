@@ -28,8 +28,6 @@ def weigh(
     """Weigh a mesh: volume, mass, centre of mass, inertia tensor, principal moments and axes."""
     from walkergen.jobs.weigh import make
 
-    _refuse_outside("--density", density, 1e-6, 100.0)
-    _refuse_outside("--scale", scale, 1e-6, 1e6)
     found = make.weigh(file, density, scale)
     if json:
         show.as_json({
@@ -45,13 +43,6 @@ def weigh(
         _show(part)
     if len(found.parts) > 1:
         _show(found.total)
-
-
-def _refuse_outside(flag: str, value: float, low: float, high: float) -> None:
-    from walkergen.errors import InputError
-
-    if not low <= value <= high:
-        raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
 
 
 def _plain(part: "Weighed") -> dict[str, Any]:

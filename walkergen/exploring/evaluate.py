@@ -55,14 +55,17 @@ def refused(error: WalkergenError) -> Record:
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    row = prediction.predict(design, mass, scene)
-    found: Record = {STATUS: OK, "speed_mm_s": row.speed_mm_s, "model": row.speed_by}
-    if point.simulated:
-        found = _simulated(point, mass) | {"predicted_mm_s": row.speed_mm_s}
-    found["theory_mm_s"] = row.theory_mm_s
-    if "spread" in keep:
-        ends = [f"speed_{end}_{level}_mm_s" for level in ("95", "68") for end in ("low", "high")]
-        found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
+    found: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
+    if point.predicted:
+        row = prediction.predict(design, mass, scene)
+        if point.simulated:
+            found["predicted_mm_s"] = row.speed_mm_s
+        else:
+            found |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
+        found["theory_mm_s"] = row.theory_mm_s
+        if "spread" in keep:
+            ends = [f"speed_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")]
+            found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
     if "masses" in keep:
         leg = next((one for one in mass.legs if one.m > 0.0), None)
         found |= {
@@ -96,7 +99,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         low, high = _bounds(found, step)
         half = math.inf if low is None or high is None else 0.5 * (high - low)
         most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
-        if half <= most or found.speed_mm_s is None:
+        if half <= most or found.speed_mm_s is None or Outcome.ORBIT.value in found.outcomes:
             break
         own = float(plan.world.options.step) if plan.resolved.method == "step" else None
         finer = _refined(scene, half, most, step or 0.0, own)
@@ -170,7 +173,7 @@ def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | N
 
 def _status(found: Summary, half: float, most: float) -> str:
     """How the runs of a point went."""
-    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW)]
+    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in found.outcomes.items() if name not in fine}
     if found.speed_mm_s is None:
         return f"no speed: {listed(found.outcomes)}"
@@ -178,6 +181,8 @@ def _status(found: Summary, half: float, most: float) -> str:
         return f"some runs ended badly: {listed(bad)}"
     if Outcome.TOO_FEW.value in found.outcomes:
         return "error unknown: too few data; take more runs, or longer ones"
+    if Outcome.ORBIT.value in found.outcomes:
+        return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
     if half > most:
         return f"error {half:.3g} mm/s, not within the {most:.3g} asked"
     return OK

@@ -41,11 +41,17 @@ class Point(NamedTuple):
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Some of KEPT."""
+    """Some of KEPT; of a simulated point without any, the runs alone, which do not depend on how
+    speeds are predicted."""
     wanted: Wanted | None = None
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None
     """Printer of the group "printability"."""
+
+    @property
+    def predicted(self) -> bool:
+        """Whether its numbers hold a predicted speed."""
+        return bool(self.keep) or not self.simulated
 
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
@@ -67,11 +73,10 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
+    table = [point.scene.prediction.model_dump(), discrepancy.digest()] if point.predicted else []
     asked = [
-        *points.facts(point.scene, point.design),
-        point.scene.prediction.model_dump(),
+        *points.facts(point.scene, point.design), *table,
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
-        discrepancy.digest(),
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:32]
 

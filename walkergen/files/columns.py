@@ -30,6 +30,8 @@ LARGEST, SMALLEST = 1e12, 1e-12
 """Size beyond which a number is a slip of the pen, whatever its unit; below the other it is 0."""
 CHUNK = 100_000
 """Lines that are parsed at once."""
+SEPARATE = "separate cells by commas and write numbers with a decimal point"
+"""What to do with tables of programs that speak other languages."""
 NAMED = 5
 """Most bad rows that are named; the others are counted."""
 
@@ -80,8 +82,7 @@ def records(lines: Iterable[str], source: str) -> Records:
             continue
         if len(row) != len(names):
             raise InputError(
-                f"{source}:{at}: {len(row)} cells, the header has {len(names)}: separate cells "
-                "by commas and write numbers with a decimal point"
+                f"{source}:{at}: {len(row)} cells, the header has {len(names)}: {SEPARATE}"
             )
         rows.append((at, dict(zip(names, row, strict=True))))
     return Records(names, rows)
@@ -152,6 +153,8 @@ def _names(stream: Iterator[str], source: str) -> list[str]:
     names = [name.strip() for name in cells(next(stream, ""), source, 1)]
     if not any(names):
         raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
+    if len(names) == 1 and (other := next((one for one in ";\t|" if one in names[0]), "")):
+        raise InputError(f"{source}:1: no comma, but {other!r} seen: {SEPARATE}")
     if len(names) > MOST_COLUMNS:
         raise InputError(f"{source}:1: {len(names)} columns; at most {MOST_COLUMNS}")
     twice = sorted({name for name in names if name and names.count(name) > 1})

@@ -17,7 +17,7 @@ import numpy as np
 
 from walkergen.files.progress import Progress
 from walkergen.numerics import statistics
-from walkergen.simulation import observables, record
+from walkergen.simulation import observables, orbits, record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import (
     ENDED_WELL,
@@ -42,7 +42,7 @@ class Summary(NamedTuple):
     speed_mm_s: float | None
     """Mean speed; None when no run ended well."""
     speed_se_mm_s: float | None
-    """Standard error; None when the runs are too few (then `outcomes` says so)."""
+    """Standard error; None when runs are too few or share an orbit (`outcomes` says so)."""
     speed_low_68_mm_s: float | None
     """Lower bound of the mean speed with 68 % confidence, by Student's t, as the next three."""
     speed_high_68_mm_s: float | None
@@ -101,14 +101,19 @@ def run(
     return sorted(finished, key=lambda result: result.number)
 
 
-def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
-    """Statistics of finished runs, which together took `wall_s` seconds."""
+def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -> Summary:
+    """Statistics of finished runs on a plate of this peak speed (mm/s), which together took
+    `wall_s` seconds. Runs that share a periodic orbit tell no errors.
+    """
     outcomes = Counter(result.outcome.value for result in results)
     good = [result for result in results if result.outcome in ENDED_WELL]
     speeds = np.array([result.speed for result in good])
     mean = mean_speed(good)
     if good and mean is None:
         outcomes[Outcome.TOO_FEW.value] = len(good)
+    locked = orbits.shared(speeds, plate_speed) == orbits.ORBIT
+    if locked:
+        mean, outcomes[Outcome.ORBIT.value] = None, len(good)
     bounds = [None] * 4 if mean is None else [*mean.interval(0.68), *mean.interval(0.95)]
     observed = observables.observe(results)
     table = functools.partial(observables.of_table, observed)
@@ -134,7 +139,7 @@ def summarise(results: Sequence[RunResult], wall_s: float) -> Summary:
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
         energies_per_s=table(observables.POWERS),
-        errors={name: one.se for name, one in observed.items()},
+        errors={name: None if locked else one.se for name, one in observed.items()},
         outcomes=dict(outcomes),
     )
 
@@ -156,7 +161,6 @@ def mean_speed(results: Sequence[RunResult]) -> statistics.Mean | None:
     direction they started in show no spread. With two directions alike, n runs of T seconds that
     turn every t seconds all agree with a probability of 2^(1-n) exp(-n T/t), 12.5 % of 4 runs that
     never turn: hence FEWEST_RUNS, and 8 runs or more where directions may last longer than a run.
-    Of walkers on one periodic orbit the bar is that of falling into it, 1e-4 of the speed.
     """
     if len(results) < FEWEST_RUNS:
         return None
@@ -176,7 +180,8 @@ def measure(
     compile_kernels(plan)
     started = time.perf_counter()
     results = run(plan, progress, threads, impacts, sample_interval)
-    return summarise(results, time.perf_counter() - started), results
+    wall_s = time.perf_counter() - started
+    return summarise(results, plan.scene.drive.peak_speed, wall_s), results
 
 
 def listed(outcomes: Mapping[str, int]) -> str:

@@ -45,6 +45,8 @@ class Outcome(Enum):
     FAILED = "no convergence"
     INSIDE = "foot below the plate"
     TOO_FEW = "too few data for an error bar"
+    ORBIT = "on one periodic orbit"
+    """As all the others: their agreement is no measurement of an error (`orbits`)."""
     STOPPED = "stopped"
 
 

@@ -12,6 +12,7 @@ from walkergen.jobs.bench import drop, pluck, slide, tables
 from walkergen.jobs.bench import report as reports
 from walkergen.jobs.bench.report import Report
 from walkergen.scene import Scene
+from walkergen.walker import names
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:
@@ -19,6 +20,12 @@ if TYPE_CHECKING:
 
 HIGHEST_MM, STEEPEST_DEG, MOST_DROPS = 1000.0, 20.0, 1000
 """Largest height of a drop, deviation of its first turn, and number of drops from the hand."""
+
+
+MOST = {"drop": 1.0, "slide": 89.0, "pluck": 1e6}
+"""Largest number that each test may measure: rebound, slope (deg), frequency (Hz)."""
+
+MOST_DECREMENT = 100.0
 
 
 class Test(NamedTuple):
@@ -33,9 +40,14 @@ class Test(NamedTuple):
 class Drop(NamedTuple):
     """Choices of a drop: height (mm), deviation of pitch and roll from the hand (deg), drops."""
 
-    height: float
-    turn_deg: float
-    drops: int
+    height: float = 10.0
+    turn_deg: float = 1.0
+    drops: int = 24
+
+
+def folder_of(bench: str, design: Design) -> Path:
+    """Folder of a test by default: below out/ and the walker's name."""
+    return Path("out") / design.name / f"bench_{bench}_{names.part(design)}"
 
 
 def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> Report:

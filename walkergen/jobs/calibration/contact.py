@@ -41,10 +41,16 @@ class Rebound(NamedTuple):
     """Rebound of a dropped walker."""
 
     measured: Measured
+    """Mean, with the error of clock and ruler."""
     height: float
     """Height of the drop, mm; the mean, where there were several."""
-    scatter: float | None
-    """Standard deviation from drop to drop; None of a single one."""
+    spread: float
+    """Standard deviation from drop to drop beyond that of the clock; 0 where none is seen."""
+
+    @property
+    def sd(self) -> float:
+        """Standard error of the mean, of clock, ruler and what differs from drop to drop."""
+        return math.hypot(self.measured.sd, self.spread / math.sqrt(self.measured.tries))
 
 
 def density(readings: Readings) -> Value | None:
@@ -111,7 +117,8 @@ def rebound(readings: Readings) -> Rebound | None:
         if ratio > 1.0:
             raise InputError(
                 f"walker: flight_s = {one.value:.3g} after a drop of {one.at_mm:g} mm: it would "
-                f"come up {ratio**2:.2f} times as high: are these seconds, and millimetres?"
+                f"come up {ratio**2:.2f} times as high: are these seconds, not of a film in slow "
+                "motion, and millimetres?"
             )
     errors = np.array([
         ratio * math.hypot(one.stated / one.value, 0.5 * AT_SD_MM / one.at_mm)
@@ -121,21 +128,22 @@ def rebound(readings: Readings) -> Rebound | None:
     shares = tries / tries.sum()
     heights = np.array([one.at_mm for one in found])
     sd = float(np.hypot.reduce(shares * errors))
-    return Rebound(
-        Measured(float(shares @ ratios), sd, int(tries.sum())), float(shares @ heights),
-        _scatter(found, ratios),
-    )  # fmt: skip
+    measured = Measured(float(shares @ ratios), sd, int(tries.sum()))
+    return Rebound(measured, float(shares @ heights), _spread(found, ratios))
 
 
-def _scatter(found: Sequence[Reading], ratios: np.ndarray) -> float | None:
-    """Standard deviation of rebounds within heights."""
-    squares = sum(
-        (one.tries - 1) * (one.scatter * ratio / one.value) ** 2
-        for one, ratio in zip(found, ratios, strict=True)
-        if one.scatter is not None
-    )
-    freedoms = sum(one.tries - 1 for one in found)
-    return math.sqrt(squares / freedoms) if freedoms else None
+def _spread(found: Sequence[Reading], ratios: np.ndarray) -> float:
+    """Standard deviation from drop to drop, from whatever height, beyond that of the clock."""
+    tries = np.array([one.tries for one in found])
+    per_second = ratios / np.array([one.value for one in found])
+    within = np.array([(one.tries - 1) * (one.scatter or 0.0) ** 2 for one in found])
+    clock = np.array([one.tries * one.stated**2 for one in found]) * per_second**2
+    freedoms = int(tries.sum()) - 1
+    if not freedoms:
+        return 0.0
+    middle = tries @ ratios / tries.sum()
+    squares = (within * per_second**2 + tries * (ratios - middle) ** 2).sum()
+    return math.sqrt(max(squares / freedoms - tries @ clock / tries.sum(), 0.0))
 
 
 def _mean(found: Sequence[tuple[str, float, float, int]]) -> Value | None:

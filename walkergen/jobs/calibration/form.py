@@ -38,7 +38,14 @@ class Quantity(NamedTuple):
     """Columns that it may have."""
     least: float = 0.0
     """Value that it must exceed."""
+    slip: str = ""
+    """Question to somebody whose value is outside."""
 
+
+SLIDES = Quantity(
+    1.0, 80.0, least=2.0, slip=": is it a friction? The angle of 0.25, in degrees, is 14"
+)
+"""Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
 AIR = "air_percent"
 """Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
@@ -59,12 +66,12 @@ BLOCK = {
     "length_mm": Quantity(0.05, 1000.0),
     "width_mm": Quantity(0.05, 1000.0),
     "height_mm": Quantity(0.05, 1000.0),
-    "slides_deg": Quantity(1.0, 80.0),
+    "slides_deg": SLIDES,
 }
 LEAST = 1e-6
 """Least error of a reading, in whatever unit."""
 
-WALKER = {"slides_deg": Quantity(1.0, 80.0), "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
+WALKER = {"slides_deg": SLIDES, "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
 TRIES = {
     "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
     "ring_hz": 1, "swings_to_half": 2, "mass_g": 2, "length_mm": 2, "height_mm": 2,
@@ -206,6 +213,7 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
     if not quantity.least < value <= quantity.most:
         raise InputError(
             f"{name}: {told} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
+            + quantity.slip
         )
     for column in quantity.beside:
         if column != "unloaded_mm" and beside[column] <= 0.0:

@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from walkergen.analysis import inverse
 from walkergen.analysis.inverse import Branch, Curve, Inverse
 from walkergen.errors import InputError
@@ -11,7 +13,7 @@ from walkergen.exploring import drops, still
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.calibration import contact, form, modulus, specimens
+from walkergen.jobs.calibration import contact, form, modulus, slips, specimens
 from walkergen.jobs.calibration.contact import Rebound, Value
 from walkergen.jobs.calibration.form import Readings
 from walkergen.jobs.calibration.modulus import Density, Fit, Point, Systematic
@@ -134,6 +136,9 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
     else:
         density = Density(measured.value, measured.sd)
     given = strips, density
+    rough = modulus.rough(*given)
+    slips.refuse(rough)
+    notes += slips.notes(rough, material.youngs_modulus_gpa)
     chosen = strips if job.by == "both" else specimens.only(strips, job.by)
     if not chosen:
         raise InputError(f"--by {job.by}: no strip has readings of that kind")
@@ -152,6 +157,8 @@ def _bounced(seen: Rebound, found: Calibrated, job: Job, progress: Progress) -> 
     curve = drops.curve(rows, flat=job.turn_deg == 0.0)
     if curve is None:
         return None
+    # A hand may be less sure than the one that is simulated
+    curve = curve._replace(spread=np.maximum(curve.spread, seen.spread))
     answer = inverse.invert(curve, seen.measured)
     ends = float(curve.at[0]), float(curve.at[-1])
     told = inverse.in_words(answer, "restitution", ends, f" at {found.design.tilt_deg:g} deg")

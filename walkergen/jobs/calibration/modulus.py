@@ -16,6 +16,7 @@ from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
 from walkergen.errors import InputError
 from walkergen.jobs.calibration.form import Reading
+from walkergen.jobs.calibration.slips import Rough
 from walkergen.jobs.calibration.specimens import BENDS, RINGS, SIZES, Specimen, only
 from walkergen.scene import GRAVITY
 
@@ -36,8 +37,9 @@ DENSITY_SD = 0.03
 OTHERS = 4
 """Numbers that all strips share beside the modulus: density, root, clamp, air."""
 
-SOFTEST, STIFFEST = 1e-4, 1e3
-"""Moduli (GPa) between gels and diamond: what is told beyond was written in other units."""
+SOFTEST, STIFFEST = 1e-3, 30.0
+"""Moduli (GPa) of plastics, from soft elastomers to those filled with short fibres (Ashby,
+Materials Selection in Mechanical Design, chart of modulus and density)."""
 
 DISAGREES = 0.05
 """Probability of so large a chi2 below which strips disagree."""
@@ -103,14 +105,14 @@ class Systematic(NamedTuple):
 def fit(strips: Sequence[Specimen], density: Density) -> Fit:
     """Modulus of strips, of which at least one has readings.
 
-    Raises InputError for a modulus that no material has.
+    Raises InputError for a modulus that no plastic has.
     """
     solved = _solve(strips, density, ())
     if not SOFTEST <= solved.modulus <= STIFFEST:
         raise InputError(
             f"{', '.join(one.name for one in strips)}: the readings tell a modulus of "
-            f"{solved.modulus:.3g} GPa: must lie in {SOFTEST:g}..{STIFFEST:g}: are these mm, g, s "
-            "and Hz?"
+            f"{solved.modulus:.3g} GPa: plastics have {SOFTEST:g}..{STIFFEST:g}: are these mm, g, "
+            "s and Hz, and is a film's slow motion undone?"
         )
     dof = solved.residuals - solved.parameters
     probability = None
@@ -192,7 +194,7 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
 
     own = 1 + len(extras)
     first = np.zeros(own + OTHERS + 3 * len(strips))
-    first[0] = math.log(_guess(strips, density))
+    first[0] = math.log(np.median([one.modulus for one in rough(strips, density)]))
     spread: Array | None = None
     for _ in range(ROUNDS):
         at_last, errors = first, spread
@@ -222,18 +224,21 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
     )  # fmt: skip
 
 
-def _guess(strips: Sequence[Specimen], density: Density) -> float:
-    """Modulus (GPa) by a typical reading alone: forms grow as it, or as its root."""
+def rough(strips: Sequence[Specimen], density: Density) -> list[Rough]:
+    """Modulus by each reading alone: forms grow as it, or as its root."""
     at = np.zeros(1 + OTHERS + 3 * len(strips))
     found = []
     for one in strips:
         for bend in one.bends:
             sizes = [one.sizes[name].value for name in SIZES]
             stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.value)
-            found.append(stiff / beams.stiffness(PA, Strip(*sizes)))
+            found.append(Rough(one.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
         heard = _model([one._replace(bends=())], density, at, ())[1]
-        found += [(ring.value / hertz) ** 2 for ring, hertz in zip(one.rings, heard, strict=True)]
-    return float(np.median(found))
+        found += [
+            Rough(one.name, RINGS, (ring.value / hertz) ** 2)
+            for ring, hertz in zip(one.rings, heard, strict=True)
+        ]
+    return found
 
 
 def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
@@ -279,7 +284,11 @@ def _model(
 def _rings(
     ring: Reading, strip: Strip, heavy: float, modulus: float, root: float, clamp: float
 ) -> float:
-    """Frequency (Hz) of a strip, its root soft, what swings as long as it is."""
-    long = strip._replace(length=beams.effective(strip.length, strip, root, clamp))
-    mass = beams.moving_mass(heavy, long)
+    """Frequency (Hz) of a strip, its root soft, what swings as long as it is.
+
+    A search that strays to a strip without length or mass is kept at a small one.
+    """
+    length = max(beams.effective(strip.length, strip, root, clamp), strip.thickness)
+    long = strip._replace(length=length)
+    mass = beams.moving_mass(max(heavy, 1e-6), long)
     return beams.rings(beams.stiffness(modulus, strip), mass, long.length, ring.weight_g)

@@ -74,11 +74,16 @@ def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
                 f"{part}: {name} = {one.value:.3g} ± {one.error:.2g}: its error must be at most "
                 f"{WORST:.0%} of it: measure better or leave the strip out"
             )
-    thick, long = sizes["thickness_mm"].value, sizes["free_length_mm"].value
+    thick, wide, long = (sizes[name].value for name in SIZES)
     if long < SHORTEST * thick:
         raise InputError(
             f"{part}: free_length_mm = {long:g}: must be at least {SHORTEST:g} times the "
             f"thickness, {thick:.3g} mm, to bend as a beam"
+        )
+    if long < wide:
+        raise InputError(
+            f"{part}: free_length_mm = {long:g}: must be at least the width, {wide:.3g} mm: wider "
+            "ones bend as plates"
         )
 
 

@@ -48,8 +48,9 @@ def rows(found: Calibrated) -> Iterator[Row]:
             dof = len(value.parts) - 1
             yield Row(what, value.value, value.sd, unit, value.readings, value.chi2, dof, key)
     if found.bounced is not None:
-        seen = found.bounced.rebound.measured
-        yield Row("rebound of the walker", seen.value, seen.sd, "", seen.tries, 0.0, 0, "")
+        rebound = found.bounced.rebound
+        seen = rebound.measured
+        yield Row("rebound of the walker", seen.value, rebound.sd, "", seen.tries, 0.0, 0, "")
         if one := found.bounced.single:
             yield Row("restitution of the feet", one.value, 0.5 * (one.high - one.low), "",
                       seen.tries, 0.0, 0, "scene.contact.restitution")  # fmt: skip

@@ -47,13 +47,12 @@ def speeds() -> tuple[Array, Array]:
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
         known = prediction.known_inputs(scene, design)
-        values = uncertain.draws(known, DRAWS, SEED).copy()
-        names = [given.name for given in known]
-        labels = values[:, names.index("contact.restitution")]
+        drawn = uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
         own = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
-        values[:, names.index(PRINT.name)] = own
+        prints = drawn._replace(columns={**drawn.columns, PRINT.name: own})
         mass = solids.mass_of(design)
-        rows.append(prediction.spread(design, mass, scene, "coulomb", known, values).speed)
+        rows.append(prediction.spread(design, mass, scene, "coulomb", prints).speed)
+    labels = drawn.columns["contact.restitution"]
     return labels, np.array(rows).T
 
 

@@ -39,7 +39,7 @@ over the plate's peak speed."""
 
 def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
     """Rows of the table, simulated or found in the store; none of runs that end badly."""
-    asked = [Point(case.design, case.scene, simulated=True) for case in every]
+    asked = [Point(case.design, case.scene, simulated=True, keep=()) for case in every]
     progress = Progress(len(asked))
     with crew.local(cores) as workers:
         for case, done in zip(every, run.each(asked, Store(), workers), strict=True):

@@ -143,22 +143,28 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
 
 def _short(ground: Ground, setting: Setting) -> Scene:
     """Scene of the short runs: endless ground, since a speed needs no end to run to."""
-    scene, drive = ground.scene, ground.scene.drive
-    if not math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
-        drive = Drive(
-            frequency_hz=drive.frequency, peak_speed_mm_s=setting.plate_speed,
-            second_harmonic_ratio=drive.second_harmonic_ratio,
-            second_harmonic_phase_deg=drive.second_harmonic_phase_deg,
-        )  # fmt: skip
+    scene = on_plate(ground.scene, setting)
     run = {"seconds": SECONDS[ground.model], "discard_seconds": DISCARDED, "runs": 1}
     return scene.model_copy(
         update={
-            "drive": drive,
             "run": scene.run.model_copy(update=run),
             "legs": scene.legs.model_copy(update={"model": ground.model}),
             "arena": scene.arena.model_copy(update={"length_mm": None, "width_mm": None}),
         }
     )
+
+
+def on_plate(scene: Scene, setting: Setting) -> Scene:
+    """Scene whose plate has a setting's speed, at its own frequency."""
+    drive = scene.drive
+    if math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
+        return scene
+    other = Drive(
+        frequency_hz=drive.frequency, peak_speed_mm_s=setting.plate_speed,
+        second_harmonic_ratio=drive.second_harmonic_ratio,
+        second_harmonic_phase_deg=drive.second_harmonic_phase_deg,
+    )  # fmt: skip
+    return scene.model_copy(update={"drive": other})
 
 
 def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Response:

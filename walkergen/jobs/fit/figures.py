@@ -76,11 +76,11 @@ def bands_figure(bands: "Sequence[Band]", seen: Measured, title: str) -> Figure:
         )
     middle = np.array([band.speed_mm_s for band in chosen])
     axes.plot(tilt, middle, line, color=colour, linewidth=1)
-    axes.plot(tilt, middle, ".", color=colour, label="simulated")
-    assert seen.se is not None
+    axes.plot(tilt, middle, ".", color=colour, label="median")
     shown = seen.plate_speed == plate
+    bars = None if seen.se is None else seen.se[shown]
     axes.errorbar(
-        seen.tilt[shown], seen.speed[shown], seen.se[shown], fmt=marker, color="black",
+        seen.tilt[shown], seen.speed[shown], bars, fmt=marker, color="black",
         markerfacecolor="white", markersize=5, capsize=3, label="measured", zorder=3,
     )  # fmt: skip
     axes.set_xlabel("tilt of the legs (deg)")

@@ -5,7 +5,7 @@ from collections.abc import Mapping, Sequence
 from walkergen.analysis.fits import RANGES
 from walkergen.errors import InputError
 from walkergen.files import words
-from walkergen.jobs.fit.parameters import ModelName
+from walkergen.jobs.fit.parameters import FLAT, TABLED_FROM, ModelName
 from walkergen.scene import LEAST_LABEL
 
 Ranges = Mapping[str, tuple[float, float]]
@@ -17,12 +17,15 @@ def of_theory(texts: Sequence[str]) -> dict[str, float]:
 
 
 def of_model(texts: Sequence[str], model: ModelName) -> dict[str, float]:
-    """Parse values that a simulated fit is to hold. Raises InputError."""
-    least = LEAST_LABEL if model == "space" else 0.0
+    """Parse values that a fit of a model's speeds is to hold. Raises InputError."""
+    least = 0.0 if model == "compliant" else LEAST_LABEL
     ranges = {
         "restitution": (least, 1.0), "friction": (0.0, 5.0), "thickness_mm": (1e-3, 100.0),
         "youngs_modulus_gpa": (1e-3, 1e4), "damping_ratio": (0.0, 10.0),
     }  # fmt: skip
+    if model == "prediction":
+        del ranges["damping_ratio"]
+        ranges["friction"] = (TABLED_FROM, FLAT["friction"][1])
     return _parsed(texts, ranges, f" (model {model})")
 
 

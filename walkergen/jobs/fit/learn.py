@@ -1,4 +1,4 @@
-"""Fit of a simulated model: measured speeds in, what they teach and what follows from it out."""
+"""Fit of a model: measured speeds in, what they teach and what follows from it out."""
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -14,13 +14,13 @@ from walkergen.files import templates
 from walkergen.files.config import validate
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit import emulated, lessons, posterior
+from walkergen.jobs.fit import emulated, lessons, posterior, tabled, weighed
 from walkergen.jobs.fit import learnt_tables as tables
-from walkergen.jobs.fit.emulated import Ground, Response, Setting
+from walkergen.jobs.fit.emulated import Ground, Setting
 from walkergen.jobs.fit.lessons import Learnt
 from walkergen.jobs.fit.make import fitted_name
 from walkergen.jobs.fit.parameters import KEYS, ModelName, PriorName, held, unknown
-from walkergen.jobs.fit.posterior import Observed, Posterior
+from walkergen.jobs.fit.posterior import Observed, Posterior, Responds
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -30,14 +30,14 @@ FIRST, SECOND, AHEAD = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
 
 MOST_SETTINGS = 40
-"""Number of settings (tilts on plates), measured and predicted, that a fit simulates at most."""
+"""Number of settings (tilts on plates), measured and predicted, that a fit knows at most."""
 
 LEVELS = (0.5, 0.025, 0.05, 0.1587, 0.8413, 0.95, 0.975)
 """Median and ends of the 95, 90 and 68 % bands."""
 
 
 class Job(NamedTuple):
-    """Choices of a fit by simulation."""
+    """Choices of a fit by a model."""
 
     design: Design
     scene: Scene
@@ -69,7 +69,7 @@ class Band(NamedTuple):
 
 
 class Learned(NamedTuple):
-    """Result of a fit by simulation, and the folder it was written to."""
+    """Result of a fit by a model, and the folder it was written to."""
 
     posterior: Posterior
     speeds: int
@@ -85,24 +85,28 @@ class Learned(NamedTuple):
 
 
 def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
-    """Learn from a CSV file of speeds by simulation and write tables, figures, scene, design.
+    """Learn from a CSV file of speeds by a model and write tables, figures, scene, design.
 
-    Columns as in `make.fit`; speed_se_mm_s is needed. Writes fit.csv, fit.md, speeds.csv,
-    bands.csv, posterior.csv, scene.toml, design.toml, fit.png, fit.pdf, manifest.json. Raises
-    InputError, before anything is written, for unusable input.
+    Columns as in `make.fit`; simulated models need speed_se_mm_s. Writes fit.csv, fit.md,
+    speeds.csv, bands.csv, posterior.csv, scene.toml, design.toml, fit.png, fit.pdf, manifest.json.
+    Raises InputError, before anything is written, for unusable input.
     """
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
-    seen, notes = _flexible(found, path)
+    measured.refuse_slips(path, found)
+    seen, notes = _flexible(found, path, job.model)
     scene, design = held(job.scene, job.design, job.fixed)
-    ground = Ground(scene, job.model, unknown(scene, design, job.model, job.prior, job.fixed))
+    errors = seen.se is not None
+    known_before = unknown(scene, design, job.model, job.prior, job.fixed, errors)
+    ground = Ground(scene, job.model, known_before)
     settings, observed = _observed(design, seen)
     ahead = _ahead(job, design, seen, settings)
-    known, responses = _refined(ground, settings, observed, progress)
+    respond = _by_table if job.model == "prediction" else _by_runs
+    known, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters
     bands = _bands(ground, settings, responses, known, True)
-    later = _emulated_ahead(ground, ahead, known, progress)
     bands += _bands(ground, ahead, later, known, False)
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
+    known = known._replace(draws=known.draws[:, : len(parameters)])
     rows = lessons.learnt(parameters, known.draws)
     notes = [
         *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, known.draws),
@@ -116,14 +120,14 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
     return learned
 
 
-def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
+def _flexible(found: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
     """Rows of flexible walkers with their errors, and notes on those left out."""
     if not len(found.speed):
         raise InputError(f"{path}: no row is usable: {found.bad}")
-    if found.se is None:
+    if found.se is None and model != "prediction":
         raise InputError(
             f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
-            "errors: add them (walkergen analyse gives them), or use --model theory"
+            "errors: add them (walkergen analyse gives them), or leave --model out"
         )
     braced = np.array([kind == "braced" for kind in found.legs])
     if braced.all():
@@ -134,30 +138,32 @@ def _flexible(found: Measured, path: Path) -> tuple[Measured, list[str]]:
     notes = [found.bad] if found.bad else []
     if braced.any():
         notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
+    if found.se is None:
+        notes.append("no standard errors given: those here come from the scatter of the speeds")
     kept = ~braced
     seen = Measured(
-        found.tilt[kept], ["flexible"] * int(kept.sum()), found.speed[kept], found.se[kept],
-        found.plate_speed[kept], found.bad,
+        found.tilt[kept], ["flexible"] * int(kept.sum()), found.speed[kept],
+        None if found.se is None else found.se[kept], found.plate_speed[kept], found.bad,
     )  # fmt: skip
     return seen, notes
 
 
 def _observed(design: Design, seen: Measured) -> tuple[list[Setting], list[Observed]]:
     """Settings of the rows and the speeds measured in each. Raises InputError for too many."""
-    assert seen.se is not None
     pairs = np.column_stack([seen.tilt, seen.plate_speed])
     different, places = np.unique(pairs, axis=0, return_inverse=True)
     if len(different) > MOST_SETTINGS:
         raise InputError(
-            f"{len(different)} pairs of tilt and plate speed; at most {MOST_SETTINGS}, since "
-            "each is simulated: give prints of one tilt the same tilt_deg and plate_speed_mm_s"
+            f"{len(different)} pairs of tilt and plate speed; at most {MOST_SETTINGS}: give prints "
+            "of one tilt the same tilt_deg and plate_speed_mm_s"
         )
     members = design.members([float(tilt) for tilt, _ in different], ["flexible"])
     settings = [
         Setting(member, float(plate)) for member, (_, plate) in zip(members, different, strict=True)
     ]
     rows = [np.ravel(places) == place for place in range(len(different))]
-    return settings, [Observed(seen.speed[row], seen.se[row]) for row in rows]
+    se = np.full(len(seen.speed), measured.LEAST) if seen.se is None else seen.se
+    return settings, [Observed(seen.speed[row], se[row]) for row in rows]
 
 
 def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]) -> list[Setting]:
@@ -170,15 +176,29 @@ def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]
     if len(missing) + len(settings) > MOST_SETTINGS:
         raise InputError(
             f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most "
-            f"{MOST_SETTINGS} together, since each is simulated"
+            f"{MOST_SETTINGS} together"
         )
     return [Setting(member, plate) for member in design.members(missing, ["flexible"])]
 
 
-def _refined(
-    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed], progress: Progress
-) -> tuple[Posterior, list[Response]]:
-    """Posterior from emulators over the prior, refined by walkers drawn from a first posterior."""
+def _by_table(
+    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed],
+    ahead: Sequence[Setting], progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:  # fmt: skip
+    """Posterior by the table, and what it says of settings measured and ahead."""
+    responses, later = (tabled.responses(ground, some) for some in (settings, ahead))
+    seed = ground.scene.run.seed
+    known = weighed.sample(ground.unknown.sampled, observed, responses, seed, progress)
+    return known, responses, later
+
+
+def _by_runs(
+    ground: Ground, settings: Sequence[Setting], observed: Sequence[Observed],
+    ahead: Sequence[Setting], progress: Progress,
+) -> tuple[Posterior, Sequence[Responds], Sequence[Responds]]:  # fmt: skip
+    """Posterior from emulators over the prior, refined by walkers drawn from a first posterior;
+    emulators of settings measured and, over the posterior alone, ahead.
+    """
     progress("compiling (slow the first time only)", 0, 1)
     seed = ground.scene.run.seed
     x = emulated.spread(ground, FIRST)
@@ -192,16 +212,9 @@ def _refined(
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
     responses = _responses(ground, settings, x, y)
     found = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
-    return found, responses
-
-
-def _emulated_ahead(
-    ground: Ground, ahead: Sequence[Setting], known: Posterior, progress: Progress
-) -> list[Response]:
-    """Responses in settings not measured, over the posterior, where alone they are needed."""
-    drawn = _some(known, ground, AHEAD)
+    drawn = _some(found, ground, AHEAD)
     y = emulated.batches(ground, ahead, drawn, progress, 2)
-    return _responses(ground, ahead, drawn, y)
+    return found, responses, _responses(ground, ahead, drawn, y)
 
 
 def _some(known: Posterior, ground: Ground, count: int) -> Array:
@@ -212,7 +225,7 @@ def _some(known: Posterior, ground: Ground, count: int) -> Array:
 
 def _responses(
     ground: Ground, settings: Sequence[Setting], x: Array, y: Sequence[Array]
-) -> list[Response]:
+) -> list[Responds]:
     differ = ground.unknown.prints_differ
     return [
         emulated.response(x, speeds, setting, differ)
@@ -223,7 +236,7 @@ def _responses(
 def _bands(
     ground: Ground,
     settings: Sequence[Setting],
-    responses: Sequence[Response],
+    responses: Sequence[Responds],
     known: Posterior,
     is_measured: bool,
 ) -> list[Band]:
@@ -254,7 +267,7 @@ def caption(job: Job) -> str:
     """Statement of the assumptions on which a fit rests."""
     fixed = ", ".join(f"{name} = {value:g}" for name, value in job.fixed.items())
     feet = f", {job.scene.feet.damping} feet" if job.model == "space" else ""
-    law = f", law {job.scene.contact.law}" if job.model != "space" else ""
+    law = f", law {job.scene.contact.law}" if job.model == "compliant" else ""
     given = f", given {fixed}" if fixed else ""
     return f"walker {job.design.name}, model {job.model}{feet}{law}, prior {job.prior}{given}"
 
@@ -266,7 +279,8 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
         if row.name in ("restitution", "friction", "damping_ratio"):
             table, _, key = KEYS[row.name].partition(".")
             data[table] |= {key: row.mean, f"{key}_sd": row.sd}
-    data["legs"]["model"] = job.model
+    if job.model != "prediction":
+        data["legs"]["model"] = job.model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"
     data["name"] = fitted_name(scene.name, path)
     return validate(data, Scene, "fitted scene")

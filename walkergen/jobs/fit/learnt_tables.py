@@ -56,8 +56,8 @@ def bands_table(bands: "Sequence[Band]", form: box.Box = box.SIMPLE_HEAD) -> Tab
 def quality(found: Posterior, count: int) -> str:
     """Statement of how well the model describes the speeds and how well it was sampled."""
     return (
-        f"chi² {found.chi2:.3g} for {count} speeds at best; {found.steps} steps of "
-        f"{found.correlation:.0f} correlated ones make {found.independent:.0f} independent draws"
+        f"chi² {found.chi2:.3g} for {count} speeds at best; {found.steps} draws are worth "
+        f"{found.independent:.0f} independent ones"
     )
 
 
@@ -87,14 +87,14 @@ def bands_to_csv(bands: "Sequence[Band]") -> str:
 
 def points_to_csv(seen: Measured, bands: "Sequence[Band]") -> str:
     """Format measured speeds and those predicted for one more print side by side as CSV."""
-    assert seen.se is not None
     by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in bands}
     header = (
         "tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s",
         "low_95", "high_95",
     )  # fmt: skip
     lines = []
-    columns = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, seen.se, strict=True)
+    errors = [None] * len(seen.speed) if seen.se is None else seen.se
+    columns = zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True)
     for row in columns:
         band = by[float(row[0]), float(row[2])]
         lines.append((*row, band.speed_mm_s, band.low_95, band.high_95))

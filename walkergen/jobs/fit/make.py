@@ -52,12 +52,14 @@ class Fitted(NamedTuple):
     notes: list[str]
     scene: Scene
     """Scene with the fitted contact."""
+    design: Design
+    """Walker as it was given."""
     folder: Path
 
 
 OF_THEORY = (
-    "this is the theory's contact, with which theory_mm_s meets the speeds; --model space learns "
-    "that of the model by which speeds are predicted"
+    "this is the theory's contact, with which theory_mm_s meets the speeds; without --model theory "
+    "fit learns that by which speeds are predicted"
 )
 """Note on what a fitted contact is good for."""
 
@@ -75,6 +77,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
             "not two equal ones: learn from simulated speeds, --model space"
         )
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    measured.refuse_slips(path, found)
     tilt, legs = found.tilt, found.legs
     speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
     progress("fitting", 0, 2)
@@ -82,7 +85,7 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     progress("drawing", 1, 2)
     scene = _scene(job.scene, result, path)
     notes = [*result.notes, *([found.bad] if found.bad else []), OF_THEORY]
-    fitted = Fitted(result, tilt, legs, speeds, notes, scene, folder)
+    fitted = Fitted(result, tilt, legs, speeds, notes, scene, job.design, folder)
     told = caption(job)
     with Folder(folder) as target:
         target.write("fit.csv", fit_tables.to_csv(result).encode())

@@ -19,7 +19,8 @@ PriorName = Literal["flat", "scene"]
 PRIORS: tuple[PriorName, ...] = ("flat", "scene")
 """Names of what may be assumed of restitution and friction: nothing, or what the scene says."""
 
-ModelName = Literal["compliant", "space"]
+ModelName = Literal["prediction", "compliant", "space"]
+"""Models whose speeds are learnt from: the table by which speeds are predicted, and runs."""
 
 KEYS = {
     "restitution": "contact.restitution",
@@ -35,6 +36,9 @@ PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
 
 FLAT = {"restitution": (0.0, 1.0), "friction": (0.02, 0.6)}
 """Ranges of the flat priors. Dry friction of plastics on plates lies within (0.1 to 0.5)."""
+
+TABLED_FROM = 0.05
+"""Least friction of the table by which speeds are predicted."""
 
 SCATTER = "print_scatter"
 PRINT_SCATTER = 0.15
@@ -82,18 +86,25 @@ class Unknown(NamedTuple):
         return self.simulated + self.scatter
 
     @property
+    def sampled(self) -> tuple[Parameter, ...]:
+        """What a table is a function of: what is learnt, and what all prints of a printer share."""
+        return (*self.parameters, *(Parameter(one.name, one, False) for one in self.printed))
+
+    @property
     def prints_differ(self) -> bool:
         """True when feet differ from print to print; masses alone change speeds too little."""
         return any(one.name == "feet.unevenness_um" for one in self.printed)
 
 
 def unknown(
-    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float]
-) -> Unknown:
+    scene: Scene, design: Design, model: ModelName, prior: PriorName, fixed: Mapping[str, float],
+    errors: bool = True,
+) -> Unknown:  # fmt: skip
     """List what is to be learnt and what differs from print to print.
 
     Thickness, Young's modulus and damping have the standard deviations of design and scene as
-    priors; without one they are held. Raises InputError when nothing is left to learn.
+    priors; without one they are held. Speeds without `errors` of their own tell their scatter from
+    print to print. Raises InputError when nothing is left to learn.
     """
     known = {one.name: one for one in uncertain.inputs(scene, design, model)}
     found: list[Parameter] = []
@@ -102,8 +113,10 @@ def unknown(
             continue
         if prior == "flat" and name in FLAT:
             low, high = FLAT[name]
-            if name == "restitution" and model == "space":
+            if name == "restitution" and model != "compliant":
                 low = LEAST_LABEL
+            if name == "friction" and model == "prediction":
+                low = TABLED_FROM
             middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
             found.append(Parameter(name, Input(key, middle, sd, low, high), True))
         elif key in known:
@@ -115,7 +128,7 @@ def unknown(
         )
     printed = tuple(known[name] for name in PRINTED if name in known)
     scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
-    return Unknown(tuple(found), printed, () if model == "space" else (scatter,))
+    return Unknown(tuple(found), printed, (scatter,) if model == "compliant" or not errors else ())
 
 
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:

@@ -5,18 +5,28 @@ range. The emulators' own errors and the scatter between prints are part of the 
 """
 
 from collections.abc import Callable, Sequence
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit.emulated import Response
 from walkergen.jobs.fit.parameters import Parameter, values
 from walkergen.numerics.emulator import alone
 
 Array = npt.NDArray[np.float64]
+
+
+class Responds(Protocol):
+    """Speed of a setting over the parameters."""
+
+    def __call__(self, x: Array, /) -> tuple[Array, Array, Array]:
+        """Mean, error that all prints share, and scatter between prints, each (k,), mm/s.
+
+        Rows of x (k, parameters) are values of the parameters.
+        """
+
 
 WALKERS = 48
 CHUNK, LONGEST = 500, 30_000
@@ -47,10 +57,11 @@ class Posterior(NamedTuple):
     draws: Array
     """Parameters, shape (KEPT, parameters)."""
     steps: int
-    correlation: float
-    """Longest autocorrelation time of a parameter, in steps."""
+    """Steps of the chains, or weighted draws, that these were chosen of."""
+    correlation: float | None
+    """Longest autocorrelation time of a parameter, in steps; None of weighted draws."""
     independent: float
-    """Number of independent draws among all that were made."""
+    """Number of independent draws that all that were made are worth."""
     chi2: float
     """Squared residuals at the best draw, over all that the model allows them."""
 
@@ -58,7 +69,7 @@ class Posterior(NamedTuple):
 def sample(
     parameters: Sequence[Parameter],
     observed: Sequence[Observed],
-    responses: Sequence[Response],
+    responses: Sequence[Responds],
     seed: int,
     progress: Progress,
 ) -> Posterior:
@@ -119,7 +130,7 @@ def _start(logarithm: Callable[[Array], Array], wide: int, rng: np.random.Genera
 
 
 def likelihood(
-    x: Array, observed: Sequence[Observed], responses: Sequence[Response]
+    x: Array, observed: Sequence[Observed], responses: Sequence[Responds]
 ) -> tuple[Array, Array]:
     """Logarithm of the likelihood of parameters x (k, parameters), and chi2, each of shape (k,).
 
@@ -140,7 +151,7 @@ def likelihood(
     return total, squares
 
 
-def speeds(x: Array, response: Response, rng: np.random.Generator) -> Array:
+def speeds(x: Array, response: Responds, rng: np.random.Generator) -> Array:
     """Draws of the speed of a new print for each draw of the parameters, shape (k,)."""
     with alone():
         mean, sd, scatter = response(x)

@@ -71,14 +71,20 @@ def to_markdown(fit: ContactFit, title: str, caption: str, notes: Sequence[str])
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
-def to_csv(fit: ContactFit) -> str:
-    """Format as CSV, a line per parameter: value, standard error, 68 % interval; blank if none."""
-    lines = []
+COLUMNS = ("parameter", "value", "se", "low_68", "high_68", "origin")
+
+
+def lines(fit: ContactFit) -> Iterator[tuple[object, ...]]:
+    """Parameters by COLUMNS: standard error and 68 % interval are None where there is none."""
     for name, value in fit.values.items():
         ends = fit.intervals.get(name, (None, None))
         origin = "fitted" if name in fit.errors else "given"
-        lines.append((name, value, fit.errors.get(name), *ends, origin))
-    return csv_text(("parameter", "value", "se", "low_68", "high_68", "origin"), lines)
+        yield name, value, fit.errors.get(name), *ends, origin
+
+
+def to_csv(fit: ContactFit) -> str:
+    """Format as CSV, a line per parameter."""
+    return csv_text(COLUMNS, lines(fit))
 
 
 def points_to_csv(tilt: Array, legs: Sequence[str], speeds: Speeds, fitted: Array) -> str:

@@ -79,7 +79,7 @@ def _beside(what: str, design: Design, one: Assumption, point: Point) -> Mechani
     mass, known = solids.mass_of(design), uncertain.inputs(one.scene, design, PREDICTION)
     contact, values = one.scene.contact, uncertain.draws(known, DRAWS, SEED)
     each = stationary(design, mass, contact.restitution, contact.friction, law=contact.law)
-    drawn = theory_speeds(design, mass, one.scene, "coulomb", known, values)
+    drawn = theory_speeds(design, mass, one.scene, "coulomb", uncertain.named(known, values))
     used = "mean of both feet" if design.alike else "balance of both feet"
     theory = Value(float(each.factor) * one.scene.impact_speed, float(drawn.std()))
     return Mechanism(design.name, what, design, theory, used, point)

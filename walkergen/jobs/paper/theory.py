@@ -34,7 +34,7 @@ class Curve(NamedTuple):
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
     known = uncertain.inputs(scene, design, uncertain.PREDICTION)
-    values = uncertain.draws(known, DRAWS, SEED)
+    drawn = uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     speed, sd, sticks = [], [], []
@@ -43,6 +43,6 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
         mass = solids.mass_of(variant)
         each = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
         speed.append(float(each.factor) * scene.impact_speed)
-        sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, known, values).std()))
+        sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
         sticks.append(not all(each.reverses))
     return Curve(tilts, np.array(speed), np.array(sd), np.array(sticks))

@@ -4,11 +4,11 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen.analysis import orbits
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.simulate import uncertain
 from walkergen.jobs.simulate.uncertain import Bounds
+from walkergen.simulation import orbits
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import ENDED_WELL

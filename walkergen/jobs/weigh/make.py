@@ -6,9 +6,13 @@ from typing import NamedTuple
 
 import numpy as np
 
+from walkergen.errors import InputError
 from walkergen.files import meshes
 from walkergen.walker import faults, mass
 from walkergen.walker.mass import Array, Mesh, SolidMass
+
+DENSITY = 1.24
+"""Density of PLA, g/cm3."""
 
 
 class Weighed(NamedTuple):
@@ -44,6 +48,9 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
     3MF file may hold several objects, each one body; any other file is one body. Raises InputError
     for what cannot be read or is not sound.
     """
+    for flag, value, most in (("--density", density_g_cm3, 100.0), ("--scale", scale_mm, 1e6)):
+        if not 1e-6 <= value <= most:
+            raise InputError(f"{flag} {value:g}: must lie in 1e-06..{most:g}")
     source = str(path)[-80:]
     found = meshes.load(path, source)
     several = path.suffix.lower() == ".3mf" and len(found.parts) > 1

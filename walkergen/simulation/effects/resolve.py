@@ -34,7 +34,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     """
     _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design, mass))
-    _check_law(scene, case.model)
+    _check_law(scene, design, case.model)
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
@@ -73,12 +73,10 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
         raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
     if wanted != "auto":
         return wanted
-    if plane or problem:
+    if plane or problem or accepted < compliance.PLANAR_ERROR:
         return "space"
     if design.braced:
         return "rigid"
-    if accepted < compliance.PLANAR_ERROR:
-        return "space"
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
 
 
@@ -96,12 +94,13 @@ def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
     return ""
 
 
-def _check_law(scene: Scene, model: ModelName) -> None:
+def _check_law(scene: Scene, design: Design, model: ModelName) -> None:
     """Refuse a law of impact where feet are elastic and none acts. Raises InputError."""
     if model == "space" and scene.contact.law != "poisson":
+        planar = "rigid" if design.braced else "compliant"
         raise InputError(
             f"contact.law = {scene.contact.law!r}: elastic feet have a damping in place of a law "
-            "of impact (feet.damping); use legs.model 'compliant' for this law, or leave the law "
+            f"of impact (feet.damping); use legs.model {planar!r} for this law, or leave the law "
             "at 'poisson'"
         )
 

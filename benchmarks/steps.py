@@ -1,0 +1,182 @@
+"""What the own step leaves off: speeds by it and by a tenth of it, and by the table of `predict`.
+
+The paper's walker over tilts, labels and friction, on the plane and in the lane, and the templates
+of other mechanisms, each in random runs of its own. A row is written as soon as it is known; a
+second call goes on where the first ended. The table, in Markdown, is that of docs/validation.md.
+
+    python benchmarks/steps.py [--finer 10] [--runs 16] [--seconds 3] [--out out/steps.csv]
+
+Twelve minutes on a core.
+"""
+
+import argparse
+import csv
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from types import MappingProxyType
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen import discrepancy, prediction
+from walkergen.files import templates
+from walkergen.files.tables import csv_text
+from walkergen.numerics import kernels
+from walkergen.scene import Scene
+from walkergen.simulation import observables, points, resolution
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.points import Asked
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+NOTHING: Mapping[str, object] = MappingProxyType({})
+
+
+class Setting(NamedTuple):
+    """A walker in a scene."""
+
+    tilt_deg: float | None
+    """None: that of the template."""
+    label: float | None = None
+    """Label of restitution; None: that of the scene."""
+    friction: float | None = None
+    walker: str = "koumakis2016"
+    scene: str = "plane-90hz"
+    keys: Mapping[str, object] = NOTHING
+    """Other keys of the scene."""
+
+
+class Row(NamedTuple):
+    """Speeds of a setting, mm/s; the field names are the CSV's columns."""
+
+    code: str
+    setting: str
+    own: float
+    own_se: float
+    fine: float
+    fine_se: float
+    stated: float
+    """Largest error (95 %) that is stated of the own step."""
+    table: float
+    """Speed of the same print by the table behind `predict`; NaN where that does not reach."""
+    median: float
+    """Speed that `predict` tells, the median of all that is not known of print and contact."""
+
+
+SETTINGS = (
+    Setting(2.0), Setting(5.0), Setting(10.0), Setting(15.0), Setting(20.0), Setting(35.0),
+    Setting(2.0, 0.3, 0.25), Setting(2.0, 0.5, 0.1), Setting(5.0, 0.05, 0.25),
+    Setting(5.0, 0.2, 0.1), Setting(5.0, 0.3, 0.05), Setting(5.0, 0.3, 0.1),
+    Setting(5.0, 0.5, 0.5), Setting(8.0, 0.3, 0.25), Setting(10.0, 0.05, 0.1),
+    Setting(10.0, 0.3, 0.25), Setting(10.0, 0.3, 0.5), Setting(10.0, 0.8, 0.1),
+    Setting(10.0, 0.5, 0.25, keys={"feet.damping": "hysteretic"}),
+    Setting(12.0, 0.5, 0.05), Setting(15.0, 0.3, 0.25, keys={"drive.gamma": 2.6}),
+    Setting(15.0, 0.8, 0.25), Setting(20.0, 0.05, 0.5), Setting(20.0, 0.5, 0.25),
+    Setting(35.0, 0.3, 0.25), Setting(10.0, 0.02, 0.25), Setting(5.0, 0.02, 0.25),
+    Setting(15.0, 0.02, 0.25),
+    Setting(10.0, scene="lane-90hz"),
+    *(Setting(None, 0.3, None, one)
+      for one in ("two-materials", "unequal-legs", "polar-disc", "rotator")),
+)  # fmt: skip
+
+
+def silent(what: str, done: int, total: int) -> None:
+    """Show no progress."""
+
+
+def name(one: Setting) -> str:
+    """Setting in words: walker, tilt, label, friction, and what else is not the scene's own."""
+    walker = "" if one.walker == "koumakis2016" else one.walker
+    tilt = "" if one.tilt_deg is None else f"{one.tilt_deg:g} deg"
+    label = "" if one.label is None else f"label {one.label:g}"
+    friction = "" if one.friction is None else f"μ {one.friction:g}"
+    scene = "" if one.scene == "plane-90hz" else one.scene
+    keys = (f"{key.partition('.')[2]} {value}" for key, value in one.keys.items())
+    return ", ".join(word for word in (walker, tilt, label, friction, scene, *keys) if word)
+
+
+def walker_of(one: Setting) -> tuple[Scene, Design]:
+    """Scene and design of a setting."""
+    design = templates.load(one.walker, "walkers", Design)
+    if one.tilt_deg is not None:
+        design = design.variant(tilt_deg=one.tilt_deg)
+    keys = {"contact.restitution": one.label, "contact.friction": one.friction} | dict(one.keys)
+    keys = {key: value for key, value in keys.items() if value is not None}
+    return templates.load(one.scene, "scenes", Scene).variant(**keys), design
+
+
+def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
+    """Speeds of a setting by its own step and by a finer one, from other random starts."""
+    scene, design = walker_of(one)
+    mass = solids.mass_of(design)
+    run = {"legs.model": "space", "run.runs": options.runs, "run.seconds": options.seconds}
+    own = scene.variant(**run)
+    plan = prepare(own, design, mass)
+    fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
+    pair = [Asked(own, design, mass), Asked(own.variant(**fine), design, mass)]
+    coarse, finer = (one.summary for one in points.on_threads(pair, ["own", "fine"], silent))
+    stated = resolution.judge(plan, coarse)[observables.SPEED].error
+    speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
+    known = [math.nan if value is None else value for value in (*speeds, stated)]
+    return Row(code, name(one), *known, *predicted(scene, design, mass))
+
+
+def predicted(scene: Scene, design: Design, mass: MassProperties) -> tuple[float, float]:
+    """Speeds (mm/s) by the table, of the nominal print and as the median; NaN outside it."""
+    row = prediction.predict(design, mass, scene)
+    if row.speed_by != "table":
+        return math.nan, math.nan
+    place = discrepancy.place_of(scene, design, mass)
+    nominal = discrepancy.speeds(place, design.tilt_deg, design.braced).at(np.zeros(1))
+    return float(nominal[0]) * scene.drive.peak_speed, row.speed_mm_s
+
+
+def kept(path: Path, code: str) -> dict[str, Row]:
+    """Rows of earlier calls with the same code, by their settings."""
+    if not path.exists():
+        return {}
+    with path.open(encoding="utf-8", newline="") as stream:
+        rows = [Row(line["code"], line["setting"], *(float(line[key]) for key in Row._fields[2:]))
+                for line in csv.DictReader(stream)]  # fmt: skip
+    return {row.setting: row for row in rows if row.code == code}
+
+
+def line(row: Row) -> str:
+    """Row of the Markdown table."""
+    error = math.hypot(row.own_se, row.fine_se)
+    stated = "none" if math.isnan(row.stated) else f"{row.stated:.1f}"
+    table, median = ("" if math.isnan(one) else f"{one:.1f}" for one in (row.table, row.median))
+    return (
+        f"| {row.setting} | {row.own:.1f} ± {row.own_se:.1f} | {row.fine:.1f} ± {row.fine_se:.1f} "
+        f"| {row.own - row.fine:+.1f} ± {error:.1f} | {stated} | {table} | {median} |"
+    )
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=(__doc__ or "").partition("\n")[0])
+    parser.add_argument("--finer", type=float, default=10.0, help="divisor of the own step")
+    parser.add_argument("--runs", type=int, default=16)
+    parser.add_argument("--seconds", type=float, default=3.0)
+    parser.add_argument("--out", type=Path, default=Path("out/steps.csv"))
+    options = parser.parse_args()
+    code = f"{kernels.digest()} {options.finer:g} {options.runs} {options.seconds:g}"
+    rows = kept(options.out, code)
+    options.out.parent.mkdir(parents=True, exist_ok=True)
+    print(
+        f"| setting | own step | step / {options.finer:g} | difference | stated | table | median |"
+    )
+    print("|---|--:|--:|--:|--:|--:|--:|")
+    for one in SETTINGS:
+        row = rows.get(name(one)) or measured(one, code, options)
+        if name(one) not in rows:
+            new = not options.out.exists()
+            with options.out.open("a", encoding="utf-8", newline="") as stream:
+                text = csv_text(Row._fields, [row])
+                stream.write(text if new else text.partition("\n")[2])
+        print(line(row), flush=True)
+
+
+if __name__ == "__main__":
+    main()
