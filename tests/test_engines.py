@@ -132,7 +132,7 @@ def test_the_scene_decides_which_effects_are_simulated():
     assert not verdicts(plan)["plate slope"]
     assert not verdicts(plan)["air drag"]
     braced = plan_of(design=Design().variant(kind="braced"))
-    assert (braced.resolved.model, braced.resolved.method) == ("rigid", "event")
+    assert (braced.resolved.model, braced.resolved.method) == ("space", "step")
     for accepted, model in (
         (0.49, "space"),
         (0.5, "compliant"),

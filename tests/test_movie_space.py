@@ -377,7 +377,7 @@ def test_views_follow_from_where_walkers_run():
     assert seen(PLANE, [PAPER]) == ("above", "space")
     assert seen(LANE, [PAPER]) == ("perspective", "space")
     assert seen(LANE, both) == ("above", "space")
-    assert seen(LANE, both[1:]) == ("side", "auto")
+    assert seen(LANE, both[1:]) == ("perspective", "space")
     planar = LANE.legs.model_copy(update={"model": "compliant"})
     assert seen(LANE.model_copy(update={"legs": planar}), [PAPER]) == ("side", "compliant")
 

@@ -5,6 +5,7 @@ import json
 import os
 import re
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -107,6 +108,8 @@ def test_pages_are_equal_for_equal_input_and_a_run_is_small(found, run):
 @pytest.fixture
 def report(folder, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
+    keys = '[drive]\nfrequency_hz = 90\ngamma = 1.8\n[legs]\nmodel = "compliant"\n'
+    Path("planar.toml").write_text(keys, encoding="utf-8")
     return lambda *words: CliRunner().invoke(app, ["report", str(folder), *words])
 
 
@@ -122,7 +125,7 @@ def test_the_command_plays_the_member_asked_for(report, tmp_path):
     ("words", "told"),
     [
         (("--run", "plane-90hz", "--tilt", "11"), "the family has no walker_t11.0_flexible"),
-        (("--run", "lane-90hz", "--legs", "braced"), "the walker moves in a plane"),
+        (("--run", "planar.toml"), "the walker moves in a plane"),
         (("--run", "nowhere"), "nowhere"),
         (("--run", "plane-90hz", "--legs", "flexible,braced"), "one kind at a time"),
         (("--run", "plane-90hz", "--legs", "<script>"), "must be one of"),

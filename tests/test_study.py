@@ -26,8 +26,7 @@ def silent(*told):
 
 def survey_of(kind="flexible", model="compliant", **tables):
     """Survey of one second; planar by default, since its ladders have both methods."""
-    if kind == "flexible":
-        tables = {"legs": {"model": model}, **tables}
+    tables = {"legs": {"model": model if kind == "flexible" else "rigid"}, **tables}
     design = Design().variant(kind=kind)
     mass = solids.mass_of(design)
     return Survey(Scene.model_validate(tables), design, mass, budget_s=1.0)
@@ -244,7 +243,7 @@ def test_what_auto_trusts_counts_as_true():
     assert survey_of(model="auto").complete == "space"
     assert survey_of(model="relaxed").complete == "space"
     assert survey_of("braced").complete == "rigid"
-    assert survey_of("braced", arena={"kind": "plane"}).complete == "space"
+    assert survey_of("braced", legs={"model": "auto"}).complete == "space"
     assert survey_of().complete == "compliant"
 
 

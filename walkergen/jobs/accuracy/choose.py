@@ -97,7 +97,7 @@ def check(wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassPrope
     if of != SPEED and not wanted.relative:
         raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
     counted = of == observables.IMPACTS or of.startswith(f"{observables.BY_NUMBER}.")
-    if counted and complete(scene, design, mass) != "space":
+    if counted and complete(scene, design) != "space":
         raise InputError(f"--of {of}: {resolution.ENDLESS}")
 
 

@@ -60,7 +60,7 @@ class Survey:
         """Settings that are to be measured within the budget; None: all."""
         self.known: dict[Setting, Measured] = {}
         self._rates: dict[Setting, float] = {}
-        self.complete = complete(scene, design, mass)
+        self.complete = complete(scene, design)
 
     @property
     def events(self) -> list[Setting]:
@@ -301,14 +301,10 @@ def _kinds(setting: Setting) -> Sequence[Runs]:
     return BY_EVENTS if setting.method == "event" else BY_STEPS
 
 
-def complete(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
-    """Model that counts as the truth: that of the scene, or what `auto` takes at no error."""
-    if scene.legs.model == "compliant":
-        return "compliant"
-    spatial = scene.legs.model == "space" or scene.arena.kind == "plane"
-    if spatial or not design.braced or refusal(scene, design, mass, "rigid"):
-        return "space"
-    return "rigid"
+def complete(scene: Scene, design: Design) -> ModelName:
+    """Model that counts as the truth: the planar one that a scene names, else that in space."""
+    planar: ModelName = "rigid" if design.braced else "compliant"
+    return planar if scene.legs.model == planar else "space"
 
 
 def refusal(scene: Scene, design: Design, mass: MassProperties, model: ModelName) -> str:

@@ -122,7 +122,7 @@ def plan(
     if seconds is not None and periods is not None:
         raise InputError("--seconds and --periods: both say how long; leave one of them out")
     seen = _view(members, scene, view)
-    if seen != "side":  # also braced walkers, for which a lane calls for less
+    if seen != "side":  # also walkers for which a lane calls for less
         scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": "space"})})
     single = len(members) == 1 and seen != "above"
     if periods is not None:

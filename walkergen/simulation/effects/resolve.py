@@ -34,7 +34,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     """
     _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design, mass))
-    _check_law(scene, design, case.model)
+    _check_elastic(scene, design, case.model)
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
@@ -94,24 +94,24 @@ def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
     return ""
 
 
-def _check_law(scene: Scene, design: Design, model: ModelName) -> None:
-    """Refuse a law of impact where feet are elastic and none acts. Raises InputError."""
+def _check_elastic(scene: Scene, design: Design, model: ModelName) -> None:
+    """Refuse laws and instants of impact of elastic feet, which have none. Raises InputError."""
+    planar = "rigid" if design.braced else "compliant"
     if model == "space" and scene.contact.law != "poisson":
-        planar = "rigid" if design.braced else "compliant"
         raise InputError(
             f"contact.law = {scene.contact.law!r}: elastic feet have a damping in place of a law "
             f"of impact (feet.damping); use legs.model {planar!r} for this law, or leave the law "
             "at 'poisson'"
         )
+    if model == "space" and scene.run.method == "event":
+        raise InputError(
+            "run.method = 'event': elastic feet have no instants of impact to go between; use "
+            f"method 'step', or model {planar!r}"
+        )
 
 
 def _method(scene: Scene, model: ModelName, drags: bool) -> MethodName:
     wanted = scene.run.method
-    if model == "space" and wanted == "event":
-        raise InputError(
-            "run.method = 'event': elastic feet have no instants of impact to go between; use "
-            "method 'step', or model 'compliant'"
-        )
     if model == "space":
         return "step"
     if wanted == "auto":
