@@ -80,7 +80,7 @@ def test_a_random_walk_has_the_exponent_one_and_no_crossover():
 @pytest.mark.parametrize("rate", [2.0, 8.0])
 def test_a_persistent_walk_crosses_over_where_its_formula_does(rate):
     lag = np.geomspace(0.01, 10.0, 4001)
-    slope = np.gradient(np.log(walks.squared(lag, 1.0, rate, 0.0)), np.log(lag))
+    slope = np.gradient(np.log(walks.squared(lag, walks.Spread(1.0, rate, 0.0, 0.0))), np.log(lag))
     expected = float(np.interp(-plane.HALFWAY, -slope, lag))
     grown = plane.growth(persistent(rate, runs=64))
     # The slope over a quarter of a decade shifts the crossing by less than 3 %

@@ -206,7 +206,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
             return np.asarray(np.exp(-rate * (walks.late(after, lasting) if lasting else after)))
 
         shortened = math.exp(-0.5 * variance) * _extrapolated(kept)
-        velocity = _velocity(sums) / (shortened * frame.interval)
+        velocity = complex(_velocity(sums) / (shortened * frame.interval))
         found["shortened"] = shortened
         found["body_speed"] = found["speed"] = velocity.real
         found["sideways_speed"] = velocity.imag
