@@ -1,4 +1,4 @@
-.PHONY: check quick test nightly bench site pictures calibrate-models
+.PHONY: check quick test nightly bench coverage site pictures calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -22,6 +22,10 @@ bench:
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8
 	$(PYTHON) benchmarks/space.py --cold
 	$(PYTHON) benchmarks/rivals.py --seconds 1
+
+# How often the bounds of `analyse` hold: an hour and a half, at night; ARGS="--films 10": shorter
+coverage:
+	$(PYTHON) benchmarks/tracks.py $(ARGS)
 
 site:
 	NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict

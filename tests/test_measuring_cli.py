@@ -59,10 +59,11 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     assert found["lag_s"] == pytest.approx(0.04)
     folder = tmp_path / "out" / "film" / "analysis"
     names = {path.name for path in folder.iterdir()}
-    figures = {f"{name}.{form}" for name in ("trajectories", "msd", "density", "correlation")
+    figures = {f"{name}.{form}" for name in ("trajectories", "msd", "density", "correlation",
+               "walkers")
                for form in ("png", "pdf")}  # fmt: skip
     assert names == figures | {"analysis.csv", "analysis.md", "msd.csv", "density.csv",
-                               "correlation.csv", "manifest.json"}  # fmt: skip
+                               "correlation.csv", "walkers.csv", "manifest.json"}  # fmt: skip
     with (folder / "analysis.csv").open(encoding="utf-8", newline="") as stream:
         rows = {row["quantity"]: row for row in csv.DictReader(stream)}
     assert float(rows["speed_mm_s"]["value"]) == found["speed_mm_s"]
@@ -107,7 +108,7 @@ def test_films_without_any_noise_end_in_a_table(run, tmp_path, path, frames, par
     result = run("analyse", "film.csv", "--fps", "50", "--mm-per-px", "1", "--no-pictures",
                  "--lag-ms", "20", *lane)  # fmt: skip
     assert result.exit_code == 0, result.exception
-    assert "value ± standard error" in result.stdout
+    assert "value ± standard error" in " ".join(result.stdout.split())
     table = tmp_path / "out" / "film" / "analysis" / "analysis.csv"
     with table.open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))

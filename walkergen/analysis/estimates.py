@@ -1,14 +1,16 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy import special
 
 from walkergen.analysis import walks
 from walkergen.analysis.moments import Grid, Moments
+from walkergen.analysis.walks import Spread
 from walkergen.files import words
 from walkergen.numerics import statistics
 
@@ -29,25 +31,44 @@ FEWEST_SAMPLES = 8
 
 UNITS = {
     "speed": "mm_s", "body_speed": "mm_s", "lane_speed": "mm_s", "motion_speed": "mm_s",
-    "sideways_speed": "mm_s", "turning_bias": "rad_s", "turning_scatter": "rad_s",
+    "speed_scatter": "mm_s", "sideways_speed": "mm_s",
+    "turning_bias": "rad_s", "turning_scatter": "rad_s",
     "rotational_diffusion": "rad2_s",
     "persistence_rate": "per_s", "persistence_time": "s", "persistence_length": "mm",
-    "heading_noise": "rad", "ballistic_speed": "mm_s",
-    "diffusivity": "mm2_s", "crossover_time": "s", "localisation_noise": "mm",
+    "turning_memory": "s", "heading_noise": "rad", "ballistic_speed": "mm_s",
+    "diffusivity": "mm2_s", "translational_diffusion": "mm2_s", "crossover_time": "s",
+    "localisation_noise": "mm",
     "parallel_mean": "mm", "parallel_sd": "mm", "orthogonal_mean": "mm", "orthogonal_sd": "mm",
 }  # fmt: skip
 """Names of all estimates, and the unit of each as keys write it.
 
 `speed` is the mean along a lane or along the headings; without these it is `motion_speed`, the root
 mean square of the part of the velocity that persists for longer than the lag of displacements.
-`sideways_speed` is the mean drift to the left of the heading, `turning_scatter` the standard
-deviation of turning rates between walkers, `rotational_diffusion` D_r of headings about each
-walker's own mean turning. `persistence_rate` is the decay of the correlation of all walkers, or
-D_r where a scatter of their turning rates is resolved.
+`sideways_speed` is the mean drift to the left of the heading, `speed_scatter` and `turning_scatter`
+the standard deviations of speeds and turning rates between walkers, `rotational_diffusion` D_r of
+headings about each walker's own mean turning. `diffusivity` is that of long times, of all that
+moves a walker; `translational_diffusion` the part of it that is no run. `persistence_rate` is the
+decay of the correlation of headings about the same mean turning; without headings, of
+displacements, which also lose direction where walkers turn apart.
 """
 
+FITS = (
+    "amplitude", "lasting", "heading_variance", "msd_speed2", "msd_rate", "msd_offset", "msd_first",
+    "shortened",
+)  # fmt: skip
+"""Names of numbers that only decide on others: `amplitude` (mm^2) is the part of the displacements'
+mean square that persists, `lasting` that of it which lasts for the first lag, `heading_variance`
+(rad^2) that of the headings' noise, `shortened` the share of a speed that displacements along
+headings show, or without headings the root of the first product over the speed (s), `msd_first` the
+squared displacement (mm^2) that noise and diffusion make within one sample."""
+
+NEAR, FAR = 1.5, -0.5
+"""Weights of displacements along headings half a sample and one and a half from their middles, that
+extrapolate to none."""
+
 HEADED = (
-    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "heading_noise"
+    "body_speed", "sideways_speed", "turning_scatter", "rotational_diffusion", "turning_memory",
+    "heading_noise",
 )  # fmt: skip
 ACROSS = ("orthogonal_mean", "orthogonal_sd")
 ALONG = ("parallel_mean", "parallel_sd")
@@ -65,6 +86,25 @@ class Estimate(NamedTuple):
     value: float | None
     se: float | None
     reason: str = ""
+    freedom: float = math.inf
+    """Degrees of freedom of the error: bounds follow Student's t."""
+    noise: float | None = None
+    """Variance that noise adds to a variance, whose bounds follow chi^2; None for other numbers."""
+    root: bool = False
+    """True for the root of such a variance."""
+
+    def interval(self, confidence: float) -> tuple[float, float] | None:
+        """Lower and upper bound that hold the truth with a `confidence` of 0 to 1."""
+        if self.value is None or self.se is None:
+            return None
+        if self.noise is not None:
+            tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
+            power = 2 if self.root else 1
+            total = (self.value**power + self.noise) * self.freedom
+            ends = (total / special.chdtri(self.freedom, one) - self.noise for one in tails)
+            low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
+            return low, high
+        return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
 
 
 class Frame(NamedTuple):
@@ -76,12 +116,20 @@ class Frame(NamedTuple):
     lane: bool
     headed: bool
     """True when headings are known."""
-    scatter: float
-    """Standard deviation of turning rates between walkers, rad/s; 0 where it is not resolved."""
+    own_s: float
+    """Time over which the mean turning, or in a lane the mean speed, was measured that is taken off
+    each walker, s; infinite where nothing is."""
+    memory: bool
+    """Whether rates of turning last for a while, so that headings are lost late."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
     """Errors of the correlation: of its real parts by lag, then of its imaginary parts."""
+
+    @property
+    def first_lag(self) -> int:
+        """Least lag between the starts of displacements that share no position, samples."""
+        return self.grid.step + 1
 
 
 def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]:
@@ -90,17 +138,19 @@ def mean(sums: npt.NDArray[np.generic], pairs: Array) -> npt.NDArray[np.generic]
 
 
 def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
-    """Compute every number of UNITS, and the fit's msd_*; NaN where it has no meaning or no fit."""
-    found = dict.fromkeys((*UNITS, "msd_speed2", "msd_rate", "msd_offset"), math.nan)
+    """Compute every number of UNITS and of FITS but those of the squared displacement on a plane.
+
+    NaN where a number has no meaning or no fit.
+    """
+    found = dict.fromkeys((*UNITS, *FITS), math.nan)
     found["lane_speed"] = _ratio(sums.run) / frame.interval
     _spread(found, "parallel", sums.along)
     _spread(found, "orthogonal", sums.across)
     if frame.lane:
-        found["speed"] = found["lane_speed"]
+        found["speed"], found["shortened"] = found["lane_speed"], 1.0
         _dispersion(found, sums, frame)
     else:
         _persistence(found, sums, frame)
-        _squared_displacement(found, sums, frame)
     return found
 
 
@@ -126,40 +176,92 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if use.sum() < 4:
         return
     lag, values, errors = lag[use], values[use], errors[use]
+
+    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
+        return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
+
+    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        return model(walks.late(at, abs(memory)), amplitude, rate, turn)
+
     start: tuple[float, ...] = _start(lag, values, errors)
-
-    def model(
-        at: Array, amplitude: float, rate: float, turn: float, variance: float = 0.0
-    ) -> Complex:
-        apart: Array = np.exp(-0.5 * variance * at**2)  # turning rates scatter between walkers
-        return walks.decay(at, amplitude, rate, turn, window) * apart
-
-    if frame.scatter > 0:
-        start = (*start, frame.scatter**2)
-    fitted = walks.fit(model, lag, values, errors, start)
+    if frame.memory:
+        start = _late_start(lag, values, errors)
+    fitted = walks.fit(late if frame.memory else model, lag, values, errors, start)
     if fitted is None:
         return
-    amplitude, rate, turn = fitted[:3]
+    amplitude, rate, turn, *memory = map(float, fitted)
     found["persistence_rate"] = rate
     found["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
-        # Noise of the headings, and turning within an interval, shorten the projected displacement.
-        shortened = math.sqrt(max(amplitude, 0.0)) * _within(rate * frame.interval)
-        raw = _ratio(sums.body) / frame.interval
-        found["body_speed"] = found["speed"] = raw / shortened if shortened else math.nan
-        left = _ratio(sums.aside) / frame.interval
-        found["sideways_speed"] = left / shortened if shortened else math.nan
-        found["heading_noise"] = math.sqrt(max(-math.log(max(amplitude, 1e-300)), 0.0))
+        variance = -_at_once(lag, values)
+        lasting = abs(memory[0]) if memory else 0.0
+        if lasting:
+            variance = -math.log(max(amplitude, 1e-300))
+            found["turning_memory"] = lasting
+
+        def kept(samples: Array) -> Array:
+            after = samples * frame.interval
+            return np.asarray(np.exp(-rate * (walks.late(after, lasting) if lasting else after)))
+
+        shortened = math.exp(-0.5 * variance) * _extrapolated(kept)
+        velocity = complex(_velocity(sums) / (shortened * frame.interval))
+        found["shortened"] = shortened
+        found["body_speed"] = found["speed"] = velocity.real
+        found["sideways_speed"] = velocity.imag
+        found["heading_variance"] = variance
+        found["heading_noise"] = math.sqrt(max(variance, 0.0))
     else:
-        found["turning_bias"] = turn
+        found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
         found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
+        first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
+        found["shortened"] = window * math.sqrt(abs(first[0]))
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
 
 
-def _within(decay: float) -> float:
-    """Mean of exp(-decay t) over t in 0..1: the part of a heading that is left over an interval."""
-    return -math.expm1(-decay) / decay if decay else 1.0
+def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:
+    """Guess amplitude, rate, no turn, and memory: the best of several by lines in logarithms."""
+    height, weights = np.log(np.maximum(np.abs(values), 1e-300)), np.abs(values) / errors
+    guesses = []
+    for memory in np.geomspace(lag[0], lag[-1] / 3.0, 8):
+        line, rest, *_ = np.polyfit(walks.late(lag, memory), height, 1, w=weights, full=True)
+        guesses.append((float(rest.sum()), math.exp(line[1]), -float(line[0]), float(memory)))
+    _, amplitude, rate, memory = min(guesses)
+    return amplitude, rate, 0.0, memory
+
+
+def _at_once(lag: Array, kept: Complex) -> float:
+    """Logarithm of the correlation of headings at lag 0 but for itself: less twice their noise.
+
+    By the parabola through the first three lags: with inertia, headings hardly turn at first, so
+    that the fitted decay would not meet it.
+    """
+    height = np.log(np.maximum(np.abs(kept[:3]), 1e-300))
+    return float(np.polyval(np.polyfit(lag[:3], height, 2), 0.0))
+
+
+def _velocity(sums: Moments) -> complex:
+    """Displacement a sample (mm) along the heading and to its left, at the heading's own time.
+
+    Headings before a displacement, and those after it, are extrapolated to it each by itself, as
+    there may be a cusp between them (headings that diffuse) or none (inertia).
+    """
+    (near, near_pairs), (far, far_pairs) = sums.near, sums.far
+    if not near_pairs.real or not far_pairs.real:
+        return complex(math.nan, math.nan)
+    straight: complex = NEAR * near / near_pairs + FAR * far / far_pairs
+    return straight
+
+
+def _extrapolated(kept: Callable[[Array], Array]) -> float:
+    """What `_velocity` leaves of a speed, with what is `kept` of a heading by lag (samples).
+
+    It is 1 but for the second order in the loss of direction a sample.
+    """
+    at, weights = np.polynomial.legendre.leggauss(8)
+    near, far = (0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0))
+    return NEAR * near + FAR * far
 
 
 def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float]:
@@ -175,123 +277,57 @@ def _start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, fl
     return float(size[0]), fall / lag[at], turn
 
 
-def _squared_displacement(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the mean squared displacement of a persistent walk (paper's figure 6a) and its offset."""
-    lag = frame.grid.square_lags * frame.interval
-    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
-    use = np.isfinite(values) & (frame.square_errors > 0)
-    rate, turn = found["persistence_rate"], found["turning_bias"]
-    if use.sum() < 4 or math.isnan(rate):
-        return
-
-    def model(at: Array, speed2: float, rate: float, offset: float) -> Array:
-        return walks.squared(at, speed2, rate, offset, turn)
-
-    middle = np.flatnonzero(use)[int(use.sum()) // 2]
-    start = (values[middle] / lag[middle] ** 2, rate, 0.0)
-    fitted = walks.fit(model, lag[use], values[use], frame.square_errors[use], start)
-    if fitted is None:
-        return
-    speed2, rate, offset = (float(value) for value in fitted)
-    found |= {"msd_speed2": speed2, "msd_rate": rate, "msd_offset": offset}
-    found["ballistic_speed"] = math.sqrt(max(speed2, 0.0))
-    found["diffusivity"] = walks.diffusivity(speed2, rate, turn)
-    found["crossover_time"] = 4.0 * found["diffusivity"] / speed2 if speed2 else math.nan
-    found["localisation_noise"] = math.sqrt(max(offset, 0.0) / 4.0)
+def of_spread(spread: Spread, interval: float) -> dict[str, float]:
+    """Numbers that a fit of the squared displacement gives, by the names of UNITS and FITS."""
+    speed2, offset = spread.mean_square, spread.offset
+    return {
+        "msd_speed2": speed2, "msd_rate": spread.rate, "msd_offset": offset,
+        "msd_first": offset + 4.0 * spread.diffusion * interval,
+        "ballistic_speed": math.sqrt(max(speed2, 0.0)),
+        "diffusivity": spread.diffusivity,
+        "translational_diffusion": math.nan if spread.smooth_rate else spread.diffusion,
+        "crossover_time": 4.0 * spread.diffusivity / speed2 if speed2 else math.nan,
+        "localisation_noise": math.sqrt(max(offset, 0.0) / 4.0),
+    }  # fmt: skip
 
 
 def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the spread about the mean run in a lane, 2 D lag, over the last decade of fitted lags."""
+    """Fit the spread about each one's own run in a lane, over the last decade of fitted lags.
+
+    It is 2 D lag (1 - lag / T), as the own speed was measured over T.
+    """
     lag = frame.grid.square_lags * frame.interval
-    values = np.asarray(mean(sums.square, sums.square_pairs), dtype=float)
+    values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)
     use &= lag >= 0.1 * lag[use].max(initial=0.0)
     speed = found["lane_speed"]
     if use.sum() < 4:
         return
-    spread = values[use] - (speed * lag[use]) ** 2
+    spread = values[use] / (1.0 - lag[use] / frame.own_s)
     # The error of a variance grows with the variance itself: weights 1/lag.
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
     found["diffusivity"] = 0.5 * float(slope)
     found["crossover_time"] = float(slope) / speed**2 if speed else math.nan
 
 
-def judge(
-    values: Mapping[str, float],
-    replicates: Sequence[Mapping[str, float]],
-    frame: Frame,
-    means: Mapping[str, tuple[float, str]],
-    longest_s: float,
-) -> dict[str, Estimate]:
-    """Attach jackknife errors to the values, or refuse them.
-
-    `means` has errors, or reasons of refusal, for means over samples too short to be independent;
-    `longest_s` is the longest fitted lag, s.
-    """
-    errors = {name: error for name, (error, _) in means.items()}
-    for name in values.keys() - errors.keys():
-        spread = np.array([[one[name]] for one in replicates])
-        finite = len(spread) >= FEWEST_SAMPLES and bool(np.isfinite(spread).all())
-        errors[name] = float(statistics.jackknife_error(spread)[0]) if finite else math.nan
-    refused = {name: reason for name, (_, reason) in means.items() if reason}
-    refused |= _meaningless(frame) | _unresolved(values, errors, frame, longest_s)
-    if len(replicates) < FEWEST_SAMPLES:
-        few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
-        refused = dict.fromkeys(UNITS, few)
-    estimates = {}
-    for name in UNITS:
-        reason = refused.get(name, "")
-        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
-            reason = "too few data for its fit: film for longer"
-        value, error = (None, None) if reason else (values[name], errors[name])
-        estimates[name] = Estimate(value, error, reason)
-    return estimates
-
-
-def _meaningless(frame: Frame) -> dict[str, str]:
-    if frame.lane:
-        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
-        return dict.fromkeys((*names, "localisation_noise"), IN_A_LANE)
-    if frame.headed:
-        return {"motion_speed": HEADINGS_KNOWN}
-    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
-
-
-def _unresolved(
-    values: Mapping[str, float], errors: Mapping[str, float], frame: Frame, longest_s: float
-) -> dict[str, str]:
-    """Refuse quotients by rates that the data cannot tell from zero: these have no error bar."""
-    found = {}
-    if frame.lane:
-        if not values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]:
-            found["crossover_time"] = "the spread about the mean run is too small to tell"
-        return found
-    rate, error = values["persistence_rate"], errors["persistence_rate"]
-    if not (rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
-        at_least = max(rate, 0.0) + 2.0 * error
-        if math.isfinite(at_least) and at_least > 0:
-            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
-        found |= dict.fromkeys(("persistence_time", "persistence_length"), told)
-    rate, error = values["msd_rate"], errors["msd_rate"]
-    resolved = values["diffusivity"] > SIGNIFICANT * errors["diffusivity"]
-    if not (resolved and rate > SIGNIFICANT * error and rate * longest_s > DECAYED):
-        told = f"ballistic at all lags up to {longest_s:.3g} s: film for longer"
-        found |= dict.fromkeys(("diffusivity", "crossover_time"), told)
-    offset, error = values["msd_offset"], errors["msd_offset"]
-    if not offset > SIGNIFICANT * error:
-        most = math.sqrt((max(offset, 0.0) + 2.0 * error) / 4.0) if math.isfinite(error) else 0.0
-        found["localisation_noise"] = f"not resolved: below {most:.2g} mm (95 %)"
-    return found
-
-
 def with_error(one: Estimate) -> str:
     """Format a value with its error to two digits of the error, or the reason of its refusal."""
     if one.value is None or one.se is None:
         return one.reason
-    if not one.se > 0:
-        return words.number(one.value, 4)
-    digits = max(1 - math.floor(math.log10(one.se)), 0)
+    return " ± ".join(_to_digits_of(one.se, (one.value, one.se) if one.se > 0 else (one.value,)))
+
+
+def bounds_95(one: Estimate) -> str:
+    """Format the bounds of 95 % to two digits of the error; '' without any."""
+    ends = one.interval(0.95)
+    return " to ".join(_to_digits_of(one.se, ends)) if ends and one.se else ""
+
+
+def _to_digits_of(error: float, values: Sequence[float]) -> list[str]:
+    """Format values to two digits of an error; to four of their own without one."""
+    if not error > 0:
+        return [words.number(value, 4) for value in values]
+    digits = max(1 - math.floor(math.log10(error)), 0)
     if digits > MOST_DIGITS:
-        return f"{words.number(one.value)} ± {words.number(one.se, 2)}"
-    return f"{one.value:.{digits}f} ± {one.se:.{digits}f}"
+        return [words.number(value, 3 if abs(value) > error else 2) for value in values]
+    return [f"{value:.{digits}f}" for value in values]

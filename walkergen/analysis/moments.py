@@ -43,10 +43,11 @@ class Moments(NamedTuple):
 
     run: Array
     """Displacement along x (mm) from first to last sample, and number of steps between them."""
-    body: Array
-    """Displacement ahead (mm) over neighbouring samples (see `carried`), and number of pairs."""
-    aside: Array
-    """Displacement to the left (mm) over neighbouring samples, and number of such pairs."""
+    near: Complex
+    """Displacement ahead (mm; imaginary part: to the left) over neighbouring samples, along the
+    headings at both, and number of such pairs."""
+    far: Complex
+    """The same along the headings a sample earlier and a sample later than these."""
     turned: Array
     """Change of heading (rad) over neighbouring samples, and number of such pairs."""
     along: Array
@@ -55,8 +56,11 @@ class Moments(NamedTuple):
     square: Array
     """Sum of squared displacements by lag, mm^2."""
     square_pairs: Array
+    about_run: Array
+    """The same in a lane, about the mean speed of each walker's whole track."""
     turn: Complex
-    """Sum of products of headings by lag; without headings, of displacements over `step`, mm^2."""
+    """Sum of products of headings, less their steady turn, by lag; without headings, of
+    displacements over `step`, mm^2."""
     turn_pairs: Array
     density_along: Array
     """Number of displacements along the heading in each bin."""
@@ -115,19 +119,31 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def measure(track: Track, grid: Grid) -> Moments:
-    """Moments of one track."""
+def measure(track: Track, grid: Grid, own: float = 0.0) -> Moments:
+    """Moments of one track or of a piece of one.
+
+    `own` is the mean step of the whole track: the turn of its heading (rad) a sample, or in a lane
+    its way (mm).
+    """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
-    turn, turn_pairs = lagged.products(direction(track, grid.step), grid.turn_lags)
+    headings, lane = direction(track, grid.step), track.position.shape[1] == 1
+    times = np.arange(len(track.position), dtype=float)
+    rest = lagged.squares(track.position - own * times[:, None], grid.square_lags)[0] if lane else 0
+    turn, turn_pairs = lagged.products(
+        headings * np.exp(-1j * own * times[: len(headings)]), grid.turn_lags
+    )
     return Moments(
-        _run(track),
-        *_body_aside_turn(track),
+        run(track),
+        _known(ahead(track, own, 0)),
+        _known(ahead(track, own, 1)),
+        _turned(track),
         _powers(forward),
         _powers(sideways),
         square,
         square_pairs,
+        rest + np.zeros_like(square),
         turn,
         turn_pairs,
         _histogram(forward, bins_along),
@@ -168,7 +184,8 @@ def displacements(track: Track, step: int) -> tuple[Array, Array]:
     return moved.real, moved.imag
 
 
-def _run(track: Track) -> Array:
+def run(track: Track) -> Array:
+    """Displacement along x (mm) from the first to the last sample seen, and samples between."""
     seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
     if len(seen) < 2:
         return np.zeros(2)
@@ -188,17 +205,38 @@ def carried(track: Track, step: int) -> Complex:
     return moved
 
 
-def _body_aside_turn(track: Track) -> tuple[Array, Array, Array]:
+def ahead(track: Track, turning: float, out: int) -> Complex:
+    """Displacements (mm) along headings `out` samples before and after them, shape (2, n).
+
+    The imaginary part is to the left; NaN where one is not known. Headings are turned forth and
+    back to the middle by `turning` (rad a sample), and the way is that on the arc, not its chord: a
+    walker that turns steadily is not slower, nor drifts aside.
+    """
     if track.heading is None:
-        return np.zeros(2), np.zeros(2), np.zeros(2)
-    unit = np.exp(1j * track.heading)
-    moved, turned = carried(track, 1), np.angle(unit[1:] * np.conj(unit[:-1]))
-    moved, turned = moved[~np.isnan(moved)], turned[~np.isnan(turned)]
-    return (
-        np.array([moved.real.sum(), float(len(moved))]),
-        np.array([moved.imag.sum(), float(len(moved))]),
-        np.array([turned.sum(), float(len(turned))]),
-    )
+        return np.zeros((2, 0), dtype=complex)
+    chord = np.sinc(0.5 * turning / np.pi)
+    moved = np.diff(planar(track)) / chord
+    beyond = np.full(out, np.nan)
+    heading = np.concatenate([beyond, track.heading, beyond])
+    values = [
+        moved * np.exp(-1j * (heading[first : first + len(moved)] - turning * (first - out - 0.5)))
+        for first in (0, 2 * out + 1)
+    ]
+    return np.stack(values)
+
+
+def _known(values: Complex) -> Complex:
+    """Sum and number of values that are known."""
+    known = values[~np.isnan(values)]
+    return np.array([known.sum(), len(known)])
+
+
+def _turned(track: Track) -> Array:
+    if track.heading is None:
+        return np.zeros(2)
+    turns = np.diff(track.heading)
+    turns = np.angle(np.exp(1j * turns[~np.isnan(turns)]))
+    return np.array([turns.sum(), float(len(turns))])
 
 
 def _powers(values: Array) -> Array:

@@ -8,16 +8,28 @@ offset that is fitted and reported.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import estimates, lagged, moments, turning
+from walkergen.analysis import (
+    between,
+    doubts,
+    estimates,
+    judgement,
+    lagged,
+    moments,
+    spreads,
+    turning,
+)
+from walkergen.analysis.between import Alone, Together
 from walkergen.analysis.estimates import UNITS, Estimate, Frame, mean
-from walkergen.analysis.moments import Grid
-from walkergen.analysis.tracks import Tracks
+from walkergen.analysis.moments import Grid, Moments
+from walkergen.analysis.spreads import Fitted
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.turning import Turning
 from walkergen.errors import InputError
 from walkergen.numerics import statistics
 from walkergen.numerics.statistics import Line, line_through_origin
@@ -28,8 +40,6 @@ FITTED = 4
 """Divisor of a sample's length that gives the longest fitted lag: longer lags have few pairs."""
 HALF_OCTAVE = math.sqrt(2.0)
 """Ratio of lags, at least, between which a local exponent is taken, to either side."""
-INDEPENDENT = 8.0
-"""Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
 
 
 class Curve(NamedTuple):
@@ -55,19 +65,24 @@ class Motion(NamedTuple):
     method: str
     """Meaning of `speed` and origin of the errors, in words."""
     doubts: list[str]
-    """Reasons to doubt the headings, or what they mean for a number."""
+    """Reasons to doubt the tracks, or what they mean for a number."""
     msd: Curve
     """Mean squared displacement, mm^2, by lag."""
     exponent: Curve
     """Local exponent d ln MSD / d ln lag at the lags of `msd`: 2 for a straight run, 1 for
     diffusion; NaN within half an octave of the ends. Noise of the positions lowers short lags'."""
-    msd_fit: tuple[float, ...] | None
-    """Parameters speed2, rate, offset, turn of walks.squared; None where it was not fitted."""
+    msd_fit: Fitted | None
+    """Fit of `msd` with its goodness; None where it was not fitted."""
     correlation: Curve
-    """Modulus of the correlation of headings by lag (without headings: of displacements, mm^2)."""
+    """Modulus of the correlation of headings, less each walker's mean turning, by lag (without
+    headings: of displacements, mm^2)."""
+    own_s: float
+    """Time over which that mean turning was measured, s; infinite where none is taken off."""
     parallel: Curve
     """Density (1/mm) of displacements along the heading over `lag_s`, at the middles of bins."""
     orthogonal: Curve
+    walkers: Sequence[Alone]
+    """Every walker by itself."""
     by_plate_speed: tuple[tuple[float, Estimate], ...] = ()
     """Speed at each plate speed (mm/s), when the file has several."""
     line: Line | None = None
@@ -76,9 +91,6 @@ class Motion(NamedTuple):
     """Error of all lengths together, as a share of them (that of `Tracks`), beside the errors of
     the estimates; None when it is not known."""
 
-
-JUMPING = 0.01
-"""Share of steps with a turn of more than 90 deg from which headings look wrong."""
 
 LAG_S = 0.04
 """Lag of the displacements by default, s (paper's figure 6c)."""
@@ -123,42 +135,72 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         raise InputError("no walker (particle) is seen in two frames: its motion is unknown")
     headed = any(track.heading is not None for track in tracks.tracks)
     grid = _grid(tracks, lag_s, length, headed)
-    parts = [moments.total(moments.measure(track, grid) for track in group) for group in groups]
+    on_plane = headed and not tracks.lane
+    turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
+    own = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
+
+    def summed(some: Iterable[Track]) -> Moments:
+        return moments.total(moments.measure(t, grid, own[t.particle]) for t in some)
+
+    parts = [summed(group) for group in groups]
     rest = moments.total(parts)
     left_out = [moments.without(rest, part) for part in parts]
     in_pieces = moments.in_pieces(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = moments.total(moments.measure(t, grid) for t in tracks.tracks) if in_pieces else rest
+    whole = summed(tracks.tracks) if in_pieces else rest
     both = [whole, *left_out]
-    squares = [mean(m.square, m.square_pairs).real for m in both]
+    squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
     slopes = [_exponents(grid.square_lags, one) for one in squares]
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
-    on_plane = headed and not tracks.lane
-    apart = turning.scatter(tracks.tracks, tracks.interval) if on_plane else None
+    times = [one.seconds for one in turnings]
+    if tracks.lane:
+        times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
+    own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, (apart.value or 0.0) if apart else 0.0,
+        grid, tracks.interval, tracks.lane, headed, own_s, False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
-    values = estimates.evaluate(whole, frame)
-    judged = estimates.judge(
-        values,
-        [estimates.evaluate(one, frame) for one in left_out],
-        frame,
-        _errors_of_means(tracks, grid.step, length) if in_pieces else {},
-        length // FITTED * tracks.interval,
-    )
-    fit = tuple(values[name] for name in ("msd_speed2", "msd_rate", "msd_offset", "turning_bias"))
-    if apart is not None:
-        judged["turning_scatter"] = apart
+    numbers = [estimates.evaluate(one, frame) for one in both]
+    if on_plane:
+        late = frame._replace(memory=True)
+        lasting = [estimates.evaluate(one, late) for one in both]
+        memory = judgement.measured(lasting, "turning_memory")
+        # Within a sample it cannot be told from less noise of the headings.
+        if judgement.resolved(memory) and lasting[0]["turning_memory"] > tracks.interval:
+            frame, numbers = late, lasting
+    longest = length // FITTED
+    numbers, fit = _with_fit(numbers, both, frame, longest)
+    alone = between.each(tracks, frame, numbers[0]["shortened"], own)
+    together = between.compare(alone)
+    if headed:
+        shortened = judgement.measured(numbers, "shortened")
+        alone = [
+            one._replace(estimates=between.corrected(one.estimates, shortened)) for one in alone
+        ]
+        if together is not None:
+            together = together._replace(means=between.corrected(together.means, shortened))
+    few = tracks.tracks if in_pieces and together is not None else ()
+    without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
+    unlike = [estimates.evaluate(one, frame) for one in without_one]
+    judged = judgement.judge(
+        numbers[0], numbers[1:], frame, fit,
+        _with_fit(unlike, without_one, frame, longest)[0][1:], longest * tracks.interval,
+    )  # fmt: skip
+    if in_pieces:
+        judged |= _means(alone, together, frame)
+    elif together is not None and not (headed or tracks.lane):
+        judged |= _mean_of_roots(judged, together.scatter)
+    lone = Estimate(None, None, "fewer than 2 walkers with speeds of their own")
+    judged["speed_scatter"] = together.scatter if together else lone
+    if on_plane:
+        judged["turning_scatter"] = turning.scatter(turnings)
         judged["rotational_diffusion"] = turning.diffusion(
-            tracks.tracks, tracks.interval, values["heading_noise"]
+            turnings, judgement.measured(numbers, "heading_variance")
         )
-        if apart.value is not None:
-            judged |= turning.persistence(judged["rotational_diffusion"], judged["speed"])
     correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
     return Motion(
         estimates=judged,
@@ -166,15 +208,54 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         samples=len(parts),
         tracked_s=sum(len(track.position) - 1 for track in tracks.tracks) * tracks.interval,
         lag_s=grid.step * tracks.interval,
-        method=_method(tracks, headed, in_pieces, len(parts), length * tracks.interval),
-        doubts=_doubts(tracks, judged) if headed else [],
+        method=_method(frame, in_pieces, together, len(parts), length * tracks.interval),
+        doubts=doubts.of(tracks, groups, fit) + _unlike(judged),
         msd=msd._replace(at=msd.at * tracks.interval),
         exponent=exponent._replace(at=exponent.at * tracks.interval),
-        msd_fit=None if np.isnan(fit).any() else fit,
+        msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
+        own_s=own_s,
         parallel=_density(grid.bins[0], [one.density_along for one in both]),
         orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
+        walkers=alone,
     )
+
+
+def _with_fit(
+    numbers: list[dict[str, float]], sums: Sequence[Moments], frame: Frame, longest: int
+) -> tuple[list[dict[str, float]], Fitted | None]:
+    """Numbers of all samples, then of those without each one, with those of their fit over lags."""
+    if frame.lane:
+        return numbers, None
+    fitted = frame.grid.square_lags <= longest
+    lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
+    squares = [np.asarray(mean(one.square, one.square_pairs), float)[fitted] for one in sums]
+    fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
+    return [
+        one | estimates.of_spread(spread, frame.interval)
+        for one, spread in zip(numbers, fit.spreads, strict=True)
+    ], fit
+
+
+def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
+    """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
+    if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
+        return [one["turning_bias"] for one in numbers]
+    return [0.0] * len(numbers)
+
+
+def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
+    """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
+    known = np.array([(one.rate, one.seconds) for one in turnings]).reshape(-1, 2).T
+    mean_rate = float(known[0] @ known[1] / known[1].sum()) if turnings else 0.0
+    own = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
+    return own | {one.particle: one.rate * tracks.interval for one in turnings}
+
+
+def _own_runs(tracks: Tracks) -> dict[int, float]:
+    """Mean way a sample of each particle in a lane, mm."""
+    runs = {track.particle: moments.run(track) for track in tracks.tracks}
+    return {name: float(way / max(samples, 1.0)) for name, (way, samples) in runs.items()}
 
 
 def _grid(tracks: Tracks, lag_s: float, length: int, headed: bool) -> Grid:
@@ -236,95 +317,53 @@ def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
 
-def _errors_of_means(tracks: Tracks, step: int, length: int) -> dict[str, tuple[float, str]]:
-    """Errors of mean speeds whose correlation lasts too long for pieces to be independent.
-
-    The speeds' own correlation time then gives the number of independent samples, or shows that
-    they are too few. Products over a lag do not depend on the direction at its start, so that for
-    them pieces of any length are good enough.
-    """
-    block = step * tracks.interval
-    runs, bodies, sides = [], [], []
-    for track in tracks.tracks:
-        moved = np.diff(moments.planar(track)[::step])
-        runs.append(moved.real)
-        if track.heading is not None:
-            carried = moments.carried(track, step)
-            bodies.append(carried.real)
-            sides.append(carried.imag)
-    found: dict[str, tuple[float, str]] = {}
-    headed_names = ("body_speed", "speed")
-    lane_names = ("lane_speed", "speed") if tracks.lane else ("lane_speed",)
-    for names, series in (
-        (lane_names, runs), (headed_names, bodies), (("sideways_speed",), sides)
-    ):  # fmt: skip
-        speeds = [one[~np.isnan(one)] / block for one in series]
-        time = statistics.correlation_time(speeds, block)
-        if speeds and (time is None or length * tracks.interval < INDEPENDENT * time):
-            found |= dict.fromkeys(names, _error_of_mean(speeds, block, time))
-    return found
+def _means(
+    alone: Sequence[Alone], together: Together | None, frame: Frame
+) -> Mapping[str, Estimate]:
+    """Means over few walkers, or over the track of a lone one."""
+    if together is not None:
+        return together.means
+    longest = max(alone, key=lambda one: one.seconds).estimates
+    # Without headings the fit of all products is sharper than the first one.
+    return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
 
 
-def _error_of_mean(speeds: Sequence[Array], block: float, time: float | None) -> tuple[float, str]:
-    if time is None:
-        fewest = statistics.FEWEST_VALUES
-        if max(map(len, speeds)) < fewest:
-            return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
-        return math.nan, "changes too slowly for tracks so short: film for longer"
-    error = statistics.error_of_mean(speeds, block, time)
-    if error is None:
-        total = sum(len(one) for one in speeds) * block
-        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
-        return math.nan, told
-    return error, ""
+def _mean_of_roots(judged: Mapping[str, Estimate], scatter: Estimate) -> Mapping[str, Estimate]:
+    """Mean speed of many walkers from its root mean square, which is larger where they differ."""
+    speed = judged["speed"]
+    if speed.value is None or scatter.value is None or scatter.value > abs(speed.value):
+        return {}
+    speed = speed._replace(value=math.sqrt(speed.value**2 - scatter.value**2))
+    return {"speed": speed, "motion_speed": speed}
 
 
-def _doubts(tracks: Tracks, judged: Mapping[str, Estimate]) -> list[str]:
-    """Doubts about headings that jump, or that fit displacements only when turned or mirrored.
-
-    Also about fits for walkers that turn at different rates.
-    """
-    jumps = pairs = 0
-    along = mirrored = 0.0 + 0.0j
-    for track in tracks.tracks:
-        unit = moments.direction(track, 1)
-        moved = np.diff(moments.planar(track))
-        turned = np.abs(np.angle(unit[1:] * np.conj(unit[:-1])))
-        jumps += int(np.count_nonzero(turned > 0.5 * math.pi))
-        pairs += int(np.count_nonzero(~np.isnan(turned)))
-        along += np.nansum(moved * np.conj(unit[:-1]))
-        mirrored += np.nansum(moved * unit[:-1])
-    found = []
-    if jumps > JUMPING * pairs:
-        found.append(
-            f"headings turn by more than 90 deg in {jumps} of {pairs} steps: are they known only "
-            "up to a half turn? Speeds along and across the body then mean nothing"
-        )
-    if abs(mirrored) > 2.0 * abs(along):
-        found.append(
-            "displacements fit the headings only when these are mirrored: theta has to count from "
-            "x toward y of the file's own axes"
-        )
-    elif along.real < -abs(along.imag):
-        found.append("walkers run backwards along their headings: is theta turned by 180 deg?")
-    if judged["turning_scatter"].value is not None:
-        found.append(
-            "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
-            "displacement (diffusivity, crossover) knows nothing"
-        )
-    return found
+def _unlike(judged: Mapping[str, Estimate]) -> list[str]:
+    if judged["turning_scatter"].value is None:
+        return []
+    return [
+        "walkers turn at rates of their own (turning scatter), of which the fit of the squared "
+        "displacement (diffusivity, crossover) knows nothing"
+    ]
 
 
-def _method(tracks: Tracks, headed: bool, in_pieces: bool, samples: int, length_s: float) -> str:
-    if tracks.lane:
+def _method(
+    frame: Frame, in_pieces: bool, together: Together | None, samples: int, length_s: float
+) -> str:
+    if frame.lane:
         speed = "along the lane"
-    elif headed:
+    elif frame.headed:
         speed = "along the body's heading"
     else:
         speed = "along the direction of motion, root mean square of what persists for the lag"
     if not in_pieces:
-        return f"speed {speed}; errors from {samples} independent samples of particles"
+        method = f"speed {speed}; errors from {samples} independent samples of particles"
+        return f"{method}; of the mean speed, {together.limit}" if together else method
+    pieces = f"{samples} pieces of {length_s:.3g} s"
+    if together is None:
+        return f"speed {speed}; errors from {pieces}: how walkers differ, one cannot tell"
+    walkers = together.walkers
     return (
-        f"speed {speed}; errors from {samples} pieces of {length_s:.3g} s, which leave out how "
-        "walkers differ from one another"
+        f"speed {speed}; errors of speeds and turning bias over {walkers} walkers, by Student's t "
+        f"with {walkers - 1} degrees of freedom; of other numbers from {pieces}, or over walkers "
+        f"where they differ by more; of the mean speed, {together.limit}"
     )

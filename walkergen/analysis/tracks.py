@@ -50,6 +50,8 @@ class Track(NamedTuple):
     """Heading, shape (times,), rad, from x toward y; None when the file has none."""
     plate_speed: float | None = None
     """Peak speed of the plate, mm/s; None when the file does not say."""
+    start: int = 0
+    """Sample, of all tracks together, at which this one begins."""
 
 
 class Tracks(NamedTuple):
@@ -320,7 +322,7 @@ def _assemble(
     tracks = tuple(
         _track(
             path, int(name), group, (steps - steps[group[0]]) // stride, position, heading, plate
-        )
+        )._replace(start=int(steps[group[0]] // stride))
         for name, group in zip(names, groups, strict=True)
     )
     return Tracks(tracks, stride * tick, len(bad), columns.summary(bad))

@@ -1,122 +1,145 @@
 """Turning rates of walkers: their scatter between walkers, and the diffusion of each one's heading.
 
-An analysis of variance of pieces of tracks of equal length. Pieces have to outlast the memory of
-the turning rate.
+An analysis of variance of pieces of tracks. Pieces have to outlast the memory of the turning rate;
+where gaps are too long to tell the turn within them, so do the stretches between gaps.
 """
 
 import math
 from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
-from scipy import special
 
-from walkergen.analysis.estimates import FEWEST_SAMPLES, SIGNIFICANT, Estimate
+from walkergen.analysis import between, lagged, moments
+from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
 from walkergen.analysis.tracks import Track
-from walkergen.numerics import statistics
-
-Array = npt.NDArray[np.float64]
 
 PIECES = 8
 """Number of pieces of the longest track whose turning rates show how much each walker's varies."""
 
-CHANCE = 0.01
-"""Probability, for walkers that are alike, of a scatter that counts as resolved (an F test)."""
+BRIDGED = 0.6
+"""Correlation of headings across a gap, at least, for the turn within it to be known: of normal
+turns one in 500 is then beyond a half turn, and taken for one the other way round."""
 
 
-def scatter(tracks: Sequence[Track], interval: float) -> Estimate:
-    """Standard deviation of the mean turning rates of walkers (rad/s), samples `interval` s apart.
+class Turning(NamedTuple):
+    """Turning of one walker, in pieces of its track with r_i the rate in T_i s."""
+
+    particle: int
+    rate: float
+    """Mean rate of turning, rad/s."""
+    squares: float
+    """Sum of T_i (r_i - rate)^2, rad^2/s."""
+    pieces: int
+    seconds: float
+    """Time for which turns are known: the sum of T_i."""
+    noise: float
+    """Expectation of `squares`, 1/s, where each heading is off by 1 rad and nothing turns: of the
+    ends of stretches without a gap, some of which neighbouring pieces share."""
+
+
+def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
+    """Turning of each walker whose headings are known in two pieces at least.
+
+    Samples are `interval` s apart. Turns count as far as they are known: those across a gap where
+    headings are as correlated as BRIDGED over its length.
+    """
+    units = {
+        track.particle: np.exp(1j * track.heading) for track in tracks if track.heading is not None
+    }
+    size = max((len(unit) - 1 for unit in units.values()), default=0) // PIECES
+    if not size:
+        return []
+    longest = _longest_known(list(units.values()), size)
+    every = [_turning(name, unit, size, longest, interval) for name, unit in units.items()]
+    return [one for one in every if one is not None]
+
+
+def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
+    """Longest gap, in samples of at most `size`, across which turns are known; 1 is no gap."""
+    gaps = [np.diff(np.flatnonzero(~np.isnan(unit))) for unit in units]
+    lags = np.unique(np.concatenate(gaps))
+    lags = lags[(lags > 1) & (lags <= size)]
+    total, pairs = np.zeros(len(lags)), np.zeros(len(lags))
+    for unit in units:
+        products, count = lagged.products(unit, lags)
+        total, pairs = total + np.abs(products), pairs + count  # about each one's own mean turn
+    unknown = lags[total < BRIDGED * pairs]
+    known = lags[lags < unknown[0]] if len(unknown) else lags
+    return int(known[-1]) if len(known) else 1
+
+
+def _turning(
+    particle: int, unit: moments.Complex, size: int, longest: int, interval: float
+) -> Turning | None:
+    """Turning of one walker by its unit vectors, in pieces of about `size` samples."""
+    seen = np.flatnonzero(~np.isnan(unit))
+    steps = np.diff(seen)
+    turns = np.angle(unit[seen[1:]] * np.conj(unit[seen[:-1]]))
+    count = (len(unit) - 1) // size
+    if count < 2 or not (steps == 1).any():
+        return None
+    # Wrapped about the walker's mean turn, which may be more than half a turn across a gap.
+    expected = turns[steps == 1].mean() * steps
+    turns = expected + np.angle(np.exp(1j * (turns - expected)))
+    known = steps <= longest
+    turns, steps, first, last = turns[known], steps[known], seen[:-1][known], seen[1:][known]
+    piece = np.searchsorted(np.linspace(0, len(unit) - 1, count + 1), last) - 1
+    fresh = np.append(True, first[1:] != last[:-1])
+    starts = fresh | np.append(True, piece[1:] != piece[:-1])
+    turned, seconds, ends = (
+        np.bincount(piece, weights)[np.unique(piece)]
+        for weights in (turns, steps * interval, starts)
+    )
+    if len(turned) < 2:
+        return None
+    whole = float(seconds.sum())
+    rate = float(turned.sum()) / whole
+    squares = float((seconds * (turned / seconds - rate) ** 2).sum())
+    noise = 2.0 * float((ends / seconds).sum() - fresh.sum() / whole)
+    return Turning(particle, rate, squares, len(turned), whole, noise)
+
+
+def scatter(found: Sequence[Turning]) -> Estimate:
+    """Standard deviation of the mean turning rates of at least two walkers, rad/s.
 
     It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
     so that diffusion of the heading alone gives none.
     """
-    means, within, pieces = _means(tracks, _size(tracks))
-    if len(means) < FEWEST_SAMPLES:
-        told = f"{len(means)} walkers with several pieces of a track; at least {FEWEST_SAMPLES}"
+    if len(found) < 2:
+        told = f"{len(found)} walkers with several pieces of a track; at least 2"
         return Estimate(None, None, told)
-    spread, noise = _parts(means, within, pieces)
-    free = len(means) - 1
-    ratio = spread / noise if noise > 0 else math.inf if spread > 0 else 0.0
-    if special.fdtrc(free, pieces.sum() - len(pieces), ratio) > CHANCE:
-        least = special.chdtri(free, 0.95)  # chi^2 lies above it with 95 %
-        most = math.sqrt(max(spread * free / least - noise, 0.0)) / interval
-        return Estimate(None, None, f"not resolved: below {most:.2g} rad/s (95 %)")
-    value = math.sqrt(spread - noise)
-    others = ~np.eye(len(means), dtype=bool)
-    left_out = [_parts(means[one], within[one], pieces[one]) for one in others]
-    error = statistics.jackknife_error(np.array([[a - b] for a, b in left_out]))[0] / (2.0 * value)
-    return Estimate(value / interval, float(error) / interval)
+    rates, seconds = np.array([(one.rate, one.seconds) for one in found]).T
+    inside = _free(found)
+    noise = _squares(found) / inside * float((1.0 / seconds).mean())
+    return between.spread(rates, noise, inside, "rad/s")
 
 
-def diffusion(tracks: Sequence[Track], interval: float, noise: float) -> Estimate:
+def diffusion(found: Sequence[Turning], noise2: Estimate) -> Estimate:
     """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
-    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise`^2 with the noise of a
-    heading (rad). The error is that of a variance of independent normal values.
+    Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise2`, with the variance of a
+    heading's noise (rad^2). The error is that of a variance of independent normal values, and of
+    the noise.
     """
-    size = _size(tracks)
-    _, within, pieces = _means(tracks, size)
-    free = int(pieces.sum()) - len(pieces)
+    free = _free(found)
     if free < FEWEST_SAMPLES:
         told = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
         return Estimate(None, None, told)
-    lasting = size * interval
-    spread = within.sum() / free * size**2 / (2.0 * lasting)
-    if not math.isfinite(noise):
+    if noise2.value is None or noise2.se is None:
         return Estimate(None, None, "the noise of the headings is unknown: film for longer")
-    return Estimate(spread - noise**2 / lasting, spread * math.sqrt(2.0 / free))
+    raised = sum(one.noise for one in found) / (2.0 * free)
+    variance = _squares(found) / (2.0 * free)
+    error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
+    # The noise's error makes the variance as uncertain as one of fewer pieces.
+    freedom = 2.0 * (variance / error) ** 2 if error else free
+    noise = raised * noise2.value
+    return Estimate(variance - noise, error, "", freedom, noise)
 
 
-def persistence(diffused: Estimate, speed: Estimate) -> dict[str, Estimate]:
-    """Persistence of walkers that turn at rates of their own, from rotational diffusion and speed.
-
-    Their correlation falls by the scatter of these rates, and tells next to nothing of diffusion.
-    """
-    found = {"persistence_rate": diffused}
-    rate, error = diffused.value, diffused.se
-    if rate is None or error is None or not rate > SIGNIFICANT * error:
-        told = diffused.reason or "rotational diffusion is not resolved: film for longer"
-        return found | dict.fromkeys(
-            ("persistence_time", "persistence_length"), Estimate(None, None, told)
-        )
-    found["persistence_time"] = Estimate(1.0 / rate, error / rate**2)
-    length = Estimate(None, None, speed.reason)
-    if speed.value is not None and speed.se is not None:
-        way = abs(speed.value) / rate
-        length = Estimate(way, math.hypot(way * error, speed.se) / rate)
-    return found | {"persistence_length": length}
+def _free(found: Sequence[Turning]) -> int:
+    return sum(one.pieces - 1 for one in found)
 
 
-def _size(tracks: Sequence[Track]) -> int:
-    """Number of samples of a piece."""
-    return max((len(track.position) - 1 for track in tracks), default=0) // PIECES
-
-
-def _means(tracks: Sequence[Track], size: int) -> tuple[Array, Array, Array]:
-    """Mean turn a sample of each walker, sum of squares of its pieces about it, their number.
-
-    Pieces have `size` samples or a little more, whose squares count as those of `size`; a walker
-    with fewer than two pieces, or without headings, gives nothing.
-    """
-    rows = []
-    for track in tracks:
-        if track.heading is None:
-            continue
-        turned = np.angle(np.exp(1j * np.diff(track.heading)))
-        count = len(turned) // size if size else 0
-        if count < 2:
-            continue
-        parts = [part[~np.isnan(part)] for part in np.array_split(turned, count)]
-        rates = np.array([part.mean() for part in parts if len(part)])
-        if len(rates) > 1:
-            longer = len(turned) / (count * size)
-            squares = longer * ((rates - rates.mean()) ** 2).sum()
-            rows.append((rates.mean(), squares, len(rates)))
-    means, within, pieces = np.array(rows, dtype=float).reshape(-1, 3).T
-    return means, within, pieces
-
-
-def _parts(means: Array, within: Array, pieces: Array) -> tuple[float, float]:
-    """Variance of the walkers' means, and the part of it that the spread of pieces makes."""
-    one_piece = within.sum() / (pieces.sum() - len(pieces))
-    return float(means.var(ddof=1)), float(one_piece * (1.0 / pieces).mean())
+def _squares(found: Sequence[Turning]) -> float:
+    return sum(one.squares for one in found)

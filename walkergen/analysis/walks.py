@@ -6,7 +6,7 @@ v = v_x + i v_y (active Brownian motion with a turning bias: van Teeffelen and L
 """
 
 from collections.abc import Callable, Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -28,25 +28,68 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
     return result
 
 
-def squared(lag: Array, speed2: float, rate: float, offset: float, turn: float = 0.0) -> Array:
-    """Mean squared displacement (mm^2) at lags (s) of a persistent walk on a plane, plus `offset`.
+def late(lag: Array, memory: float) -> Array:
+    """Lags (s) less what headings keep while their rate of turning lasts for `memory` > 0 s.
 
-    It is speed2 lag^2 at short lags and 4 D lag at long ones, D = `diffusivity`; for turn = 0 it is
-    Fuerth's formula (1920). The offset is twice the variance of the position's noise, summed over
-    the dimensions.
+    A rate of turning with an exponential correlation of this time, as of a body with moment of
+    inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).
     """
-    exponent = complex(rate, -turn)
-    z = exponent * lag
-    small = np.abs(z) < 1e-3
-    safe = np.where(small, 1.0, z)
-    shape = np.where(small, 0.5 - z / 6.0 + z * z / 24.0, (safe - 1.0 + np.exp(-safe)) / safe**2)
-    result: Array = 2.0 * speed2 * lag**2 * shape.real + offset
+    result: Array = lag + memory * np.expm1(-lag / memory)
     return result
 
 
-def diffusivity(speed2: float, rate: float, turn: float = 0.0) -> float:
-    """Long-time diffusivity on the plane, mm^2/s: speed2 rate / (2 (rate^2 + turn^2))."""
-    return speed2 * rate / (2.0 * (rate**2 + turn**2))
+class Spread(NamedTuple):
+    """Parameters of the mean squared displacement on a plane; NaN where they were not fitted."""
+
+    speed2: float
+    """Mean square of the speed that persists, mm^2/s^2."""
+    rate: float
+    """Rate at which its direction is lost, 1/s."""
+    diffusion: float
+    """Translational diffusion besides the run, mm^2/s."""
+    offset: float
+    """Twice the variance of the position's noise, summed over the dimensions, mm^2."""
+    turn: float = 0.0
+    """Mean rate of turning, rad/s."""
+    smooth2: float = 0.0
+    """Mean square (below 0) by which speeds correlate less at short lags: they set in smoothly, by
+    inertia, mm^2/s^2. It goes with the persistent part's speed2."""
+    smooth_rate: float = 0.0
+    """Rate at which that is lost, 1/s; 0 where there is none."""
+
+    @property
+    def mean_square(self) -> float:
+        """Mean square of the speed, mm^2/s^2."""
+        return self.speed2 + self.smooth2
+
+    @property
+    def diffusivity(self) -> float:
+        """Long-time diffusivity, mm^2/s: diffusion + speed2 rate / (2 (rate^2 + turn^2))."""
+        runs = ((self.speed2, self.rate), (self.smooth2, self.smooth_rate))
+        return self.diffusion + sum(
+            0.5 * speed2 * rate / (rate**2 + self.turn**2) for speed2, rate in runs if rate
+        )
+
+
+def squared(lag: Array, spread: Spread) -> Array:
+    """Mean squared displacement (mm^2) at lags (s): of a run, of diffusion besides, of noise.
+
+    Without diffusion and noise it is speed2 lag^2 at short lags and 4 D lag at long ones, D =
+    `spread.diffusivity`; for turn = 0 it is Fuerth's formula (1920).
+    """
+    result: Array = spread.speed2 * run_squared(lag, spread.rate, spread.turn)
+    result += spread.smooth2 * run_squared(lag, spread.smooth_rate, spread.turn)
+    return result + 4.0 * spread.diffusion * lag + spread.offset
+
+
+def run_squared(lag: Array, rate: float, turn: float) -> Array:
+    """Mean squared displacement (s^2) at lags (s) of a run of unit speed."""
+    z = complex(rate, -turn) * lag
+    small = np.abs(z) < 1e-3
+    safe = np.where(small, 1.0, z)
+    shape = np.where(small, 0.5 - z / 6.0 + z * z / 24.0, (safe - 1.0 + np.exp(-safe)) / safe**2)
+    result: Array = 2.0 * lag**2 * shape.real
+    return result
 
 
 def fit(

@@ -80,6 +80,7 @@ def _show_motion(found: "Analysed", title: str) -> None:
         show.text(motion_tables.line_told(found.motion))
     else:
         show.table(motion_tables.to_table(found.motion, title))
+    show.table(motion_tables.walkers_table(found.motion))
     for note in found.notes:
         show.text(note)
     print(f"tables and figures in {found.folder}/")

@@ -63,21 +63,29 @@ class Analysis(Result):
                     tables.scale_se(one.value, "mm_s", self.motion) for one in speeds
                 ],
             }, self.title, self.notes)  # fmt: skip
-        known = self.estimates
+        known = [self.estimates[name] for name in UNITS]
+        low, high = zip(*(one.interval(0.95) or (None, None) for one in known), strict=True)
         return Table({
             "name": list(UNITS), "unit": [tables.SHOWN.get(one, one) for one in UNITS.values()],
-            "value": [known[name].value for name in UNITS],
-            "se": [known[name].se for name in UNITS],
+            "value": [one.value for one in known], "se": [one.se for one in known],
             "scale_se": [
-                tables.scale_se(known[name].value, unit, self.motion)
-                for name, unit in UNITS.items()
+                tables.scale_se(one.value, unit, self.motion)
+                for one, unit in zip(known, UNITS.values(), strict=True)
             ],
-            "reason": [known[name].reason for name in UNITS],
+            "low_95": low, "high_95": high, "reason": [one.reason for one in known],
         }, self.title, self.notes)  # fmt: skip
+
+    @property
+    def walkers(self) -> Table:
+        """A row for each walker: its speed and turning, with the errors within its track."""
+        rows = tables.as_dict(self.motion)["walkers"]
+        return Table({
+            name: [row.get(name) for row in rows] for name in rows[0] if name != "refused"
+        }, self.title)  # fmt: skip
 
     def rows(self) -> Iterator[tuple[str, str]]:
         """Names and values in words."""
-        for name, unit, value in tables.rows(self.motion):
+        for name, unit, value, _ in tables.rows(self.motion):
             yield f"{name} ({unit})", value
         for note in self.notes:
             yield "note", note

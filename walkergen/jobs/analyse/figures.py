@@ -49,14 +49,14 @@ def msd_figure(motion: Motion, title: str) -> Figure:
     limits = axes.get_xlim(), axes.get_ylim()
     speed2 = diffusivity = None
     if motion.msd_fit is not None:
-        speed2, rate, offset, turn = motion.msd_fit
+        spread = motion.msd_fit.spreads[0]
+        speed2 = spread.mean_square
         fine = np.geomspace(lag[0], lag[-1], 200)
-        axes.plot(fine, walks.squared(fine, speed2, rate, offset, turn), color=WARM, label="fit",
-                  zorder=2.5)  # fmt: skip
+        axes.plot(fine, walks.squared(fine, spread), color=WARM, label="fit", zorder=2.5)
         diffusivity = motion.estimates["diffusivity"].value
     elif (speed := motion.estimates["lane_speed"].value) is not None:
         speed2 = speed**2
-    if speed2:
+    if speed2 and speed2 > 0:
         name = f"slope 2: v²t², v = {math.sqrt(speed2):.3g} mm/s"
         axes.plot(lag, speed2 * lag**2, "--", color="0.35", lw=0.8, label=name)
     if diffusivity:
@@ -121,10 +121,8 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
     if rate is not None:
         lag = np.linspace(0.0, motion.correlation.at[-1], 200)
         at, first = motion.correlation.at[0], motion.correlation.value[0]
-        apart = motion.estimates["turning_scatter"].value or 0.0
-        decay = np.exp(-rate * (lag - at) - 0.5 * apart**2 * (lag**2 - at**2))
-        name = "exponential, and turning apart" if apart else "exponential"
-        axes.plot(lag, first * decay, color=WARM, label=name)
+        bridge = lag * (1.0 - lag / motion.own_s) - at * (1.0 - at / motion.own_s)
+        axes.plot(lag, first * np.exp(-rate * bridge), color=WARM, label="exponential")
     axes.set_xlim(left=0)
     axes.set_ylim(bottom=0)
     axes.set_xlabel("lag (s)")
@@ -188,6 +186,35 @@ def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
 
 
 @style()
+def walkers_figure(motion: Motion, title: str) -> Figure:
+    """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
+    figure, axes = axes_of(title)
+    speeds = [(one.particle, *one.estimates["speed"][:2]) for one in motion.walkers]
+    names, values, errors = zip(*(one for one in speeds if one[1] is not None), strict=True)
+    at = range(1, len(names) + 1)
+    axes.errorbar(at, values, errors, fmt="o", color=INK, capsize=3,
+                  label="each, ± standard error in its track")  # fmt: skip
+    mean = motion.estimates["speed"]
+    if (ends := mean.interval(0.95)) and mean.value is not None:
+        axes.axhline(mean.value, color=WARM, label="mean, and where it lies with 95 %")
+        limits = axes.get_ylim()
+        axes.axhspan(*ends, color=WARM, alpha=0.15, lw=0)
+        # Bounds over two walkers are many times as wide as the points lie apart.
+        low, high = limits
+        axes.set_ylim(
+            min(max(ends[0], 2 * low - high), low), max(min(ends[1], 2 * high - low), high)
+        )
+    if len(names) <= MOST_TRACKS:
+        axes.set_xticks(at, [str(name) for name in names])
+        axes.set_xlabel("walker")
+    else:
+        axes.set_xlabel("walkers, in the order of their numbers")
+    axes.set_ylabel("speed (mm/s)")
+    axes.legend()
+    return figure
+
+
+@style()
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = axes_of(title)
@@ -211,6 +238,8 @@ def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, F
     drawn = [("trajectories", tracks_figure(tracks, title))]
     if motion.by_plate_speed:
         return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]
+    if sum(one.estimates["speed"].value is not None for one in motion.walkers) > 1:
+        drawn.append(("walkers", walkers_figure(motion, title)))
     if (motion.msd.value > 0).any():
         drawn.append(("msd", msd_figure(motion, title)))
     if len(motion.parallel.at):

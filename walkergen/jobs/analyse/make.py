@@ -38,9 +38,9 @@ def study(path: Path, units: Units, lag_s: float | None, progress: Progress) -> 
     found = tracks.read(path, units)
     progress("measuring", 1, 3)
     result = motion.analyse(found, lag_s)._replace(scale_se=found.scale_se)
-    scale = motion_tables.scale_told(result)
-    told = [result.method, *result.doubts, *(line for line in (scale, found.told) if line)]
-    return Studied(found, result, [f"{line}." for line in told])
+    fit = result.msd_fit.told if result.msd_fit else ""
+    told = [result.method, fit, *result.doubts, motion_tables.scale_told(result), found.told]
+    return Studied(found, result, [f"{line}." for line in told if line])
 
 
 def analyse(
@@ -48,8 +48,8 @@ def analyse(
 ) -> Analysed:
     """Read tracks, measure their motion and write tables and figures.
 
-    Writes analysis.csv, analysis.md, msd.csv, density.csv, correlation.csv, figures as PNG and
-    PDF, manifest.json. Raises InputError before anything is written.
+    Writes analysis.csv, analysis.md, walkers.csv, msd.csv, density.csv, correlation.csv, figures
+    as PNG and PDF, manifest.json. Raises InputError before anything is written.
     """
     studied = study(path, units, lag_s, progress)
     write(studied, path.name, units, folder, pictures, progress)
@@ -64,6 +64,7 @@ def write(
     with Folder(folder) as target:
         target.write("analysis.csv", motion_tables.to_csv(result).encode())
         target.write("analysis.md", motion_tables.to_markdown(result, title, notes).encode())
+        target.write("walkers.csv", motion_tables.walkers_csv(result).encode())
         if not result.by_plate_speed:
             _write_curves(result, target)
         progress("drawing", 2, 3)

@@ -9,13 +9,29 @@ from rich import box
 from rich.markup import escape
 from rich.table import Table
 
-from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, Estimate, with_error
+from walkergen.analysis.estimates import (
+    HEADINGS_KNOWN,
+    IN_A_LANE,
+    UNITS,
+    Estimate,
+    bounds_95,
+    with_error,
+)
 from walkergen.analysis.motion import Array, Motion
 from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
 
 SHOWN = {"mm_s": "mm/s", "mm2_s": "mm²/s", "per_s": "1/s", "rad_s": "rad/s", "rad2_s": "rad²/s"}
 """Units as they are printed where they are not part of a key."""
+
+
+MOST_WALKERS = 24
+"""Largest number of walkers in a table that is printed."""
+
+OF_WALKERS = ("speed", "turning_bias")
+"""Estimates of each walker by itself, by the names of UNITS."""
+
+UNKNOWN = Estimate(None, None)
 
 
 def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:
@@ -58,19 +74,20 @@ def _in_words(one: Estimate, unit: str, motion: Motion) -> str:
     return with_error(one) + (f" ± {words.number(scale, 2)} (scale)" if scale else "")
 
 
-def rows(motion: Motion) -> Iterator[tuple[str, str, str]]:
-    """Name, unit and value in words of every estimate that tracks of this kind can have."""
+def rows(motion: Motion) -> Iterator[tuple[str, str, str, str]]:
+    """Name, unit, value and bounds in words of every estimate that tracks of this kind can have."""
     for name, unit in UNITS.items():
         one = motion.estimates[name]
         if one.reason not in (IN_A_LANE, HEADINGS_KNOWN):
-            yield name.replace("_", " "), SHOWN.get(unit, unit), _in_words(one, unit, motion)
+            value = _in_words(one, unit, motion)
+            yield name.replace("_", " "), SHOWN.get(unit, unit), value, bounds_95(one)
 
 
 def to_table(motion: Motion, title: str, form: box.Box = box.SIMPLE_HEAD) -> Table:
     """Table of the estimates."""
     table = Table(title=escape(title) or None, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("", "", "value ± standard error"):
-        table.add_column(heading)
+    for heading in ("", "", "value ± standard error", "95 %"):
+        table.add_column(heading, min_width=len(heading))
     for row in rows(motion):
         table.add_row(*row)
     return table
@@ -84,6 +101,34 @@ def plate_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
     for plate, one in motion.by_plate_speed:
         table.add_row(f"{plate:g}", _in_words(one, "mm_s", motion))
     return table
+
+
+def walkers_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
+    """Table of each walker by itself, of many of the first."""
+    headings = ["walker", "seen (s)", "speed (mm/s)"]
+    turning = any("turning_bias" in one.estimates for one in motion.walkers)
+    table = Table(box=form, padding=(0, 1, 0, 0), pad_edge=False)
+    for heading in (*headings, "turning (rad/s)")[: 3 + turning]:
+        table.add_column(heading)
+    for one in motion.walkers[:MOST_WALKERS]:
+        told = (with_error(one.estimates.get(name, UNKNOWN)) for name in OF_WALKERS[: 1 + turning])
+        table.add_row(str(one.particle), words.number(one.seconds), *told)
+    if len(motion.walkers) > MOST_WALKERS:
+        table.caption = f"and {len(motion.walkers) - MOST_WALKERS} more in walkers.csv"
+    return table
+
+
+def walkers_csv(motion: Motion) -> str:
+    """Format as CSV, a line for each walker by itself."""
+    lines = []
+    for one in motion.walkers:
+        speed, turning = (one.estimates.get(name, UNKNOWN) for name in OF_WALKERS)
+        cells = (*speed[:2], *_ends(speed), *turning[:2])
+        lines.append((one.particle, one.seconds, *map(_cell, cells), speed.reason))
+    return csv_text(
+        ("particle", "seen_s", "speed_mm_s", "speed_se_mm_s", "speed_low_95_mm_s",
+         "speed_high_95_mm_s", "turning_rad_s", "turning_se_rad_s", "refused"), lines,
+    )  # fmt: skip
 
 
 def line_told(motion: Motion) -> str:
@@ -104,23 +149,26 @@ def to_markdown(motion: Motion, title: str, notes: Sequence[str]) -> str:
     """Format a Markdown page with the estimates and what they rest on."""
     several = bool(motion.by_plate_speed)
     table = plate_table(motion, box.MARKDOWN) if several else to_table(motion, "", box.MARKDOWN)
-    parts = (f"# {title}", *notes, as_markdown(table), line_told(motion))
+    walkers = as_markdown(walkers_table(motion, box.MARKDOWN))
+    parts = (f"# {title}", *notes, as_markdown(table), line_told(motion), walkers)
     return "\n\n".join(part for part in parts if part) + "\n"
 
 
 def to_csv(motion: Motion) -> str:
-    """Format as CSV, a line for each estimate: key with unit, value, standard errors, refusal."""
+    """Format as CSV, a line for each estimate: key with unit, value, errors, bounds, refusal."""
     lines = [
         (
             f"{name}_{unit}",
-            _cell(one.value),
-            _cell(one.se),
-            _cell(scale_se(one.value, unit, motion)),
+            *map(_cell, (one.value, one.se, scale_se(one.value, unit, motion), *_ends(one))),
             one.reason,
         )
         for (name, unit), one in zip(UNITS.items(), motion.estimates.values(), strict=True)
     ]
-    return csv_text(("quantity", "value", "se", "scale_se", "refused"), lines)
+    return csv_text(("quantity", "value", "se", "scale_se", "low_95", "high_95", "refused"), lines)
+
+
+def _ends(one: Estimate) -> tuple[float | None, float | None]:
+    return one.interval(0.95) or (None, None)
 
 
 def curve_to_csv(columns: Sequence[str], curves: Sequence[tuple[str, Sequence[Array]]]) -> str:
@@ -142,7 +190,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
     found: dict[str, Any] = {}
     for name, unit in UNITS.items():
         one = motion.estimates[name]
-        found |= {f"{name}_{unit}": one.value, f"{name}_se_{unit}": one.se}
+        found |= _keyed(name, one)
         found[f"{name}_scale_se_{unit}"] = scale_se(one.value, unit, motion)
     found |= {
         "refused": {
@@ -150,12 +198,23 @@ def as_dict(motion: Motion) -> dict[str, Any]:
             for name, unit in UNITS.items()
             if motion.estimates[name].reason
         },
+        "walkers": [
+            {"particle": one.particle, "seen_s": one.seconds}
+            | {
+                key: value
+                for name in OF_WALKERS
+                for key, value in _keyed(name, one.estimates.get(name, UNKNOWN)).items()
+            }
+            | ({"refused": one.estimates["speed"].reason} if one.estimates["speed"].reason else {})
+            for one in motion.walkers
+        ],
         "particles": motion.particles,
         "samples": motion.samples,
         "scale_se_share": motion.scale_se,
         "tracked_s": motion.tracked_s,
         "lag_s": motion.lag_s,
         "method": motion.method,
+        "msd_fit": _fit(motion),
         "msd": _points(
             (*motion.msd, scale_errors(motion), *motion.exponent[1:]),
             "lag_s",
@@ -182,6 +241,25 @@ def as_dict(motion: Motion) -> dict[str, Any]:
         ]
         found["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
     return found
+
+
+def _keyed(name: str, one: Estimate) -> dict[str, float | None]:
+    """An estimate by keys that carry its unit."""
+    low, high = _ends(one)
+    ends = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
+    return {f"{name}_{UNITS[name]}": one.value, f"{name}_se_{UNITS[name]}": one.se} | ends
+
+
+def _fit(motion: Motion) -> dict[str, float | None] | None:
+    """Parameters of the fit of the squared displacement, and its goodness."""
+    fit = motion.msd_fit
+    if fit is None:
+        return None
+    units = ("mm2_s2", "per_s", "mm2_s", "mm2", "rad_s", "mm2_s2", "per_s")
+    spread = zip(fit.spreads[0]._asdict().items(), units, strict=True)
+    values = {f"{name}_{unit}": value for (name, value), unit in spread}
+    values |= {"misfit": fit.misfit, "p_value": fit.p_value}
+    return {name: None if math.isnan(value) else value for name, value in values.items()}
 
 
 def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:

@@ -1,0 +1,99 @@
+"""Squared displacements: diffusion besides a run, terms that cannot be told apart, goodness."""
+
+import numpy as np
+import pytest
+from synthetic_tracks import Walker, film
+
+from walkergen.analysis import motion
+
+SLOW = Walker(speed=15.0, rate=0.8, diffusion=20.0, lost=0.0)
+FAST = Walker(speed=45.0, rate=0.8, diffusion=100.0, lost=0.0)
+DIFFUSING = Walker(speed=0.0, diffusion=50.0, lost=0.0)
+RESTING = Walker(speed=0.0, noise=0.2)
+STRAIGHT = Walker(rate=0.01, turn=0.0)
+
+
+def analysed(walker, seeds, walkers=8, seconds=20.0, headed=True):
+    for seed in range(seeds):
+        yield motion.analyse(film(seed, walkers, seconds, walker, 1 / 30, headed))
+
+
+@pytest.mark.parametrize(("walker", "headed"), [(SLOW, False), (FAST, True)])
+def test_diffusion_besides_the_run_counts_for_diffusivity_and_is_no_noise(walker, headed):
+    truth = {
+        "diffusivity": walker.diffusivity, "translational_diffusion": walker.diffusion,
+        "ballistic_speed": walker.speed,
+    }  # fmt: skip
+    inside = {name: [] for name in truth}
+    for found in analysed(walker, 20, headed=headed):
+        for name, expected in truth.items():
+            one = found.estimates[name]
+            if one.value is None:
+                assert name == "diffusivity"  # 20 s are few times of 1.3 s
+                continue
+            low, high = one.interval(0.95)
+            assert one.se < 0.4 * expected
+            inside[name].append(low <= expected <= high)
+        noise = found.estimates["localisation_noise"]  # 0.05 mm, in 1.6 mm of diffusion a sample
+        assert noise.value is None or noise.value < 4 * noise.se + 0.05
+    for name, held in inside.items():
+        assert len(held) >= 15, name
+        assert np.mean(held) >= 0.8, name  # 95 % less 3 sigma of 20
+
+
+@pytest.mark.parametrize("headed", [True, False])
+def test_diffusion_alone_is_not_ballistic(headed):
+    inside = []
+    for found in analysed(DIFFUSING, 15, headed=headed):
+        known = found.estimates
+        low, high = known["diffusivity"].interval(0.95)
+        inside.append(low <= DIFFUSING.diffusion <= high)
+        assert not found.msd_fit.run
+        assert not found.doubts
+        for name in ("ballistic_speed", "crossover_time"):
+            assert "diffusive" in known[name].reason
+        # A run of 1 m/s that turns within a microsecond looks alike: another film tells.
+        assert "film more frames" in known["translational_diffusion"].reason
+        at_rest = known["speed"]
+        assert at_rest.value is None if not headed else abs(at_rest.value) < 6 * at_rest.se
+    assert np.mean(inside) >= 0.75  # 95 % less 3 sigma of 15
+
+
+def test_a_straight_run_is_ballistic_and_a_resting_walker_is_neither():
+    for found in analysed(STRAIGHT, 3, seconds=10.0):
+        assert "ballistic" in found.estimates["diffusivity"].reason
+        assert found.estimates["ballistic_speed"].value == pytest.approx(30.0, rel=1e-3)
+    for found in analysed(RESTING, 3, headed=False):
+        known = found.estimates
+        for name in ("speed", "ballistic_speed", "diffusivity", "turning_bias"):
+            assert known[name].value is None, name
+            assert "ballistic" not in known[name].reason
+        assert known["localisation_noise"].value == pytest.approx(0.2, rel=0.05)
+
+
+def test_noise_that_diffusion_could_be_is_refused_with_a_way_to_tell():
+    # 0.04 mm of noise, squared 0.006 mm^2, in 0.36 mm^2 of run a sample.
+    films = (film(seed, 8, 10.0, Walker(noise=0.04, lost=0.0), 0.02) for seed in range(4))
+    reasons = [
+        found.estimates[name].reason
+        for found in map(motion.analyse, films)
+        for name in ("localisation_noise", "translational_diffusion")
+        if found.estimates[name].value is None
+    ]
+    assert any("cannot be told apart" in reason and "at rest" in reason for reason in reasons)
+
+
+def test_the_misfit_is_about_one_where_the_law_holds_and_large_where_it_does_not():
+    fits = [found.msd_fit for found in analysed(FAST, 20)]
+    assert 0.4 < np.mean([fit.misfit for fit in fits]) < 2.0
+    assert np.mean([fit.p_value < 0.05 for fit in fits]) <= 0.2  # 5 % and 3 sigma of 20
+    # A dish 80 mm wide, whose walls are mirrors, lets none diffuse beyond it.
+    roamer = SLOW._replace(speed=60.0, diffusion=0.0)
+    wide, roaming = 40.0, film(1, 16, 40.0, roamer, 1 / 30, headed=False)
+    folded = tuple(
+        t._replace(position=np.abs((t.position + wide) % (4 * wide) - 2 * wide) - wide)
+        for t in roaming.tracks
+    )
+    found = motion.analyse(roaming._replace(tracks=folded))
+    assert found.msd_fit.misfit > max(fit.misfit for fit in fits)
+    assert any("another law" in doubt for doubt in found.doubts)

@@ -1,0 +1,271 @@
+"""Walkers one by one: the speed of each, their mean, and how much they differ.
+
+Prints of one design differ. So the mean over a few walkers has two errors: of each walker's speed
+in its own track, which longer films lessen, and of so few walkers, which only more of them lessen.
+"""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy import special
+
+from walkergen.analysis import moments
+from walkergen.analysis.estimates import FAR, NEAR, SIGNIFICANT, Estimate, Frame
+from walkergen.analysis.tracks import Track, Tracks
+from walkergen.numerics import statistics
+
+Array = npt.NDArray[np.float64]
+
+CHANCE = 0.01
+"""Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
+
+CORRECTED = ("speed", "body_speed", "sideways_speed")
+"""Means that share the correction of what displacements show of a speed."""
+
+COUNTED = 0.25
+"""Share of the longest time seen from which a walker is compared with others."""
+
+PIECES = 10
+"""Number of pieces of one track that give the error of its speed."""
+
+INDEPENDENT = 8.0
+"""Correlation times that pieces must last to be independent: errors are then 7 % low at most."""
+
+
+class Alone(NamedTuple):
+    """One walker by itself."""
+
+    particle: int
+    seconds: float
+    """Time from the first to the last frame in which it was seen."""
+    values: dict[str, float]
+    """Means by the names of `estimates.UNITS`, also those of which no error is known."""
+    estimates: Mapping[str, Estimate]
+    """The same with their errors within this walker's track."""
+
+
+class Together(NamedTuple):
+    """At least two walkers beside one another, each counted once."""
+
+    walkers: int
+    means: Mapping[str, Estimate]
+    """Means over walkers by the names of `estimates.UNITS`, by Student's t with n - 1."""
+    scatter: Estimate
+    """Standard deviation of the speeds of walkers, mm/s."""
+    limit: str
+    """Statement of which error limits the mean speed: between walkers, or within their tracks."""
+
+
+class _Series(NamedTuple):
+    """Steps of one track whose mean is a speed or a rate."""
+
+    steps: npt.NDArray[Any]
+    """Shape (n,); NaN where one is not known."""
+    samples: Array
+    """Numbers of samples that they span, shape (n,)."""
+    unit: float
+    """Value of a mean step of 1 per sample."""
+    blocks: Array
+    """The mean itself over blocks of neighbouring samples, whose correlation its error needs."""
+    squared: bool = False
+    """True when steps are products, and the root of their modulus is a speed."""
+
+    def mean(self, sums: npt.NDArray[Any]) -> Array:
+        """Mean from sums of steps and samples, shape (..., 2)."""
+        ratio = sums[..., 0] / sums[..., 1].real
+        return np.asarray(self.unit * (np.sqrt(np.abs(ratio)) if self.squared else ratio.real))
+
+
+def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
+    """Standard deviation between walkers, less what the errors of their values make of it.
+
+    `values`, shape (n,) with n >= 2, have errors within walkers of the mean variance `noise`, known
+    with `inside` degrees of freedom. Values are normally distributed between walkers. Refused with
+    an upper bound where walkers may be alike.
+    """
+    free = len(values) - 1
+    total = float(values.var(ddof=1))
+    ratio = total / noise if noise > 0 else math.inf if total > 0 else 0.0
+    if special.fdtrc(free, inside, ratio) > CHANCE:
+        least = special.chdtri(free, 0.95)  # chi^2 lies above it with 95 %
+        most = math.sqrt(max(total * free / least - noise, 0.0))
+        return Estimate(None, None, f"not resolved: below {most:.2g} {unit} (95 %)")
+    value = math.sqrt(total - noise)
+    return Estimate(
+        value, total * math.sqrt(2.0 / free) / (2.0 * value), "", free, noise, root=True
+    )
+
+
+def each(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
+    """Every walker by itself.
+
+    `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
+    each one's turn (rad) a sample.
+    """
+    alone = []
+    for track in tracks.tracks:
+        seen = np.flatnonzero(~np.isnan(track.position).any(axis=1))
+        seconds = float(seen[-1] - seen[0]) * tracks.interval if len(seen) else 0.0
+        values, estimates = {}, {}
+        for name, series in _series(track, frame, shortened, turns[track.particle]).items():
+            values[name], estimates[name] = _mean(series, frame)
+        alone.append(Alone(track.particle, seconds, values, estimates))
+    return alone
+
+
+def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[str, _Series]:
+    step, interval = frame.grid.step, frame.interval
+    place = moments.planar(track)
+    seen = np.flatnonzero(~np.isnan(place))
+    blocks = np.diff(place[::step]).real / (step * interval)
+    along = _Series(np.diff(place[seen]).real, np.diff(seen), 1.0 / interval, blocks)
+    if frame.lane:
+        return {"lane_speed": along, "speed": along}
+    if not math.isfinite(shortened) or (frame.headed and track.heading is None):
+        none = _Series(np.zeros(0), np.zeros(0), math.nan, np.zeros(0))
+        return {"lane_speed": along, "speed": none}
+    if not frame.headed:
+        moved, lag = moments.direction(track, step), frame.first_lag
+        products = np.conj(moved[:-lag]) * moved[lag:]
+        one = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
+        return {"lane_speed": along, "speed": one, "motion_speed": one}
+    assert track.heading is not None
+    near, far = (_mean_known(moments.ahead(track, turn, out)) for out in (0, 1))
+    moved = NEAR * near + FAR * far
+    speeds = moments.carried(track, step) / (step * interval * shortened)
+    ones, unit = np.ones(len(moved)), 1.0 / (shortened * interval)
+    ahead = _Series(moved.real, ones, unit, speeds.real)
+    heading = np.exp(1j * track.heading)
+    turned = np.angle(heading[1:] * np.conj(heading[:-1]))
+    return {
+        "lane_speed": along, "speed": ahead, "body_speed": ahead,
+        "sideways_speed": _Series(moved.imag, ones, unit, speeds.imag),
+        "turning_bias": _Series(turned, ones, 1.0 / interval, np.zeros(0)),
+    }  # fmt: skip
+
+
+def _mean_known(values: moments.Complex) -> moments.Complex:
+    """Mean of the rows that are known; NaN where none is."""
+    known = ~np.isnan(values)
+    mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
+    return np.where(known.any(axis=0), mean, np.nan)
+
+
+def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
+    """Mean of a series, and the same with its error by pieces, or by its own correlation time."""
+    known = ~np.isnan(series.steps)
+    values = np.stack([series.steps, series.samples])[:, known]
+    edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
+    sums = np.add.reduceat(values, np.unique(edges), axis=1).T if known.any() else np.zeros((0, 2))
+    if not math.isfinite(series.unit):
+        return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
+    if not len(sums):
+        return math.nan, Estimate(None, None, "too short a track: film for longer")
+    if series.squared and (reason := _unresolved(sums, series.unit)):
+        return math.nan, Estimate(None, None, reason)
+    mean = float(series.mean(sums.sum(axis=0)))
+    if len(sums) < PIECES:
+        return mean, Estimate(None, None, "too short a track for an error: film for longer")
+    lasting = float(sums[:, 1].real.mean()) * frame.interval
+    correlated = _error_if_correlated(series.blocks, frame.grid.step * frame.interval, lasting)
+    if correlated is not None:
+        error, reason = correlated
+        return mean, Estimate(None, None, reason) if reason else Estimate(mean, error)
+    left_out = series.mean(sums.sum(axis=0) - sums)
+    error = float(statistics.jackknife_error(left_out[:, None])[0])
+    return mean, Estimate(mean, error, "", PIECES - 1.0)
+
+
+def _unresolved(sums: npt.NDArray[Any], unit: float) -> str:
+    """Reason why products of displacements tell no speed; '' where they do.
+
+    The modulus of a mean that is all noise would be a speed above 0.
+    """
+    whole, count = sums.sum(axis=0)
+    left_out = (
+        (whole - sums[:, 0]).real / (count - sums[:, 1]).real if len(sums) > 1 else sums[:, 0]
+    )
+    product, error = (whole / count).real, statistics.jackknife_error(left_out[:, None])[0]
+    if product > SIGNIFICANT * error:
+        return ""
+    most = unit * math.sqrt(max(product, 0.0) + 2.0 * error)
+    return f"no lasting direction is resolved: slower than {most:.2g} mm/s (95 %)"
+
+
+def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[float, str] | None:
+    """Error of the mean of blocks of `block` s that are correlated over much of `lasting` s.
+
+    Their own correlation time then gives the number of independent samples, or shows that they are
+    too few. None where pieces of `lasting` s are independent, and where blocks are empty: products
+    over a lag do not depend on the direction at its start.
+    """
+    if not len(blocks):
+        return None
+    values, fewest = blocks[~np.isnan(blocks)], statistics.FEWEST_VALUES
+    if len(values) < fewest:
+        return math.nan, f"no track lasts {fewest * block:.2g} s: film for longer"
+    time = statistics.correlation_time([values], block)
+    if time is None:
+        return math.nan, "changes too slowly for tracks so short: film for longer"
+    if lasting >= INDEPENDENT * time:
+        return None
+    error = statistics.error_of_mean([values], block, time)
+    if error is None:
+        total = len(values) * block
+        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
+        return math.nan, told
+    return error, ""
+
+
+def compare(alone: Sequence[Alone]) -> Together | None:
+    """Means and spread of those that were seen for long enough.
+
+    None unless they are two or more, and all of them have a speed.
+    """
+    longest = max(one.seconds for one in alone)
+    walkers = [one for one in alone if one.seconds >= COUNTED * longest]
+    if len(walkers) < 2 or not all(math.isfinite(one.values["speed"]) for one in walkers):
+        return None
+    means = {
+        name: _over_walkers(np.array([one.values[name] for one in walkers]))
+        for name in walkers[0].values
+        if all(math.isfinite(one.values.get(name, math.nan)) for one in walkers)
+    }
+    known = [one.estimates["speed"] for one in walkers]
+    errors = [one.se for one in known if one.se is not None]
+    if len(errors) < len(known):
+        reason = next(one.reason for one in known if one.reason)
+        return Together(
+            len(walkers), means, Estimate(None, None, reason), "no error within a track is known"
+        )
+    noise = float(np.mean(np.square(errors)))
+    inside = sum(min(one.freedom, statistics.FEWEST_SAMPLES) for one in known)
+    scatter = spread(np.array([one.values["speed"] for one in walkers]), noise, inside, "mm/s")
+    return Together(len(walkers), means, scatter, _limit(scatter, noise))
+
+
+def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, Estimate]:
+    """Means with the error of `shortened`, which those of all walkers share."""
+    relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
+    return {
+        name: one._replace(se=math.hypot(one.se, relative * one.value))
+        if name in CORRECTED and one.se is not None and one.value is not None else one
+        for name, one in means.items()
+    }  # fmt: skip
+
+
+def _over_walkers(values: Array) -> Estimate:
+    mean = statistics.mean_of(values)
+    return Estimate(mean.value, mean.se, "", mean.freedom)
+
+
+def _limit(scatter: Estimate, noise: float) -> str:
+    """Statement of which of the two errors limits a mean."""
+    if scatter.value is None:
+        return "walkers are alike within the errors of their tracks, which limit: film for longer"
+    if scatter.value**2 > noise:
+        return "differences between walkers limit: more walkers help, longer films do not"
+    return "errors within tracks limit, more than differences between walkers: film for longer"

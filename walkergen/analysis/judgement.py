@@ -1,0 +1,212 @@
+"""Errors of numbers by the jackknife, and the reasons for which a number is refused."""
+
+import math
+from collections.abc import Mapping, Sequence
+from typing import NamedTuple
+
+import numpy as np
+from scipy import special
+
+from walkergen.analysis.estimates import (
+    ACROSS,
+    ALONG,
+    DECAYED,
+    FEWEST_SAMPLES,
+    HEADED,
+    HEADINGS_KNOWN,
+    IN_A_LANE,
+    SIGNIFICANT,
+    TURNING,
+    UNITS,
+    Estimate,
+    Frame,
+)
+from walkergen.analysis.spreads import Fitted
+from walkergen.numerics import statistics
+
+TOO_FEW = "too few data for its fit: film for longer"
+
+UNLIKE = 0.05
+"""Probability, for walkers that are alike, that an error over walkers replaces that over pieces."""
+
+CHANCE = 5e-3
+"""Probability of a number that counts as larger than 0 though it is not (Student's t)."""
+
+
+def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Estimate:
+    """Number by the jackknife, refused or not: of all samples, then of those without each one."""
+    value, error = numbers[0][name], _error(numbers[1:], name)
+    if not (math.isfinite(value) and math.isfinite(error)):
+        return Estimate(None, None, TOO_FEW)
+    return Estimate(value, error, "", len(numbers) - 2.0)
+
+
+def resolved(number: Estimate) -> bool:
+    """Whether a number is larger than 0 beyond what chance makes of it."""
+    if number.value is None or number.se is None:
+        return False
+    return number.value > float(special.stdtrit(number.freedom, 1.0 - CHANCE)) * number.se
+
+
+def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
+    """Jackknife error of a number; NaN with too few samples, or where one has no number."""
+    spread = np.array([[one[name]] for one in replicates])
+    if len(spread) < FEWEST_SAMPLES or not np.isfinite(spread).all():
+        return math.nan
+    return float(statistics.jackknife_error(spread)[0])
+
+
+def judge(
+    values: Mapping[str, float],
+    replicates: Sequence[Mapping[str, float]],
+    frame: Frame,
+    fitted: Fitted | None,
+    without_one: Sequence[Mapping[str, float]],
+    longest_s: float,
+) -> dict[str, Estimate]:
+    """Attach jackknife errors to the values, or refuse them.
+
+    `replicates` leave out a sample each, `without_one` a walker each where samples are pieces of
+    few: where walkers differ by more than their pieces tell, the error is that over walkers.
+    `fitted` is the fit of the squared displacement (None in a lane), `longest_s` its longest lag.
+    """
+    errors = {name: _error(replicates, name) for name in values}
+    refused = _meaningless(frame) | _unresolved(
+        _Numbers(values, errors, len(replicates) - 1), frame, fitted, longest_s
+    )
+    if len(replicates) < FEWEST_SAMPLES:
+        few = f"{len(replicates)} independent samples; at least {FEWEST_SAMPLES}: film for longer"
+        refused = dict.fromkeys(UNITS, few)
+    estimates = {}
+    for name in UNITS:
+        reason = refused.get(name, "")
+        if not reason and not (math.isfinite(values[name]) and math.isfinite(errors[name])):
+            reason = TOO_FEW
+        if reason:
+            estimates[name] = Estimate(None, None, reason)
+            continue
+        within = Estimate(values[name], errors[name], "", len(replicates) - 1.0)
+        estimates[name] = _over_walkers(within, [one[name] for one in without_one])
+    return estimates
+
+
+def _over_walkers(within: Estimate, without_one: Sequence[float]) -> Estimate:
+    """Estimate with its error over walkers where these differ; `without_one` leave out one each."""
+    few, values = len(without_one) - 1, np.array(without_one)[:, None]
+    if few < 1 or not within.se or not np.isfinite(values).all():
+        return within
+    error = float(statistics.jackknife_error(values)[0])
+    if special.fdtrc(few, within.freedom, (error / within.se) ** 2) > UNLIKE:
+        return within
+    return within._replace(se=error, freedom=float(few))
+
+
+def _meaningless(frame: Frame) -> dict[str, str]:
+    if frame.lane:
+        names = (*TURNING, *HEADED, *ACROSS, "motion_speed", "ballistic_speed")
+        also = ("localisation_noise", "translational_diffusion")
+        return dict.fromkeys((*names, *also), IN_A_LANE)
+    if frame.headed:
+        return {"motion_speed": HEADINGS_KNOWN}
+    return dict.fromkeys((*HEADED, *ALONG, *ACROSS), "no headings in the file (theta, theta_deg)")
+
+
+class _Numbers(NamedTuple):
+    """Values with errors of some degrees of freedom."""
+
+    values: Mapping[str, float]
+    errors: Mapping[str, float]
+    freedom: int
+
+    def positive(self, *names: str) -> bool:
+        """Whether all are larger than 0, beyond what chance makes of it."""
+        return all(
+            resolved(Estimate(self.values[name], self.errors[name], "", self.freedom))
+            for name in names
+        )
+
+    def below(self, name: str, unit: str, scale: float = 1.0, root: bool = False) -> str:
+        """Reason that names a bound, in `unit`, on scale x the number, or on its root."""
+        most = max(self.values[name], 0.0) + 2.0 * self.errors[name]
+        bound = scale * (math.sqrt(most) if root else most)
+        return f"not resolved: below {bound:.2g} {unit} (95 %)" if math.isfinite(bound) else ""
+
+
+def _unresolved(
+    numbers: _Numbers, frame: Frame, fitted: Fitted | None, longest_s: float
+) -> dict[str, str]:
+    """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
+    if frame.lane or fitted is None:
+        told = "the spread about the mean run is too small to tell"
+        return {} if numbers.positive("diffusivity") else {"crossover_time": told}
+    refused: dict[str, str] = {}
+    rate = numbers.values["persistence_rate"]
+    if not (numbers.positive("persistence_rate") and rate * longest_s > DECAYED):
+        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
+        at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
+        if math.isfinite(at_least) and at_least > 0:
+            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
+        refused |= dict.fromkeys(("persistence_time", "persistence_length"), told)
+    if frame.headed:
+        if math.isnan(numbers.values["turning_memory"]):
+            refused["turning_memory"] = "not resolved: headings lose direction from the first on"
+        if not numbers.positive("heading_variance"):
+            refused["heading_noise"] = numbers.below("heading_variance", "rad", root=True)
+        if abs(numbers.values["speed"]) <= SIGNIFICANT * numbers.errors["speed"]:
+            refused["persistence_length"] = "the speed is not resolved"
+    elif not numbers.positive("amplitude"):
+        window = frame.grid.step * frame.interval
+        told = numbers.below("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
+        refused |= dict.fromkeys(("speed", "motion_speed", *TURNING), told)
+    return refused | _unresolved_spread(numbers, frame.interval, fitted, longest_s)
+
+
+def _unresolved_spread(
+    numbers: _Numbers, first_s: float, fitted: Fitted, longest_s: float
+) -> dict[str, str]:
+    """Refuse terms of the squared displacement that cannot be told from zero, or from others."""
+    if math.isnan(fitted.spreads[0].offset):
+        return {}  # nothing was fitted, which is reason enough
+    if not fitted.run:
+        refused = _noise_and_diffusion(numbers)
+        told = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+        if numbers.positive("diffusivity"):
+            return refused | {
+                "translational_diffusion": "diffusion and runs that turn within "
+                f"{first_s:.2g} s cannot be told apart: film more frames a second"
+            }
+        return refused | {"diffusivity": numbers.below("diffusivity", "mm²/s")}
+    refused = _noise_and_diffusion(numbers)
+    if not numbers.positive("msd_speed2"):
+        told = numbers.below("msd_speed2", "mm/s", root=True)
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+    smooth = fitted.spreads[0].smooth_rate
+    if smooth:
+        refused["translational_diffusion"] = (
+            f"hidden by inertia: runs set in smoothly, over some {1.0 / smooth:.2g} s"
+        )
+    turned = numbers.values["msd_rate"] * longest_s > DECAYED
+    needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
+    if not (turned and numbers.positive(*needed)):
+        told = f"{fitted.regime(longest_s)}: film for longer"
+        refused |= dict.fromkeys(("diffusivity", "crossover_time"), told)
+    return refused
+
+
+def _noise_and_diffusion(numbers: _Numbers) -> dict[str, str]:
+    """Refuse noise of the positions and diffusion besides the run where these are not resolved."""
+    noise, diffusion = "localisation_noise", "translational_diffusion"
+    refused: dict[str, str] = {}
+    if not numbers.positive("msd_offset"):
+        refused[noise] = numbers.below("msd_offset", "mm", 0.5, root=True)
+    if not numbers.positive(diffusion):
+        refused[diffusion] = numbers.below(diffusion, "mm²/s")
+    if len(refused) == 2 and numbers.positive("msd_first"):
+        together = math.sqrt(numbers.values["msd_first"])
+        told = (
+            f"noise and diffusion, {together:.2g} mm a sample together, cannot be told apart: film "
+            "a walker at rest, which shows noise alone, or for longer"
+        )
+        refused |= dict.fromkeys((noise, diffusion), told)
+    return refused

@@ -1,0 +1,221 @@
+"""Mean squared displacement fitted: a run that turns, diffusion besides, noise of the positions.
+
+Whether data tell these terms apart is asked of the data: a run shows as curvature, the fit's misfit
+is held against what the scatter of independent samples makes of it.
+"""
+
+import math
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import walks
+from walkergen.analysis.walks import Spread
+from walkergen.numerics import statistics
+
+Array = npt.NDArray[np.float64]
+
+RATES = 33
+"""Number of rates at which the fit's rate is sought first, from far below 1 / longest lag."""
+
+CURVED = 1e-3
+"""Probability, for walkers that only diffuse, of a curvature that counts as a run (Student's t)."""
+
+SMOOTH = 0.025
+"""Probability, for runs that set in at once, of a diffusion below 0 that counts as inertia. It may
+be large: the law with inertia holds without it as well."""
+
+GROWTH = 1.1
+"""Ratio of lags between which a local exponent of the fit is taken."""
+
+BALLISTIC = 1.8
+"""Local exponent from which growth is called ballistic (2), not a crossover to diffusion (1)."""
+
+RATIOS = (0.5, 2.0, 5.0, 11.0, 24.0)
+"""Ratios, less 1, of the rates of a run and of its beginning that are tried first."""
+
+NO_RUNS = ((0.0, 0.0), (0.0, 0.0))
+
+FEWEST = 3
+"""Number of samples below which there is no fit: its weights need some without each one."""
+
+NONE = Spread(*[math.nan] * 5)
+
+
+class Fitted(NamedTuple):
+    """Fit of the mean squared displacement."""
+
+    spreads: tuple[Spread, ...]
+    """Parameters of all samples, then of those without each one."""
+    run: bool
+    """Whether a run shows: without it speed2 and rate are 0, and diffusion is all there is."""
+    misfit: float
+    """Sum of squared residuals over its expectation: about 1 where the law holds."""
+    p_value: float
+    """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
+
+    @property
+    def told(self) -> str:
+        """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
+        if math.isnan(self.p_value):
+            return ""
+        return (
+            f"fit of the squared displacement: misfit {self.misfit:.2g} of what chance makes on "
+            f"average, probability {self.p_value:.2g}"
+        )
+
+    def regime(self, lag: float) -> str:
+        """Growth of squared displacements up to a lag (s), in words, by the fit without noise."""
+        spread = self.spreads[0]._replace(offset=0.0)
+        near, far = walks.squared(np.array([lag / GROWTH, lag]), spread)
+        exponent = math.log(far / near) / math.log(GROWTH) if far > 0 and near > 0 else math.nan
+        if exponent > BALLISTIC:
+            return f"ballistic at all lags up to {lag:.3g} s"
+        return f"no end of the run is resolved within {lag:.3g} s"
+
+
+def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
+    """Fit squared displacements (mm^2) at lags (s): first of all samples, then without each one.
+
+    `turns` (rad/s) are the rates of turning of each. Parameters are NaN where lags are too few.
+    """
+    values = np.stack(squares)
+    use = np.isfinite(values).all(axis=0)
+    if len(values) > FEWEST:
+        use = use & (_errors(values) > 0).all(axis=0)
+    if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
+        return Fitted((NONE,) * len(values), False, math.nan, math.nan)
+    lag, values = lag[use], values[:, use]
+    errors = np.stack([_smooth(lag, one) for one in _errors(values)])
+    run = _curves(lag, values, errors, turns)
+    fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
+    if run and _negative([one.diffusion for one in fits]):
+        first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
+        start = first.rate, first.smooth_rate
+        fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
+    rest = (values - np.stack([walks.squared(lag, one) for one in fits])) / errors[0]
+    return Fitted(tuple(fits), run, *_goodness(rest[0], rest[1:]))
+
+
+def _errors(values: Array) -> Array:
+    """Error of each row of `values`, those of all samples and of those without each one.
+
+    Where one error served all rows, what the weights owe to chance would not be in the jackknife.
+    """
+    count = len(values) - 1
+    samples = count * values[0] - (count - 1) * values[1:]
+    kept = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
+    return np.stack([one.std(axis=0, ddof=1) / math.sqrt(len(one)) for one in kept])
+
+
+def _smooth(lag: Array, errors: Array) -> Array:
+    """Errors as a smooth function of the lag: weights that scatter would not be in the errors."""
+    at = np.log(lag)
+    smooth: Array = np.exp(np.polyval(np.polyfit(at, np.log(errors), 2), at))
+    return smooth
+
+
+def _curves(lag: Array, values: Array, errors: Array, turns: Sequence[float]) -> bool:
+    """Whether a run shows beside diffusion and noise, at any rate that the lags can show."""
+    rates = np.geomspace(0.5 / lag[-1], 0.5 / lag[0], 7)
+    runs = np.array([
+        [_linear(lag, value, error, (rate,), turn)[0].speed2 for rate in rates]
+        for value, error, turn in zip(values, errors, turns, strict=True)
+    ])  # fmt: skip
+    from scipy.special import stdtrit
+
+    error = statistics.jackknife_error(runs[1:])
+    return bool((runs[0] > stdtrit(len(values) - 2, 1.0 - CURVED) * error).any())
+
+
+def _negative(numbers: Sequence[float]) -> bool:
+    """Whether a number, of all samples and without each one, is below 0 beyond chance."""
+    from scipy.special import stdtrit
+
+    error = float(statistics.jackknife_error(np.array(numbers[1:])[:, None])[0])
+    return numbers[0] < -float(stdtrit(len(numbers) - 2, 1.0 - SMOOTH)) * error
+
+
+def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -> Spread:
+    """Least squares, exact for all but the rate, which is sought over a grid and between its nodes.
+
+    Variable projection (Golub and Pereyra 1973). Without a `run` there is diffusion only.
+    """
+    from scipy.optimize import minimize_scalar
+
+    if not run:
+        return _linear(lag, values, errors, (), turn)[0]
+
+    def misfit(log_rate: float) -> float:
+        return _linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
+
+    logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATES)
+    best = int(np.argmin([misfit(one) for one in logs]))
+    ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
+    finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
+    return _linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
+
+
+def _fit_smooth(
+    lag: Array, values: Array, errors: Array, turn: float, start: tuple[float, float] | None
+) -> Spread:
+    """The same for a run that sets in smoothly, from the two rates of `start` or from a grid."""
+    from scipy.optimize import minimize
+
+    def rates(logs: Sequence[float]) -> tuple[float, float]:
+        slow = math.exp(logs[0])
+        return slow, slow * (1.0 + math.exp(logs[1]))
+
+    def misfit(logs: Sequence[float]) -> float:
+        return _linear(lag, values, errors, rates(logs), turn)[1]
+
+    if start is None:
+        slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
+        logs = min(((one, math.log(ratio)) for one in slow for ratio in RATIOS), key=misfit)
+    else:
+        logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
+    options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}
+    finest = minimize(misfit, logs, method="Nelder-Mead", options=options)
+    return _linear(lag, values, errors, rates(finest.x), turn)[0]
+
+
+def _linear(
+    lag: Array, values: Array, errors: Array, rates: tuple[float, ...], turn: float
+) -> tuple[Spread, float]:
+    """Best parameters of runs at these rates, and the sum of squared residuals.
+
+    Beside two runs there is no diffusion, which is the limit of the second one at a high rate.
+    """
+    terms = [np.ones_like(lag), *(walks.run_squared(lag, rate, turn) for rate in rates)]
+    if len(rates) < 2:
+        terms.append(4.0 * lag)
+    design = np.stack(terms, axis=1) / errors[:, None]
+    scale = np.sqrt((design**2).sum(axis=0))
+    wanted = values / errors
+    solution = np.linalg.lstsq(design / scale, wanted)[0] / scale
+    rest = wanted - design @ solution
+    offset, *others = map(float, solution)
+    diffusion = 0.0 if len(rates) > 1 else others.pop()
+    (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]
+    spread = Spread(speed2, rate, diffusion, offset, turn, smooth2, smooth_rate)
+    return spread, float(rest @ rest)
+
+
+def _goodness(rest: Array, replicates: Array) -> tuple[float, float]:
+    """Misfit and its probability from residuals of all samples and of those without each one.
+
+    Residuals of neighbouring lags go together: their sum of squares is held against its expectation
+    by the jackknife's covariance, with degrees of freedom after Satterthwaite (1946).
+    """
+    apart = replicates - replicates.mean(axis=0)
+    others = len(replicates) - 1
+    covariance = others / len(replicates) * apart.T @ apart
+    expected = float(np.trace(covariance))
+    if not expected > 0:
+        return math.nan, math.nan
+    from scipy.special import fdtrc
+
+    ratio, free = float(rest @ rest) / expected, expected**2 / float((covariance**2).sum())
+    return ratio, float(fdtrc(free, others, ratio))
