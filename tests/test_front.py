@@ -281,7 +281,9 @@ def test_tracks_that_tell_nothing_are_refused(tracks, told):
 
 def test_plots_that_are_not_there_are_named():
     found = wg.analyse(film(), fps=100, mm_per_px=0.1)
-    with pytest.raises(InputError, match="plot 'speed': must be one of 'trajectories', 'msd'"):
+    with pytest.raises(
+        InputError, match="plot 'speed': must be one of 'trajectories', 'walkers', 'msd'"
+    ):
         found.plot("speed")
 
 

@@ -238,7 +238,7 @@ def test_how_many_of_each_walker_of_a_list_fit(run, lists, tmp_path):
         ("design,tilt_deg,legs\nkoumakis2016,10,\n", ":1: no column 'copies'"),
         ("design,tilt_deg,copies,colour\nx,10,1,red\n", ":1: unknown column 'colour'"),
         ("design,copies,copies,tilt_deg\nx,1,1,10\n", ":1: column 'copies' occurs twice"),
-        ("design;tilt_deg;legs;copies\nkoumakis2016;10;;1\n", "separated by commas"),
+        ("design;tilt_deg;legs;copies\nkoumakis2016;10;;1\n", "separate cells by commas"),
         (HEADER + "koumakis2016,7,5,,1\n", ":2: 5 cells, the header has 4"),
         (HEADER + "koumakis2016,10,,1\n ,10,,1\n", ":3: design is blank"),
         (HEADER + "koumakis2017,10,,1\n", ":2: 'koumakis2017': no such template; known walkers"),

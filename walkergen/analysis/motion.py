@@ -360,7 +360,7 @@ def _method(
         return f"{method}; of the mean speed, {together.limit}" if together else method
     pieces = f"{samples} pieces of {length_s:.3g} s"
     if together is None:
-        return f"speed {speed}; errors from {pieces}: how walkers differ, one cannot tell"
+        return f"speed {speed}; errors from {pieces}, which do not tell how walkers differ"
     walkers = together.walkers
     return (
         f"speed {speed}; errors of speeds and turning bias over {walkers} walkers, by Student's t "
