@@ -45,8 +45,8 @@ class Setting(NamedTuple):
     """Keys of the scene; those that begin with "walker." are the design's."""
     to_and_fro: tuple[float, float] | None = None
     """Amplitude of a plate's motion along x over that of the vertical one, and its phase, rad."""
-    stronger: float = 1.0
-    """Factor of every acceleration."""
+    shake: float = 1.0
+    """Acceleration under the walker over the one that is stated, where a bent plate moves more."""
 
 
 def plan_of(
@@ -58,7 +58,7 @@ def plan_of(
     walker = {key[7:]: value for key, value in one.keys.items() if key.startswith("walker.")}
     keys = {"run.runs": runs, "run.seconds": seconds, "run.discard_seconds": 0.5,
             "legs.model": "space", "contact.restitution": label,
-            "drive.gamma": one.stronger * gamma}  # fmt: skip
+            "drive.gamma": one.shake * gamma}  # fmt: skip
     keys |= {key: value for key, value in one.keys.items() if not key.startswith("walker.")}
     design = design.variant(**walker) if walker else design
     plan = prepare(scene.variant(**keys), design, solids.mass_of(design))

@@ -33,7 +33,7 @@ from walkergen.scene import PAPER_CONTACT
 LABELS = (PAPER_CONTACT.restitution, 0.5, 0.8)
 """Labels of the feet: of the shipped scenes, between, and as the paper measured."""
 
-SPEED, REBOUND, TIMES = (55.0, 60.0, 65.0), 0.7, 2.0
+SPEED, REBOUND, TIMES = (55.0, 65.0), 0.7, 2.0
 """Speed at 10 deg (mm/s) and least rebound that count as the paper's; errors that are allowed."""
 
 CROSSOVER, SHARE_OF_LINE, TYPES = (0.5, 2.0), 0.8, 0.95
@@ -80,24 +80,24 @@ SETTINGS = (
     rocking(0.05, 0, True), rocking(0.05, 90, True), rocking(0.2, 0, False),
     rocking(0.2, 90, False), rocking(0.5, 0, False), rocking(0.5, 90, False),
     rocking(0.5, 180, False),
-    Setting("bent plate, stronger here", "x 1.1", True, stronger=1.1),
-    Setting("bent plate, stronger here", "x 1.25", False, stronger=1.25),
-    Setting("bent plate, stronger here", "x 1.5", False, stronger=1.5),
-    rough(1, 1, True), rough(20, 20, True), rough(3, 1, False), rough(10, 1, False),
-    rough(30, 2, False),
-    *some("soft layer", "feet.local_stiffness_ratio", " of the leg's", (3, 1, 0.3),
-          (0.1, 0.03, 0.01, 0.003)),
+    *[Setting("bent plate", f"x {one:g}", 0.9 < one < 1.11, shake=one)
+      for one in (0.9, 0.92, 0.95, 1.1, 1.25, 1.5)],
+    *some("soft layer", "feet.local_stiffness_ratio", " of the leg's", (1, 0.3, 0.1),
+          (0.03, 0.02, 0.01)),
+    rough(20, 20, True), rough(3, 1, False), rough(10, 1, False),
+    *some("friction", "contact.friction", "", (), (0.1, 0.15, 0.4, 0.5)),
     Setting("hysteretic feet", "", True, {"feet.damping": "hysteretic"}),
-    *some("friction", "contact.friction", "", (0.2, 0.3), (0.05, 0.1, 0.15, 0.4, 0.5)),
-    *some("leg damping", "legs.damping_ratio", "", (0.02, 0.1), (0.3, 1)),
-    *some("leg thickness", "walker.legs.flexible_thickness_mm", " mm", (0.35, 0.45),
-          (0.3, 0.6, 0.8)),
+    *some("leg damping", "legs.damping_ratio", "", (0.1,), (0.3,)),
+    *some("leg thickness", "walker.legs.flexible_thickness_mm", " mm", (), (0.3, 0.6)),
     Setting("square feet", "", True, {"walker.legs.foot": "square"}),
 )  # fmt: skip
 
 STILL = {"plate noise", "second harmonic", "slope of the plate", "rocking plate", "walls",
-         "bent plate, stronger here"}  # fmt: skip
+         "bent plate"}  # fmt: skip
 """Causes without a part in a drop on a level plate at rest."""
+
+NO_PLANE = {"walls", "hysteretic feet", "leg damping", "leg thickness", "square feet"}
+"""Causes whose walkers of 35 deg are not followed, since they run in a lane or to save time."""
 
 
 DROPS = ("level", "rebound")
@@ -119,9 +119,9 @@ class Row(NamedTuple):
 
 def wanted(one: Setting) -> list[tuple[str, float]]:
     """Measures of a setting and their labels."""
-    later = [] if one.cause == "walls" else ["slow"]
+    later = [] if one.cause in NO_PLANE else ["slow"]
     names = ["fast", *([] if one.cause in STILL else ["bounce"])]
-    labels = LABELS[:1] if one.keys or one.stronger != 1.0 else (LABELS[0], LABELS[-1])
+    labels = LABELS[:1] if one.keys or one.shake != 1.0 else (LABELS[0], LABELS[-1])
     return [(name, label) for label in LABELS for name in names] + [
         (name, label) for label in labels for name in ("onset", *later)
     ]
@@ -159,18 +159,20 @@ Known = dict[tuple[float, str], tuple[float, float]]
 """Value and error of each quantity of a setting, by label and name."""
 
 
-def rebound_at_60(known: Known) -> tuple[float, float] | None:
-    """Rebound at the label that gives 60 mm/s, level and turned; None where none of LABELS does.
+def rebound_beside(known: Known) -> tuple[float, float] | None:
+    """Rebounds, level and turned, at the largest label that gives SPEED; None where none does.
 
-    Speed and rebound are taken to be linear between labels.
+    Speed and rebound are taken to be linear between labels, and speed not to fall with the label.
     """
-    speeds = [known[label, "speed"][0] for label in LABELS]
-    if speeds[0] > SPEED[2] or max(speeds) < SPEED[0]:
+    speeds = np.maximum.accumulate([known[label, "speed"][0] for label in LABELS])
+    if speeds[0] > SPEED[1] or speeds[-1] < SPEED[0]:
         return None
-    return tuple(
-        float(np.interp(SPEED[1], np.maximum.accumulate(speeds),
-              [known[label, name][0] for label in LABELS])) for name in DROPS
-    )  # fmt: skip
+    largest = min(SPEED[1], speeds[-1])
+    level, turned = (
+        float(np.interp(largest, speeds, [known[label, name][0] for label in LABELS]))
+        for name in DROPS
+    )
+    return level, turned
 
 
 def brought(known: Known) -> str:
@@ -186,7 +188,7 @@ def brought(known: Known) -> str:
     runs = [gamma for gamma in GAMMAS[:2] if reach(label, f"line {gamma:g}") >= SHARE_OF_LINE]
     facts += [f"b from {runs[0]:g} g"] if runs else []
     facts += [f"c at {one:g}" for one in LABELS if reach(one, "types") >= TYPES]
-    facts += ["d"] if max(rebound_at_60(known) or (0.0,)) >= REBOUND else []
+    facts += ["d"] if max(rebound_beside(known) or (0.0,)) >= REBOUND else []
     return ", ".join(facts) or "none"
 
 
@@ -207,14 +209,14 @@ def table(rows: Sequence[Row]) -> str:
     still_plate = {key: pair for key, pair in each["none", ""].items() if key[1] in DROPS}
     lines = [
         "| cause | size | a: crossover, s | exponent at 1 s | b: share of the line at 1.2, 1.4 g | "
-        "c: II + III, % | d: speed, mm/s | rebound at 60 mm/s | brings |",
+        "c: II + III, % | d: speed, mm/s | rebound beside 55 to 65 mm/s | brings |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for one in SETTINGS:
         known = still_plate | each.get(one[:2], {})
         if (LABELS[0], "line 1.8") not in known:
             continue
-        pair = rebound_at_60(known)
+        pair = rebound_beside(known)
         shares = [cell(known, f"line {gamma:g}", LABELS[:1], 2) for gamma in GAMMAS[:2]]
         cells = (
             one.cause, one.size + ("" if one.likely else " *"),
