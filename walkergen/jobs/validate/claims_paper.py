@@ -49,13 +49,13 @@ LATE_S = 0.5
 BOUNCE = (
     "We have no proof of the reason. A nearly level drop of our walker agrees with the paper's "
     "0.8 for this label and not for the one that runs at the paper's speed (rows below): no label "
-    "meets both. Uneven corners, walls and another law of the feet's damping change 10 to 20 % "
-    "(docs/physics.md section 7)."
+    "meets both, on feet as stiff as their legs and at 1.8 g. On tips 40 to 50 times softer, or on "
+    "a plate that shakes 8 to 10 % less where walkers run, one label does (docs/causes.md)."
 )
 THRESHOLD = (
     "In our model a walker that rebounds little sits on the plate until that falls away, and "
     "friction wipes out there what a landing gave: it runs from about 1.6 g on. A noisy plate runs "
-    "it below; the paper's is not known."
+    "it below, and so do softer tips with the measured restitution (docs/causes.md)."
 )
 
 
