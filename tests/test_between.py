@@ -141,3 +141,14 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
     table = CliRunner().invoke(app, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
     assert "Student" in table
     assert re.search(r"^ *1 +20 +6[45][.][0-9]+ ±", table, re.MULTILINE)
+
+
+def test_a_walker_whose_error_is_unknown_still_has_its_speed():
+    film = lane(1, SPEEDS, 300, interval=0.02, memory=10.0, sd=10.0)  # 15 independent parts
+    for one, speed in zip(motion.analyse(film).walkers, SPEEDS, strict=True):
+        assert one.estimates["speed"].value is None
+        assert one.of("speed").se is None
+        assert one.of("speed").value == pytest.approx(
+            speed, abs=9.0
+        )  # three errors of 10 sqrt(2 x 0.2 / 6)
+        assert "film for longer" in one.of("speed").reason

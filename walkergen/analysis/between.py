@@ -46,6 +46,12 @@ class Alone(NamedTuple):
     estimates: Mapping[str, Estimate]
     """The same with their errors within this walker's track."""
 
+    def of(self, name: str) -> Estimate:
+        """What is known of it: the value also where its error is not, and `reason` says why."""
+        estimate = self.estimates.get(name, Estimate(None, None))
+        value = self.values.get(name, math.nan)
+        return estimate._replace(value=value) if math.isfinite(value) else estimate
+
 
 class Together(NamedTuple):
     """At least two walkers beside one another, each counted once."""

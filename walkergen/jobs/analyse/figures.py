@@ -189,10 +189,10 @@ def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
 def walkers_figure(motion: Motion, title: str) -> Figure:
     """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
     figure, axes = axes_of(title)
-    speeds = [(one.particle, *one.estimates["speed"][:2]) for one in motion.walkers]
+    speeds = [(one.particle, *one.of("speed")[:2]) for one in motion.walkers]
     names, values, errors = zip(*(one for one in speeds if one[1] is not None), strict=True)
     at = range(1, len(names) + 1)
-    axes.errorbar(at, values, errors, fmt="o", color=INK, capsize=3,
+    axes.errorbar(at, values, np.array(errors, dtype=float), fmt="o", color=INK, capsize=3,
                   label="each, ± standard error in its track")  # fmt: skip
     mean = motion.estimates["speed"]
     if (ends := mean.interval(0.95)) and mean.value is not None:
@@ -238,7 +238,7 @@ def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, F
     drawn = [("trajectories", tracks_figure(tracks, title))]
     if motion.by_plate_speed:
         return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]
-    if sum(one.estimates["speed"].value is not None for one in motion.walkers) > 1:
+    if sum(one.of("speed").value is not None for one in motion.walkers) > 1:
         drawn.append(("walkers", walkers_figure(motion, title)))
     if (motion.msd.value > 0).any():
         drawn.append(("msd", msd_figure(motion, title)))

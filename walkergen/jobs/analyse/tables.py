@@ -31,8 +31,6 @@ MOST_WALKERS = 24
 OF_WALKERS = ("speed", "turning_bias")
 """Estimates of each walker by itself, by the names of UNITS."""
 
-UNKNOWN = Estimate(None, None)
-
 
 def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:
     """Error of a value by the scale of the film, which all lengths share; 0 without a length.
@@ -111,18 +109,25 @@ def walkers_table(motion: Motion, form: box.Box = box.SIMPLE_HEAD) -> Table:
     for heading in (*headings, "turning (rad/s)")[: 3 + turning]:
         table.add_column(heading)
     for one in motion.walkers[:MOST_WALKERS]:
-        told = (with_error(one.estimates.get(name, UNKNOWN)) for name in OF_WALKERS[: 1 + turning])
-        table.add_row(str(one.particle), words.number(one.seconds), *told)
+        values = (_or_alone(one.of(name)) for name in OF_WALKERS[: 1 + turning])
+        table.add_row(str(one.particle), words.number(one.seconds), *values)
     if len(motion.walkers) > MOST_WALKERS:
         table.caption = f"and {len(motion.walkers) - MOST_WALKERS} more in walkers.csv"
     return table
+
+
+def _or_alone(one: Estimate) -> str:
+    """Value with its error, or by itself with the reason why that is not known."""
+    if one.value is None or one.se is not None:
+        return with_error(one)
+    return f"{words.number(one.value, 3)} ± ?: {one.reason}"
 
 
 def walkers_csv(motion: Motion) -> str:
     """Format as CSV, a line for each walker by itself."""
     lines = []
     for one in motion.walkers:
-        speed, turning = (one.estimates.get(name, UNKNOWN) for name in OF_WALKERS)
+        speed, turning = (one.of(name) for name in OF_WALKERS)
         cells = (*speed[:2], *_ends(speed), *turning[:2])
         lines.append((one.particle, one.seconds, *map(_cell, cells), speed.reason))
     return csv_text(
@@ -203,7 +208,7 @@ def as_dict(motion: Motion) -> dict[str, Any]:
             | {
                 key: value
                 for name in OF_WALKERS
-                for key, value in _keyed(name, one.estimates.get(name, UNKNOWN)).items()
+                for key, value in _keyed(name, one.of(name)).items()
             }
             | ({"refused": one.estimates["speed"].reason} if one.estimates["speed"].reason else {})
             for one in motion.walkers

@@ -55,15 +55,28 @@ def path(places: Array, noise: float) -> float:
 
 
 def shadow(walkers: Sequence[Seen]) -> float:
-    """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved."""
-    pulls = []
-    for one in walkers:
-        ways = one.blobs[:, 7:9]
-        mean = ways.mean(axis=0)
-        error = float(np.sqrt(ways.var(axis=0).sum() / max(len(ways) / INDEPENDENT, 1.0)))
-        size = float(np.hypot(*mean))
-        pulls.append(size if size > SURE * error else 0.0)
-    return float(np.sqrt(np.mean(np.square(pulls))))
+    """Way by which shadows pull at the centres of walkers, pixels; 0 where none is resolved.
+
+    A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
+    that never turn the two cannot be told apart.
+    """
+    rows = np.concatenate([one.blobs for one in walkers])
+    c, s, ones, none = (
+        np.cos(rows[:, 3]),
+        np.sin(rows[:, 3]),
+        np.ones(len(rows)),
+        np.zeros(len(rows)),
+    )
+    right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
+    down = np.column_stack([none, ones, -s, c])
+    terms, pulls = np.concatenate([right, down]), np.concatenate([rows[:, 7], rows[:, 8]])
+    fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
+    if rank < terms.shape[1]:
+        return 0.0
+    variance = float(np.mean((pulls - terms @ fit) ** 2)) * INDEPENDENT
+    error = math.sqrt(variance * float(np.trace(np.linalg.inv(terms.T @ terms)[:2, :2])))
+    pull = math.hypot(fit[0], fit[1])
+    return pull if pull > SURE * error else 0.0
 
 
 class Sizes(NamedTuple):
