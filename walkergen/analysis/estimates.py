@@ -1,7 +1,7 @@
 """Numbers with errors from sums over tracks: how each is computed, and when it is refused."""
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
@@ -22,9 +22,6 @@ SIGNIFICANT = 3.0
 
 DECAYED = 0.2
 """Share of the direction that must be lost at the longest fitted lag for a rate to be known."""
-
-MOST_DIGITS = 6
-"""Largest number of decimals of a value in words; beyond it has an exponent."""
 
 FEWEST_SAMPLES = 8
 """Number of independent samples below which every error, and so every estimate, is refused."""
@@ -314,20 +311,10 @@ def with_error(one: Estimate) -> str:
     """Format a value with its error to two digits of the error, or the reason of its refusal."""
     if one.value is None or one.se is None:
         return one.reason
-    return " ± ".join(_to_digits_of(one.se, (one.value, one.se) if one.se > 0 else (one.value,)))
+    return words.with_error(one.value, one.se)
 
 
 def bounds_95(one: Estimate) -> str:
     """Format the bounds of 95 % to two digits of the error; '' without any."""
     ends = one.interval(0.95)
-    return " to ".join(_to_digits_of(one.se, ends)) if ends and one.se else ""
-
-
-def _to_digits_of(error: float, values: Sequence[float]) -> list[str]:
-    """Format values to two digits of an error; to four of their own without one."""
-    if not error > 0:
-        return [words.number(value, 4) for value in values]
-    digits = max(1 - math.floor(math.log10(error)), 0)
-    if digits > MOST_DIGITS:
-        return [words.number(value, 3 if abs(value) > error else 2) for value in values]
-    return [f"{value:.{digits}f}" for value in values]
+    return " to ".join(words.to_digits_of(one.se, ends)) if ends and one.se else ""

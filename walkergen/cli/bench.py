@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from walkergen.files.progress import Progress
+    from walkergen.files.report import Report
     from walkergen.jobs.bench.make import Drop, Test
-    from walkergen.jobs.bench.report import Report
     from walkergen.walker.design import Design
 
 app = typer.Typer(
@@ -201,17 +201,8 @@ def _report(
 ) -> None:
     """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
     from walkergen.jobs.bench import make
-    from walkergen.jobs.bench import report as reports
 
     folder = out or make.folder_of(what, design)
     with show.progress(f"bench {what}", wanted=not quiet) as progress:
         report = test(folder, progress)
-    if json:
-        show.as_json(reports.as_dict(report) | {"folder": str(folder)})
-    elif not quiet:
-        show.text(report.caption)
-        for rows in report.tables:
-            show.table(reports.to_table(rows))
-        for line in reports.lines(report):
-            show.text(line)
-        print(f"tables, page and figure in {folder}/")
+    show.report(report, json, quiet)

@@ -12,6 +12,7 @@ from walkergen.files import plain
 if TYPE_CHECKING:
     from rich.table import Table
 
+    from walkergen.files.report import Report
     from walkergen.files.templates import Entry
     from walkergen.jobs.family.tables import Simulated, Weighing
     from walkergen.prediction import Prediction
@@ -67,6 +68,22 @@ def table(made: "Table") -> None:
     from walkergen.files import tables
 
     tables.show(made, Console(highlight=False))
+
+
+def report(made: "Report", json: bool, quiet: bool) -> None:
+    """Print what a job found: as JSON, or its caption, tables and lines, and where it lies."""
+    folder = {} if made.folder is None else {"folder": str(made.folder)}
+    if json:
+        as_json({**made.facts, **folder})
+    elif not quiet:
+        if made.caption:
+            text(made.caption)
+        for each in made.shown():
+            table(each.rich())
+        for line in made.lines:
+            text(line)
+        if folder:
+            print(f"tables, page and figures in {made.folder}/")
 
 
 def text(line: str) -> None:

@@ -5,6 +5,7 @@ import math
 import textwrap
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import partial
 from typing import Any
 
 import matplotlib
@@ -133,3 +134,9 @@ def panels_of(title: str, heights: Sequence[float]) -> tuple[Figure, list[Axes]]
     axes = figure.subplots(len(heights), sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
     figure.suptitle(wrapped(title, COLUMN - 0.1))
     return figure, list(axes)
+
+
+def shown(figure: Figure) -> Figure:
+    """Figure that a notebook shows as a picture, though pyplot did not make it."""
+    vars(figure)["_repr_png_"] = partial(png, figure)
+    return figure

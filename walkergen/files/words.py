@@ -2,12 +2,16 @@
 
 import math
 import re
+from collections.abc import Sequence
 
 NOTHING = 1e-12
 """Size below which a number is zero to people: rounding, in every unit that is printed."""
 
 PLAIN_LOW, PLAIN_HIGH = 1e-6, 1e7
 """Sizes between which a number is written without an exponent."""
+
+MOST_DIGITS = 6
+"""Largest number of decimals of a value with its error; beyond it has an exponent."""
 
 NUMBER = re.compile(r"[+-]?([0-9]+\.?[0-9]*|\.[0-9]+)([eE][+-]?[0-9]+)?")
 
@@ -30,6 +34,21 @@ def value(text: str) -> float | None:
     """
     found = float(text) if NUMBER.fullmatch(text.strip(" \t")) else math.nan
     return found + 0.0 if math.isfinite(found) else None
+
+
+def with_error(value: float, se: float) -> str:
+    """Format a value with its standard error, to two digits of the error; without one of 0."""
+    return " ± ".join(to_digits_of(se, (value, se) if se > 0 else (value,)))
+
+
+def to_digits_of(error: float, values: Sequence[float]) -> list[str]:
+    """Format values to two digits of an error; to four of their own without one."""
+    if not error > 0:
+        return [number(value, 4) for value in values]
+    digits = max(1 - math.floor(math.log10(error)), 0)
+    if digits > MOST_DIGITS:
+        return [number(value, 3 if abs(value) > error else 2) for value in values]
+    return [f"{value:.{digits}f}" for value in values]
 
 
 def span(low: float | None, high: float | None, digits: int = 4) -> str:

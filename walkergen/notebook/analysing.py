@@ -92,8 +92,8 @@ class Analysis(Result):
 
     def figures(self) -> "dict[str, Figure]":
         """Draw all figures that the motion allows, by name: trajectories, msd, density ..."""
+        from walkergen.files.figures import shown
         from walkergen.jobs.analyse.figures import figures
-        from walkergen.notebook.pictures import shown
 
         drawn = figures(self.motion, self.found.tracks, self.title)
         return {name: shown(figure) for name, figure in drawn}

@@ -11,7 +11,7 @@ from walkergen.files import output
 from walkergen.files.progress import Progress, silent
 from walkergen.files.words import number
 from walkergen.jobs.bench import make as benches
-from walkergen.jobs.bench import report as reports
+from walkergen.jobs.bench.report import BenchReport
 from walkergen.jobs.calibration import make as calibrations
 from walkergen.jobs.calibration import tables as calibration_tables
 from walkergen.jobs.fit import request, tables
@@ -161,40 +161,6 @@ def calibrate(
     return Calibration(calibrations.calibrate(path, job, target, progress or silent), path.stem)
 
 
-class Bench(Result):
-    """What a test on a bench would show, and what a measured number means for the model."""
-
-    def __init__(self, report: reports.Report) -> None:
-        self.report = report
-        """Everything that was found, as the command `bench` prints it."""
-
-    @property
-    def settings(self) -> dict[str, float]:
-        """Keys of scene or design with the values that follow from the measured number."""
-        return dict(self.report.settings)
-
-    @property
-    def tables(self) -> dict[str, Table]:
-        """Tables of the test by the names of their files."""
-        return {
-            one.name: Table(
-                dict(zip(one.columns, zip(*one.rows, strict=True), strict=True)), one.title
-            )
-            for one in self.report.tables
-        }
-
-    @property
-    def table(self) -> Table:
-        """First of the tables."""
-        return next(iter(self.tables.values()))
-
-    def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        yield self.report.title, self.report.caption
-        for line in reports.lines(self.report):
-            yield "note", line
-
-
 OWN = {
     "drop": ("tries", "height_mm", "roll_deg", "drops"),
     "slide": (),
@@ -210,7 +176,7 @@ def bench(
     height_mm: float | None = None, roll_deg: float | None = None, drops: int | None = None,
     decrement: float | None = None, decrement_sd: float | None = None,
     folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> Bench:  # fmt: skip
+) -> BenchReport:  # fmt: skip
     """Simulate a test on a bench, and invert what was `measured`, with its standard error.
 
     Of a "drop" that is the rebound, root of height over height, the mean of `tries`; of a "slide"
@@ -230,19 +196,19 @@ def bench(
     wish = benches.Test(member, scene_of(scene), seen, pictures)
     place = benches.folder_of(test, member) if folder is None else Path(folder)
     if test == "slide":
-        return Bench(benches.slid(wish, place, tell))
+        return benches.slid(wish, place, tell)
     if test == "pluck":
         decay = inverse.measured(
             decrement, decrement_sd, 1, benches.MOST_DECREMENT, "--decrement"
         )  # fmt: skip
-        return Bench(benches.plucked(wish, decay, place, tell))
+        return benches.plucked(wish, decay, place, tell)
     usual = benches.Drop()
     how = benches.Drop(
         usual.height if height_mm is None else float(height_mm),
         usual.turn_deg if roll_deg is None else float(roll_deg),
         usual.drops if drops is None else drops,
     )
-    return Bench(benches.dropped(wish, how, place, tell))
+    return benches.dropped(wish, how, place, tell)
 
 
 class Weighing(Result):

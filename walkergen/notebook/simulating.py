@@ -125,8 +125,8 @@ class Simulation(Result):
 
         Raises WalkergenError where no run ended well.
         """
+        from walkergen.files.figures import shown
         from walkergen.jobs.analyse.figures import tracks_figure
-        from walkergen.notebook.pictures import shown
 
         results = self.found.point.results
         good = [result for result in results if result.outcome in ENDED_WELL]

@@ -36,9 +36,9 @@ class Sweep(Table):
 
     def plot(self) -> "Figure":
         """Draw speed over the keys: lines, a map or clouds. Raises WalkergenError."""
+        from walkergen.files.figures import shown
         from walkergen.jobs.sweep import figures
         from walkergen.jobs.sweep.panels import Columns
-        from walkergen.notebook.pictures import shown
 
         unknown = np.full(len(self), np.nan)
         low, high = (self.columns.get(f"{end}_95_mm_s", unknown) for end in ("low", "high"))

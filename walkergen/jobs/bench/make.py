@@ -1,6 +1,7 @@
 """Bench tests: each simulated, inverted where a number was measured, and written to a folder."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -9,8 +10,7 @@ from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.bench import drop, pluck, slide, tables
-from walkergen.jobs.bench import report as reports
-from walkergen.jobs.bench.report import Report
+from walkergen.jobs.bench.report import BenchReport
 from walkergen.scene import Scene
 from walkergen.walker import names
 from walkergen.walker.design import Design
@@ -50,7 +50,7 @@ def folder_of(bench: str, design: Design) -> Path:
     return Path("out") / design.name / f"bench_{bench}_{names.part(design)}"
 
 
-def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> Report:
+def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> BenchReport:
     """Drop a walker; writes drop.csv and a table for all else that counts, figure and page.
 
     Raises InputError before anything is simulated.
@@ -66,11 +66,10 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> Report:
 
         return figures.of_drop(found, report.title, how.turn_deg, test.measured)
 
-    _write(report, test, how._asdict(), draw, folder)
-    return report
+    return _written(report, test, how._asdict(), draw, folder)
 
 
-def slid(test: Test, folder: Path, progress: Progress) -> Report:
+def slid(test: Test, folder: Path, progress: Progress) -> BenchReport:
     """Tilt the plate under a walker; writes slide.csv, figure and page."""
     found = slide.slide(test.scene, test.design, progress)
     report = tables.of_slide(found, test.scene, test.design, test.measured)
@@ -80,11 +79,12 @@ def slid(test: Test, folder: Path, progress: Progress) -> Report:
 
         return figures.of_slide(found, report.title, test.measured)
 
-    _write(report, test, {}, draw, folder)
-    return report
+    return _written(report, test, {}, draw, folder)
 
 
-def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Progress) -> Report:
+def plucked(
+    test: Test, decrement: Measured | None, folder: Path, progress: Progress
+) -> BenchReport:
     """Pluck a leg; writes pluck.csv, moduli.csv, damping.csv, figure and page.
 
     Raises InputError for legs that do not swing.
@@ -100,8 +100,7 @@ def plucked(test: Test, decrement: Measured | None, folder: Path, progress: Prog
         return figures.of_pluck(found, report.title, test.measured, curve)
 
     given = None if decrement is None else decrement._asdict()
-    _write(report, test, {"decrement": given}, draw, folder)
-    return report
+    return _written(report, test, {"decrement": given}, draw, folder)
 
 
 def _check(flag: str, value: float, low: float, high: float) -> None:
@@ -109,26 +108,21 @@ def _check(flag: str, value: float, low: float, high: float) -> None:
         raise InputError(f"{flag} {value:g}: must lie in {low:g}..{high:g}")
 
 
-def _write(
-    report: Report, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]", folder: Path
-) -> None:
-    """Write tables, page and figure of a report, and what was asked."""
+def _written(
+    report: BenchReport, test: Test, choices: dict[str, Any], draw: "Callable[[], Figure]",
+    folder: Path,
+) -> BenchReport:  # fmt: skip
+    """Report with its figure and folder, once it is written there with what was asked."""
+    report = replace(report, figures={report.name: draw}, folder=folder)
     with Folder(folder) as target:
-        for rows in report.tables:
-            target.write(f"{rows.name}.csv", reports.to_csv(rows).encode())
-        target.write(f"{report.bench}.md", reports.to_markdown(report).encode())
-        if test.pictures:
-            from walkergen.files import figures as pictures
-
-            figure = draw()
-            target.write(f"{report.bench}.png", pictures.png(figure))
-            target.write(f"{report.bench}.pdf", pictures.pdf(figure))
+        report.write(target, test.pictures)
         target.finish(
             {
-                "bench": report.bench,
+                "bench": report.name,
                 "design": test.design.model_dump(mode="json"),
                 "scene": test.scene.model_dump(mode="json"),
                 "measured": None if test.measured is None else test.measured._asdict(),
                 **choices,
             }
         )
+    return report

@@ -1,27 +1,14 @@
-"""Report of a bench test: tables, answers and settings, for the screen, Markdown, CSV and JSON."""
+"""Report of a bench test: its answers and the settings that follow from them."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, NamedTuple
-
-from rich import box
-from rich.table import Table
+from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 from walkergen.analysis.inverse import Inverse
-from walkergen.files import words
-from walkergen.files.tables import as_markdown, csv_text
+from walkergen.files import report, words
+from walkergen.files.report import Report, Table
 
 Value = float | str | None
-
-
-class Rows(NamedTuple):
-    """Table of a bench test."""
-
-    name: str
-    """Stem of its CSV file."""
-    title: str
-    columns: Sequence[str]
-    """Names with units."""
-    rows: Sequence[Sequence[Value]]
 
 
 class Answer(NamedTuple):
@@ -32,84 +19,51 @@ class Answer(NamedTuple):
     inverse: Inverse
 
 
-class Report(NamedTuple):
+@dataclass(frozen=True, kw_only=True)
+class BenchReport(Report):
     """What a bench test shows and says."""
 
-    bench: str
-    """Name of the test: drop, slide or pluck."""
-    title: str
-    caption: str
-    """Walker, feet and plate."""
-    tables: Sequence[Rows]
-    answers: Sequence[Answer]
-    notes: Sequence[str]
     settings: Mapping[str, float]
     """Keys of scene or design with the values that follow from the measured number."""
 
 
-def to_table(rows: Rows, form: box.Box = box.SIMPLE_HEAD) -> Table:
-    """Table of rich with numbers to three or four digits."""
-    table = Table(title=rows.title, box=form, padding=(0, 1, 0, 0), pad_edge=False)
-    for column, first in zip(rows.columns, rows.rows[0], strict=True):
-        side: Literal["left", "right"] = "left" if isinstance(first, str) else "right"
-        table.add_column(column.replace("_", " "), justify=side)
-    for row in rows.rows:
-        table.add_row(*(_shown(value) for value in row))
-    return table
+def rows(
+    name: str, title: str, keys: Sequence[str], values: Sequence[Sequence[Value]]
+) -> Table:  # fmt: skip
+    """Table of a bench test, every key of which people read."""
+    texts = [key for key, first in zip(keys, values[0], strict=True) if isinstance(first, str)]
+    return Table(name, values, keys, report.every(keys, texts), title)
 
 
-def _shown(value: Value) -> str:
-    if value is None:
-        return ""
-    return value if isinstance(value, str) else words.number(value, 4)
+def of(
+    bench: str, title: str, caption: str, tables: Sequence[Table], answers: Sequence[Answer],
+    notes: Sequence[str], settings: Mapping[str, float],
+) -> BenchReport:  # fmt: skip
+    """Report of a bench test: drop, slide or pluck; the caption names walker, feet and plate."""
+    lines = [f"{one.condition}: {one.told}" if one.condition else one.told for one in answers]
+    if settings:
+        keys = ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items())
+        lines.append(f"set {keys}")
+    facts = {
+        "bench": bench,
+        "caption": caption,
+        "tables": {table.name: list(table) for table in tables},
+        "answers": [_facts(one) for one in answers],
+        "settings": dict(settings),
+        "notes": list(notes),
+    }
+    return BenchReport(
+        name=bench, title=title, caption=caption, tables=tables, facts=facts,
+        lines=[*lines, *notes], settings=settings,
+    )  # fmt: skip
 
 
-def lines(report: Report) -> list[str]:
-    """Answers, settings and notes, a line each."""
-    told = [f"{one.condition}: {one.told}" if one.condition else one.told for one in report.answers]
-    if report.settings:
-        keys = ", ".join(
-            f"{key} = {words.number(value, 4)}" for key, value in report.settings.items()
-        )
-        told.append(f"set {keys}")
-    return [*told, *report.notes]
-
-
-def to_markdown(report: Report) -> str:
-    """Markdown page of all tables, answers and notes."""
-    parts = [f"# {report.title}", f"{report.caption}."]
-    parts += [f"- {line}" for line in lines(report)]
-    for rows in report.tables:
-        untitled = rows._replace(title="")
-        parts += [f"## {rows.title}", as_markdown(to_table(untitled, box.MARKDOWN))]
-    return "\n\n".join(parts).replace("\n\n- ", "\n- ").replace("\n- ", "\n\n- ", 1) + "\n"
-
-
-def to_csv(rows: Rows) -> str:
-    """CSV with every digit."""
-    return csv_text(rows.columns, rows.rows)
-
-
-def as_dict(report: Report) -> dict[str, Any]:
-    """All of a report for JSON."""
+def _facts(answer: Answer) -> dict[str, Any]:
     return {
-        "bench": report.bench,
-        "caption": report.caption,
-        "tables": {
-            table.name: [dict(zip(table.columns, row, strict=True)) for row in table.rows]
-            for table in report.tables
-        },
-        "answers": [
-            {
-                "condition": one.condition,
-                "told": one.told,
-                "branches": [branch._asdict() for branch in one.inverse.branches],
-                "everywhere": one.inverse.everywhere,
-                "nearest": one.inverse.nearest,
-                "misses": one.inverse.misses,
-            }
-            for one in report.answers
-        ],
-        "settings": dict(report.settings),
-        "notes": list(report.notes),
+        "condition": answer.condition,
+        "told": answer.told,
+        "branches": [branch._asdict() for branch in answer.inverse.branches],
+        "everywhere": answer.inverse.everywhere,
+        "nearest": answer.inverse.nearest,
+        "misses": answer.inverse.misses,
     }

@@ -7,10 +7,10 @@ from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Branch, Inverse, Measured
 from walkergen.exploring import drops, still
 from walkergen.exploring.drops import Rebounds
-from walkergen.jobs.bench import pluck
+from walkergen.jobs.bench import pluck, report
 from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.pluck import Plucked
-from walkergen.jobs.bench.report import Answer, Report, Rows, Value
+from walkergen.jobs.bench.report import Answer, BenchReport, Value
 from walkergen.jobs.bench.slide import Incline
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -26,19 +26,19 @@ def of_drop(
     height: float,
     turn_deg: float,
     measured: Measured | None,
-) -> Report:
+) -> BenchReport:
     """Report of a drop; without a first turn (`turn_deg` 0) only the flat drop counts."""
     hand = f"pitch and roll ± {turn_deg:g} deg"
     labelled = zip(drops.LABELS, found.by_label, strict=True)
     rows = [
-        Rows("drop", "rebound by the feet's restitution", ("restitution", *_COLUMNS),
+        report.rows("drop", "rebound by the feet's restitution", ("restitution", *_COLUMNS),
              [(float(label), *_row(one)) for label, one in labelled])
     ]  # fmt: skip
     for what, table in found.by.items():
         lines = [(at, *_row(one)) for at, one in table]
-        rows.append(Rows(f"{what}s", f"rebound by {what}", (UNITS[what], *_COLUMNS), lines))
+        rows.append(report.rows(f"{what}s", f"rebound by {what}", (UNITS[what], *_COLUMNS), lines))
     columns = ("turn_deg", "rebound_rolled", "rebound_pitched")
-    rows.append(Rows("turns", "rebound by the first turn", columns, found.by_turn))
+    rows.append(report.rows("turns", "rebound by the first turn", columns, found.by_turn))
     where = f" at {design.tilt_deg:g} deg"
     answers = []
     for flat, condition in ((True, "let go flat"), (False, f"from the hand ({hand})")):
@@ -59,10 +59,12 @@ def of_drop(
     title = f"Drop of {design.name}, {design.tilt_deg:g} deg, {design.kind}"
     keys = "contact.restitution", "contact.restitution_sd"
     settings = _settings(answers[-1:], keys)
-    return Report("drop", title, caption, rows, answers, notes, settings)
+    return report.of("drop", title, caption, rows, answers, notes, settings)
 
 
-def of_slide(found: Incline, scene: Scene, design: Design, measured: Measured | None) -> Report:
+def of_slide(
+    found: Incline, scene: Scene, design: Design, measured: Measured | None
+) -> BenchReport:
     """Report of an incline."""
     lines: list[tuple[Value, ...]] = []
     for place, friction in enumerate(found.frictions):
@@ -73,7 +75,7 @@ def of_slide(found: Incline, scene: Scene, design: Design, measured: Measured | 
         lines.append((friction, block, *angles, found.slips[place], fell))
     columns = ("friction", "block_deg", *(f"{facing}_deg" for facing in found.by_heading),
                "uphill_slips_deg", "falls_over")  # fmt: skip
-    rows = Rows("slide", "slope at which it gives way, by the way it faces", columns, lines)
+    rows = report.rows("slide", "slope at which it gives way, by the way it faces", columns, lines)
     answers = []
     for facing in ("downhill", "uphill"):
         curve = found.curve(facing)
@@ -87,7 +89,7 @@ def of_slide(found: Incline, scene: Scene, design: Design, measured: Measured | 
     caption = f"{still.in_words(scene, design)}; the plate is tilted slowly"
     settings = _settings(answers[:1], ("contact.friction", "contact.friction_sd"))
     notes = _on_inclines(found)
-    return Report("slide", title, caption, [rows], answers, notes, settings)
+    return report.of("slide", title, caption, [rows], answers, notes, settings)
 
 
 def _on_inclines(found: Incline) -> list[str]:
@@ -116,7 +118,7 @@ def of_pluck(
     design: Design,
     measured: Measured | None,
     decrement: Measured | None,
-) -> Report:
+) -> BenchReport:
     """Report of a plucked leg."""
     spring, free = scene.legs.spring, found.free
     lines: list[tuple[Value, ...]] = [
@@ -126,12 +128,15 @@ def of_pluck(
         (f"hinge, {spring}; body free, lowest", free[0]),
         (f"hinge, {spring}; body free, highest", free[-1]),
     ]
-    rows = Rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines)
-    moduli = Rows("moduli", "frequency heard, by Young's modulus", ("youngs_modulus_gpa", "hz"),
-                  pluck.by_modulus(design, found.leg_mass))  # fmt: skip
-    damping = Rows("damping", "swings that die out, by the leg's damping",
-                   ("damping_ratio", "decrement", "next_swing_over_swing"),
-                   pluck.by_damping())  # fmt: skip
+    rows = report.rows("pluck", "frequency of a plucked leg", ("what_swings", "hz"), lines)
+    moduli = report.rows(
+        "moduli", "frequency heard, by Young's modulus", ("youngs_modulus_gpa", "hz"),
+        pluck.by_modulus(design, found.leg_mass),
+    )  # fmt: skip
+    damping = report.rows(
+        "damping", "swings that die out, by the leg's damping",
+        ("damping_ratio", "decrement", "next_swing_over_swing"), pluck.by_damping(),
+    )  # fmt: skip
     answers: list[Answer] = []
     settings: dict[str, float] = {}
     notes = _on_plucking(found, scene)
@@ -156,7 +161,7 @@ def of_pluck(
     leg = f"a leg{pluck.which(design)}"
     title = f"Pluck of {leg} of {design.name}, {design.tilt_deg:g} deg"
     caption = f"{still.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
-    return Report("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
+    return report.of("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
 
 
 def _thickness_key(design: Design) -> str:

@@ -1,0 +1,257 @@
+"""Report of a job: what it found, as tables, lines and figures, and every form that these take.
+
+A row's values stand by keys in CSV, JSON and a frame of pandas, with units in the keys and every
+digit. What people read of a row is chosen by columns, a function of the row each.
+"""
+
+import math
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from html import escape
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.errors import InputError
+from walkergen.files import tables, words
+from walkergen.files.output import Folder
+
+if TYPE_CHECKING:
+    import numpy.typing as npt
+    from matplotlib.figure import Figure
+    from rich.table import Table as RichTable
+
+MOST_SHOWN = 20
+"""Rows that a notebook shows; the others are counted."""
+
+
+class Column(NamedTuple):
+    """Column that people read: its heading, with the unit, and the text of a row's cell."""
+
+    heading: str
+    cell: Callable[[Any], str]
+    right: bool = False
+    """True for numbers, which stand in line at their ends."""
+
+
+def text(heading: str, key: str) -> Column:
+    """Column of words."""
+    return Column(heading, lambda row: str(getattr(row, key)))
+
+
+def number(heading: str, key: str, digits: int = 4, scale: float = 1.0) -> Column:
+    """Column of numbers to significant digits, `scale` times those of the row; None is blank."""
+
+    def cell(row: Any) -> str:
+        value = getattr(row, key)
+        return "" if value is None else words.number(scale * value, digits)
+
+    return Column(heading, cell, right=True)
+
+
+def with_error(heading: str, key: str, se: str) -> Column:
+    """Column of numbers with their standard errors, to two digits of these."""
+    return Column(heading, lambda row: words.with_error(getattr(row, key), getattr(row, se)))
+
+
+def span(heading: str, low: str, high: str, digits: int = 4) -> Column:
+    """Column of intervals."""
+    return Column(heading, lambda row: words.span(getattr(row, low), getattr(row, high), digits))
+
+
+def every(keys: Sequence[str], texts: Sequence[str] = ()) -> tuple[Column, ...]:
+    """Column a key of plain tuples, to four digits, headed by the key; `texts` are the words."""
+
+    def column(at: int, key: str) -> Column:
+        return Column(key.replace("_", " "), lambda row: rounded(row[at]), key not in texts)
+
+    return tuple(column(at, key) for at, key in enumerate(keys))
+
+
+@dataclass(frozen=True)
+class Table:
+    """Rows of one kind: named tuples, or tuples by `keys`."""
+
+    name: str
+    """Stem of its CSV file."""
+    rows: Sequence[Any]
+    keys: Sequence[str]
+    """Names of the values of a row, with units: of CSV, JSON, a frame of pandas."""
+    columns: Sequence[Column] = ()
+    """What people read; without any the table is for machines alone, and on no page."""
+    title: str = ""
+    notes: Sequence[str] = ()
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    def __iter__(self) -> Iterator[dict[str, Any]]:
+        """Rows, each with its values by the keys."""
+        for row in self.rows:
+            yield dict(zip(self.keys, row, strict=True))
+
+    def __getitem__(self, key: str) -> "npt.NDArray[Any]":
+        """Values of a key, None as NaN among numbers. Raises KeyError that names the keys."""
+        if key not in self.keys:
+            raise KeyError(f"no column {key!r}; columns: {', '.join(self.keys)}")
+        at = list(self.keys).index(key)
+        return array_of([row[at] for row in self.rows])
+
+    def __repr__(self) -> str:
+        return f"<{self.title or 'table'}: {len(self)} rows of {', '.join(self.keys)}>"
+
+    def csv(self) -> str:
+        """Comma-separated values with every digit."""
+        return tables.csv_text(self.keys, self.rows)
+
+    def rich(self, markdown: bool = False) -> "RichTable":
+        """Table for the terminal, or one to be made Markdown of; without headings no header."""
+        from rich import box
+        from rich.markup import escape as literally
+        from rich.table import Table as RichTable
+
+        headed = any(column.heading for column in self.columns)
+        made = RichTable(
+            title=None if markdown or not self.title else literally(self.title),
+            box=box.MARKDOWN if markdown else box.SIMPLE_HEAD if headed else box.SIMPLE,
+            padding=(0, 1, 0, 0) if headed else (0, 1), pad_edge=not headed, show_header=headed,
+        )  # fmt: skip
+        for column in self.columns:
+            made.add_column(column.heading, justify="right" if column.right else "left")
+        for row in self.rows:
+            made.add_row(*(literally(column.cell(row)) for column in self.columns))
+        return made
+
+    def to_dataframe(self) -> Any:
+        """Frame of pandas with the same columns. Raises InputError where pandas is missing."""
+        try:
+            import pandas
+        except ModuleNotFoundError:
+            raise InputError(
+                "to_dataframe: pandas is not installed: pip install pandas, or take the columns "
+                f"as they are, arrays of numpy: table[{next(iter(self.keys), '')!r}]"
+            ) from None
+        return pandas.DataFrame({key: self[key] for key in self.keys})
+
+    def _repr_html_(self) -> str:
+        head = "".join(f"<th>{escape(key)}</th>" for key in self.keys)
+        body = "".join(
+            "<tr>" + "".join(f"<td>{escape(rounded(value))}</td>" for value in row) + "</tr>"
+            for row in self.rows[:MOST_SHOWN]
+        )
+        more = len(self) - MOST_SHOWN
+        notes = [*self.notes, *([f"and {more} more rows"] if more > 0 else [])]
+        title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
+        table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
+        return table + "".join(f"<p>{escape(note)}</p>" for note in notes)
+
+
+def table(name: str, rows: Sequence[Any], columns: Sequence[Column] = (), title: str = "") -> Table:
+    """Table of named tuples, of one at least, whose fields are the keys."""
+    return Table(name, rows, rows[0]._fields, columns, title)
+
+
+def rounded(value: Any) -> str:
+    """Value for people: four digits of a number, nothing where there is none."""
+    if value is None:
+        return ""
+    if isinstance(value, float):
+        return "" if math.isnan(value) else words.number(value, 4)
+    return str(value)
+
+
+def array_of(values: Sequence[Any]) -> "npt.NDArray[Any]":
+    """Values as an array: of numbers, None as NaN, or of objects where one is no number."""
+    import numpy as np
+
+    if all(value is None or _is_number(value) for value in values):
+        whole = all(isinstance(value, int) for value in values)
+        return np.array([math.nan if value is None else value for value in values],
+                        dtype=np.int64 if whole else np.float64)  # fmt: skip
+    objects = np.empty(len(values), dtype=object)
+    objects[:] = values
+    return objects
+
+
+def _is_number(value: Any) -> bool:
+    return isinstance(value, (int, float)) and not isinstance(value, bool)
+
+
+@dataclass(frozen=True, kw_only=True)
+class Report:
+    """What a job found, in every form. Jobs whose results go on into others add fields."""
+
+    name: str
+    """Stem of its page."""
+    title: str
+    tables: Sequence[Table]
+    facts: Mapping[str, Any]
+    """What JSON holds."""
+    caption: str = ""
+    """What was asked, without a full stop."""
+    lines: Sequence[str] = ()
+    """Answers, settings and notes, a sentence each."""
+    figures: "Mapping[str, Callable[[], Figure]]" = field(default_factory=dict)
+    """What draws each figure, by the stems of their files."""
+    folder: Path | None = None
+    """Where it was written."""
+
+    @property
+    def table(self) -> Table:
+        """First of the tables."""
+        return self.tables[0]
+
+    def __getitem__(self, name: str) -> Table:
+        """Table by its name. Raises KeyError that names the tables."""
+        for each in self.tables:
+            if each.name == name:
+                return each
+        raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
+
+    def shown(self) -> Iterator[Table]:
+        """Tables that people read."""
+        return (each for each in self.tables if each.columns)
+
+    def markdown(self) -> str:
+        """Page of all tables that people read, and of all lines."""
+        parts = [f"# {self.title}", f"{self.caption}." if self.caption else ""]
+        for each in self.shown():
+            parts += [f"## {each.title}" if each.title else ""]
+            parts += [tables.as_markdown(each.rich(markdown=True))]
+        parts += ["\n".join(f"- {line}" for line in self.lines)]
+        return "\n\n".join(part for part in parts if part) + "\n"
+
+    def write(self, folder: Folder, pictures: bool) -> None:
+        """Write a CSV file a table, the page, and the figures as PNG and PDF."""
+        for each in self.tables:
+            folder.write(f"{each.name}.csv", each.csv().encode())
+        folder.write(f"{self.name}.md", self.markdown().encode())
+        if pictures and self.figures:
+            from walkergen.files import figures
+
+            for name, draw in self.figures.items():
+                figure = draw()
+                folder.write(f"{name}.png", figures.png(figure))
+                folder.write(f"{name}.pdf", figures.pdf(figure))
+
+    def plot(self, name: str | None = None) -> "Figure":
+        """Draw one of the figures, the first by default. Raises InputError that names them."""
+        from walkergen.files import figures
+
+        chosen = next(iter(self.figures), "") if name is None else name
+        if chosen not in self.figures:
+            named = ", ".join(map(repr, self.figures)) or "none, as there is no figure"
+            raise InputError(f"plot {name!r}: must be one of {named}")
+        return figures.shown(self.figures[chosen]())
+
+    def to_dataframe(self) -> Any:
+        """Frame of pandas of the first table. Raises InputError where pandas is missing."""
+        return self.table.to_dataframe()
+
+    def __repr__(self) -> str:
+        sizes = [f"{each.name}: {len(each)} rows" for each in self.tables]
+        return "\n".join([self.title, *sizes, *self.lines])
+
+    def _repr_html_(self) -> str:
+        parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
+        parts += [each._repr_html_() for each in self.shown()]
+        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self.lines)])
