@@ -163,7 +163,7 @@ def bounds(
         path = Path(folder, "speeds.csv")
         lines = [(tilt, speed, FILM_SE) for tilt, speed in filmed]
         path.write_text(csv_text(("tilt_deg", "speed_mm_s", "speed_se_mm_s"), lines))
-        learned = learn.learn(path, job, Path(folder, "fit"), silent)
+        learned = learn.learn(path, job, silent)
     (band,) = [one for one in learned.bands if not one.measured]
     return band.low_95, band.low_68, band.high_68, band.high_95
 

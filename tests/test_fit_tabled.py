@@ -70,7 +70,7 @@ def test_a_hidden_contact_comes_out_and_the_scene_predicts_what_was_measured(tmp
         truth = hidden(rng)
         speeds = filmed(rng, truth)
         found = fitted(tmp_path, speeds)
-        rows = {row.name: row for row in found.rows}
+        rows = {row.name: row for row in found.table.rows}
         for name in ("restitution", "friction"):
             row, value = rows[name], truth[f"contact.{name}"]
             within.append(row.low_95 <= value <= row.high_95)
@@ -91,7 +91,7 @@ def test_without_errors_the_scatter_of_the_speeds_stands_in(tmp_path):
     truth = hidden(np.random.default_rng(3))
     speeds = filmed(np.random.default_rng(4), truth)
     found = fitted(tmp_path, speeds, errors=False)
-    rows = {row.name: row for row in found.rows}
+    rows = {row.name: row for row in found.table.rows}
     assert rows["print_scatter"].mean > 0.0
     for name in ("restitution", "friction"):
         assert rows[name].low_95 <= truth[f"contact.{name}"] <= rows[name].high_95

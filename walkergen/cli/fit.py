@@ -1,17 +1,13 @@
 """The command `fit`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
-
-if TYPE_CHECKING:
-    from walkergen.jobs.fit.learn import Learned
-    from walkergen.jobs.fit.make import Fitted
 
 
 def fit(
@@ -69,7 +65,6 @@ def fit(
     """
     from walkergen.files import output
     from walkergen.jobs.fit import request
-    from walkergen.jobs.fit.learn import Learned
 
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":
@@ -83,38 +78,5 @@ def fit(
     )  # fmt: skip
     folder = output.results(file, out, "fit")
     with show.progress("fit", wanted=not quiet) as progress:
-        found = request.fit(file, wish, folder, progress)
-    if isinstance(found, Learned):
-        _tell_learned(found, file.name, json, quiet)
-    else:
-        _tell_fit(found, file.name, json, quiet)
-
-
-def _tell_fit(found: "Fitted", title: str, json: bool, quiet: bool) -> None:
-    """Print the fitted parameters, the quality of the fit and the notes."""
-    from walkergen.jobs.fit import tables
-
-    if json:
-        data = tables.as_dict(found.fit)
-        show.as_json(data | {"notes": found.notes, "folder": str(found.folder)})
-    elif not quiet:
-        show.table(tables.to_table(found.fit, title))
-        for line in (tables.quality(found.fit), tables.correlations(found.fit), *found.notes):
-            if line:
-                show.text(line)
-        print(f"tables, figure, scene.toml and design.toml in {found.folder}/")
-
-
-def _tell_learned(found: "Learned", title: str, json: bool, quiet: bool) -> None:
-    """Print what was learnt, what follows at every tilt, and the notes."""
-    from walkergen.jobs.fit import learnt_tables as tables
-
-    if json:
-        data = tables.as_dict(found)
-        show.as_json(data | {"notes": found.notes, "folder": str(found.folder)})
-    elif not quiet:
-        show.table(tables.to_table(found.rows, title))
-        show.table(tables.bands_table(found.bands))
-        for line in (tables.quality(found.posterior, found.speeds), *found.notes):
-            show.text(line)
-        print(f"tables, figure, scene.toml and design.toml in {found.folder}/")
+        made = request.fit(file, wish, folder, progress)
+    show.report(made, json, quiet)

@@ -14,9 +14,8 @@ from walkergen.jobs.bench import make as benches
 from walkergen.jobs.bench.report import BenchReport
 from walkergen.jobs.calibration import make as calibrations
 from walkergen.jobs.calibration import tables as calibration_tables
-from walkergen.jobs.fit import request, tables
-from walkergen.jobs.fit.learn import Learned
-from walkergen.jobs.fit.make import Fitted
+from walkergen.jobs.fit import request
+from walkergen.jobs.fit.report import FitReport
 from walkergen.jobs.weigh import make as weighing
 from walkergen.notebook.loading import Ground, Walker, one_of, scene_of, walker_of
 from walkergen.notebook.predicting import SCENE
@@ -32,60 +31,13 @@ PAPER = "koumakis2016"
 Name = str | os.PathLike[str]
 
 
-class Fit(Result):
-    """Contact, and more, that measured speeds tell; `design` and `scene` go on with it."""
-
-    def __init__(self, found: Learned | Fitted, title: str) -> None:
-        self.found, self.title = found, title
-
-    @property
-    def scene(self) -> Scene:
-        """Scene with the contact that was found."""
-        return self.found.scene
-
-    @property
-    def design(self) -> Design:
-        """Walker with the legs and material that were found; of the theory as it was given."""
-        return self.found.design
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Notes on what the speeds leave open, and on rows that were left out."""
-        return tuple(self.found.notes)
-
-    @property
-    def table(self) -> Table:
-        """Every parameter with its error and intervals, a row each."""
-        if isinstance(self.found, Learned):
-            return table_of(self.found.rows, self.title, self.notes)
-        rows = list(tables.lines(self.found.fit))
-        columns = zip(tables.COLUMNS, zip(*rows, strict=True), strict=True)
-        return Table(dict(columns), self.title, self.notes)
-
-    @property
-    def bands(self) -> Table:
-        """Speeds of one more print at every tilt, with bounds, mm/s; of the theory none."""
-        return table_of(self.found.bands if isinstance(self.found, Learned) else [], self.title)
-
-    def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        if isinstance(self.found, Learned):
-            for row in self.found.rows:
-                yield row.name, f"{number(row.mean, 4)} ± {number(row.sd, 2)}"
-        else:
-            for name, value in self.found.fit.values.items():
-                yield name, number(value, 4)
-        for note in self.notes:
-            yield "note", note
-
-
 def fit(
     speeds: Name, design: Walker = PAPER, scene: Ground = SCENE, *,
     model: Literal["prediction", "theory", "compliant", "space"] = "prediction",
     fix: Mapping[str, float] | None = None, prior: Literal["flat", "scene"] | None = None,
     predict: Iterable[float] | None = None, mode: Mode = "coulomb",
     folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> Fit:  # fmt: skip
+) -> FitReport:  # fmt: skip
     """Learn the contact from a CSV file of speeds, and predict walkers that were not measured.
 
     Columns are those of the command `fit`. `fix` holds parameters, {"friction": 0.25}; `predict`
@@ -98,8 +50,7 @@ def fit(
     wish = request.Request(
         walker_of(design), scene_of(scene), model, held, prior, ahead, mode, pictures
     )
-    found = request.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
-    return Fit(found, path.stem)
+    return request.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
 
 
 class Calibration(Result):

@@ -10,12 +10,9 @@ import numpy.typing as npt
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
 from walkergen.errors import InputError
-from walkergen.files import templates
 from walkergen.files.config import validate
-from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.jobs.fit import emulated, lessons, posterior, tabled, weighed
-from walkergen.jobs.fit import learnt_tables as tables
 from walkergen.jobs.fit.emulated import Ground, Setting
 from walkergen.jobs.fit.lessons import Learnt
 from walkergen.jobs.fit.make import fitted_name
@@ -55,8 +52,8 @@ class Band(NamedTuple):
 
     tilt_deg: float
     plate_speed_mm_s: float
-    measured: bool
-    """True where speeds were measured; the prediction there has learnt from them."""
+    measured: int
+    """1 where speeds were measured; the prediction there has learnt from them."""
     speed_mm_s: float
     low_95: float
     low_90: float
@@ -69,11 +66,11 @@ class Band(NamedTuple):
 
 
 class Learned(NamedTuple):
-    """Result of a fit by a model, and the folder it was written to."""
+    """Result of a fit by a model."""
 
     posterior: Posterior
-    speeds: int
-    """Number of measured speeds."""
+    seen: Measured
+    """Speeds that were measured."""
     rows: tuple[Learnt, ...]
     bands: list[Band]
     notes: list[str]
@@ -81,15 +78,13 @@ class Learned(NamedTuple):
     """Scene with the contact and damping as learnt."""
     design: Design
     """Design with the thickness and Young's modulus as learnt."""
-    folder: Path
 
 
-def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
-    """Learn from a CSV file of speeds by a model and write tables, figures, scene, design.
+def learn(path: Path, job: Job, progress: Progress) -> Learned:
+    """Learn from a CSV file of speeds by a model.
 
-    Columns as in `make.fit`; simulated models need speed_se_mm_s. Writes fit.csv, fit.md,
-    speeds.csv, bands.csv, posterior.csv, scene.toml, design.toml, fit.png, fit.pdf, manifest.json.
-    Raises InputError, before anything is written, for unusable input.
+    Columns as in `make.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
+    input.
     """
     found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
     measured.refuse_slips(path, found)
@@ -112,12 +107,10 @@ def learn(path: Path, job: Job, folder: Path, progress: Progress) -> Learned:
         *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, known.draws),
         *lessons.misfit(known, len(seen.speed), job.model), *notes, *_caveats(ground),
     ]  # fmt: skip
-    learned = Learned(
-        known, len(seen.speed), rows, bands, notes, _scene(job, scene, rows, path),
-        _design(design, rows, path), folder,
+    return Learned(
+        known, seen, rows, bands, notes, _scene(job, scene, rows, path),
+        _design(design, rows, path),
     )  # fmt: skip
-    _write(learned, job, seen, path)
-    return learned
 
 
 def _flexible(found: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
@@ -247,7 +240,7 @@ def _bands(
         speeds = posterior.speeds(known.draws, response, rng)
         scatter = float(np.median(response(known.draws[:: posterior.KEPT // 64])[2]))
         ends = [float(one) for one in np.quantile(speeds, LEVELS)]
-        place = (setting.tilt, setting.plate_speed, is_measured)
+        place = (setting.tilt, setting.plate_speed, int(is_measured))
         found.append(Band._make((*place, *ends, scatter)))
     return found
 
@@ -297,35 +290,3 @@ def _design(design: Design, rows: Sequence[Learnt], path: Path) -> Design:
     data["description"] = f"As {design.name}, legs and material learnt from {path.name[:200]}"
     data["name"] = fitted_name(design.name, path)
     return validate(data, Design, "fitted design")
-
-
-def _write(learned: Learned, job: Job, seen: Measured, path: Path) -> None:
-    """Write the files of a fit."""
-    told = caption(job)
-    with Folder(learned.folder) as target:
-        names = [row.name for row in learned.rows]
-        text = tables.to_markdown(learned, path.name, told)
-        comment = f"Learnt from {path.name}: {told}"
-        for name, content in (
-            ("fit.csv", tables.to_csv(learned.rows)),
-            ("fit.md", text),
-            ("bands.csv", tables.bands_to_csv(learned.bands)),
-            ("speeds.csv", tables.points_to_csv(seen, learned.bands)),
-            ("posterior.csv", tables.draws_to_csv(names, learned.posterior.draws)),
-            ("scene.toml", templates.dump(learned.scene, comment)),
-            ("design.toml", templates.dump(learned.design, comment)),
-        ):
-            target.write(name, content.encode())
-        if job.pictures:
-            from walkergen.files import figures as pictures
-            from walkergen.jobs.fit import figures
-
-            figure = figures.bands_figure(learned.bands, seen, path.name)
-            target.write("fit.png", pictures.png(figure))
-            target.write("fit.pdf", pictures.pdf(figure))
-        facts: dict[str, Any] = {
-            "file": path.name, "design": job.design.model_dump(mode="json"),
-            "scene": job.scene.model_dump(mode="json"), "model": job.model, "prior": job.prior,
-            "fixed": dict(job.fixed),
-        }  # fmt: skip
-        target.finish(facts)

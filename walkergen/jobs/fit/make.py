@@ -11,11 +11,9 @@ from walkergen.analysis import fits
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.fits import RANGES, ContactFit, Speeds
 from walkergen.errors import InputError
-from walkergen.files import output, templates
+from walkergen.files import output
 from walkergen.files.config import validate
-from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit import tables as fit_tables
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
 from walkergen.walker import solids
@@ -42,7 +40,7 @@ class Job(NamedTuple):
 
 
 class Fitted(NamedTuple):
-    """Result of a fit, its data, and the folder it was written to."""
+    """Result of a fit by the theory, and its data."""
 
     fit: ContactFit
     tilt: Array
@@ -54,7 +52,7 @@ class Fitted(NamedTuple):
     """Scene with the fitted contact."""
     design: Design
     """Walker as it was given."""
-    folder: Path
+    job: Job
 
 
 OF_THEORY = (
@@ -64,12 +62,11 @@ OF_THEORY = (
 """Note on what a fitted contact is good for."""
 
 
-def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
-    """Fit the theory's contact to a CSV file of speeds and write tables, figures and a scene.
+def fit(path: Path, job: Job, progress: Progress) -> Fitted:
+    """Fit the theory's contact to a CSV file of speeds.
 
     Columns: tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s (the scene's
-    where blank). Writes fit.csv, fit.md, speeds.csv, scene.toml, design.toml (as given), fit.png,
-    fit.pdf, manifest.json. Raises InputError, before anything is written, for unusable input.
+    where blank). Raises InputError for unusable input.
     """
     if not job.design.alike:
         raise InputError(
@@ -80,29 +77,11 @@ def fit(path: Path, job: Job, folder: Path, progress: Progress) -> Fitted:
     measured.refuse_slips(path, found)
     tilt, legs = found.tilt, found.legs
     speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
-    progress("fitting", 0, 2)
+    progress("fitting", 0, 1)
     result = fits.fit_contact(speeds, job.fixed)
-    progress("drawing", 1, 2)
     scene = _scene(job.scene, result, path)
     notes = [*result.notes, *([found.bad] if found.bad else []), OF_THEORY]
-    fitted = Fitted(result, tilt, legs, speeds, notes, scene, job.design, folder)
-    told = caption(job)
-    with Folder(folder) as target:
-        target.write("fit.csv", fit_tables.to_csv(result).encode())
-        target.write("fit.md", fit_tables.to_markdown(result, path.name, told, notes).encode())
-        points = fit_tables.points_to_csv(tilt, legs, speeds, result.predicted)
-        target.write("speeds.csv", points.encode())
-        comment = f"Fitted to {path.name}: {told}"
-        target.write("scene.toml", templates.dump(scene, comment).encode())
-        target.write("design.toml", templates.dump(job.design, comment).encode())
-        if job.pictures:
-            _write_figures(fitted, job, path.name, target)
-        facts: dict[str, Any] = {
-            "file": path.name, "design": job.design.model_dump(mode="json"),
-            "scene": job.scene.model_dump(mode="json"), "mode": job.mode, "fixed": dict(job.fixed),
-        }  # fmt: skip
-        target.finish(facts)
-    return fitted
+    return Fitted(result, tilt, legs, speeds, notes, scene, job.design, job)
 
 
 def caption(job: Job) -> str:
@@ -142,21 +121,16 @@ def fitted_name(name: str, source: Path) -> str:
     return f"{name[:30]}-fit-{output.named_after(source)[:28]}"
 
 
-def _write_figures(fitted: Fitted, job: Job, title: str, target: Folder) -> None:
-    from walkergen.files import figures as pictures
-    from walkergen.jobs.fit import figures as fit_plots
-
-    curves = {kind: _curve(fitted, job, kind) for kind in KINDS if kind in fitted.legs}
-    figure = fit_plots.fit_figure(fitted.tilt, fitted.legs, fitted.speeds, curves, title)
-    target.write("fit.png", pictures.png(figure))
-    target.write("fit.pdf", pictures.pdf(figure))
+def curves(fitted: Fitted) -> dict[Kind, tuple[Array, Array, Array]]:
+    """Fitted curves by kind of legs, as `_curve` gives them."""
+    return {kind: _curve(fitted, kind) for kind in KINDS if kind in fitted.legs}
 
 
-def _curve(fitted: Fitted, job: Job, kind: Kind) -> tuple[Array, Array, Array]:
+def _curve(fitted: Fitted, kind: Kind) -> tuple[Array, Array, Array]:
     """Tilt (deg), speed over plate speed, and its standard error, over the measured tilts."""
     tilt = np.linspace(fitted.tilt.min(), fitted.tilt.max(), CURVE_POINTS)
     ones, result = np.ones_like(tilt), fitted.fit
-    along = _with_tensors(job, tilt, [kind] * len(tilt), ones, None, ones)
+    along = _with_tensors(fitted.job, tilt, [kind] * len(tilt), ones, None, ones)
     values = result.values
     unit = fits.unit_speeds(along, values["restitution"], values["friction"])
     slopes = fits.jacobian(along, values, result.free)

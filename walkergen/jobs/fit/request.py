@@ -1,14 +1,15 @@
 """What a person asks of a fit, checked, and the fit that it names: as command and notebook ask."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit import fixed, learn, make, parameters
-from walkergen.jobs.fit.learn import Learned
-from walkergen.jobs.fit.make import Fitted
+from walkergen.jobs.fit import fixed, learn, make, parameters, report
+from walkergen.jobs.fit.report import FitReport
 from walkergen.scene import Scene
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
@@ -34,10 +35,12 @@ class Request(NamedTuple):
     pictures: bool = True
 
 
-def fit(path: Path, request: Request, folder: Path, progress: Progress) -> Fitted | Learned:
-    """Fit a model to a CSV file of speeds and write what follows.
+def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitReport:
+    """Fit a model to a CSV file of speeds, and write what follows into a folder.
 
-    See `learn.learn` and `make.fit`. Raises InputError for choices that do not go together.
+    Files: tables, page and figure of the report, scene.toml, design.toml (of the theory as it was
+    given) and a manifest. See `learn.learn` and `make.fit`. Raises InputError, before anything is
+    written, for unusable input and for choices that do not go together.
     """
     design, scene, model, fix, prior, ahead, mode, pictures = request
     if model not in MODELS:
@@ -49,7 +52,10 @@ def fit(path: Path, request: Request, folder: Path, progress: Progress) -> Fitte
             name = "--predict" if prior is None else "--prior"
             raise InputError(f"{name}: the theory has none; leave out --model theory")
         given = make.Job(design, scene, mode, fixed.of_theory(fix), pictures)
-        return make.fit(path, given, folder, progress)
+        caption = make.caption(given)
+        made = report.of_theory(make.fit(path, given, progress), path, caption, folder)
+        comment = f"Fitted to {path.name}: {caption}"
+        return _written(made, request, path, comment, {"mode": mode, "fixed": dict(given.fixed)})
     if mode != "coulomb":
         raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
     if model != "prediction":
@@ -60,4 +66,24 @@ def fit(path: Path, request: Request, folder: Path, progress: Progress) -> Fitte
         raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {known}")
     held = fixed.of_model(fix, model)
     job = learn.Job(design, scene, model, prior, held, ahead, pictures)
-    return learn.learn(path, job, folder, progress)
+    caption = learn.caption(job)
+    made = report.of_model(learn.learn(path, job, progress), path, caption, folder)
+    choices = {"model": model, "prior": prior, "fixed": dict(held)}
+    written = request._replace(scene=scene)
+    return _written(made, written, path, f"Learnt from {path.name}: {caption}", choices)
+
+
+def _written(
+    made: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]
+) -> FitReport:
+    """Report, once it is written with the scene and design that go on."""
+    assert made.folder is not None
+    with Folder(made.folder) as target:
+        made.write(target, request.pictures)
+        target.write("scene.toml", templates.dump(made.scene, comment).encode())
+        target.write("design.toml", templates.dump(made.design, comment).encode())
+        target.finish({
+            "file": path.name, "design": request.design.model_dump(mode="json"),
+            "scene": request.scene.model_dump(mode="json"), **choices,
+        })  # fmt: skip
+    return made
