@@ -182,7 +182,7 @@ def test_the_command_prints_what_the_job_finds(tmp_path):
     path = hostile.to_stl(tmp_path / "box.stl", hostile.box())
     shown = CliRunner().invoke(app, ["weigh", str(path)], catch_exceptions=False)
     assert shown.exit_code == 0
-    assert re.search(r"^  mass +1\.1904 g$", shown.stdout, re.MULTILINE)
+    assert re.search(r"^ *mass +1\.1904 +g *$", shown.stdout, re.MULTILINE)
     words = ["weigh", str(path), "--density", "2", "--scale", "2", "--json"]
     told = json.loads(CliRunner().invoke(app, words, catch_exceptions=False).stdout)
     assert told["total"]["mass_g"] == pytest.approx(960.0 * 8.0 * 2e-3)

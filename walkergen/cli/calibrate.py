@@ -54,20 +54,12 @@ def calibrate(
     walker is simulated (a minute), the rest takes a second.
     """
     from walkergen.files import output
-    from walkergen.jobs.calibration import make, tables
+    from walkergen.jobs.calibration import make
 
     asked = loading.asked(keys, "design scene", seed=seed)
     walker, surroundings = asked.one(design, tilt, legs), asked.scene(scene)
     job = make.Job(walker, surroundings, roll_deg, drops, pictures, by)
     folder = output.results(file, out, "calibrate")
     with show.progress("calibrate", wanted=not quiet) as progress:
-        found = make.calibrate(file, job, folder, progress)
-    if json:
-        show.as_json(tables.as_dict(found))
-    elif not quiet:
-        show.table(tables.to_table(found, file.name))
-        if found.bent is not None:
-            show.table(tables.strips_table(found.bent))
-        for line in tables.lines(found):
-            show.text(line)
-        print(f"tables, figure, design.toml and scene.toml in {folder}/")
+        made = make.calibrate(file, job, folder, progress)
+    show.report(made, json, quiet)

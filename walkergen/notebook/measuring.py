@@ -1,7 +1,7 @@
 """Contact and material from what was measured, as fit, calibrate, bench and weigh find them."""
 
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Literal
 
@@ -9,20 +9,18 @@ from walkergen.analysis import inverse
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress, silent
-from walkergen.files.words import number
 from walkergen.jobs.bench import make as benches
 from walkergen.jobs.bench.report import BenchReport
 from walkergen.jobs.calibration import make as calibrations
-from walkergen.jobs.calibration import tables as calibration_tables
+from walkergen.jobs.calibration.report import CalibrationReport
 from walkergen.jobs.fit import request
 from walkergen.jobs.fit.report import FitReport
 from walkergen.jobs.weigh import make as weighing
+from walkergen.jobs.weigh import report as weigh_report
+from walkergen.jobs.weigh.report import WeighReport
 from walkergen.notebook.loading import Ground, Walker, one_of, scene_of, walker_of
 from walkergen.notebook.predicting import SCENE
-from walkergen.notebook.table import Result, Table, table_of
-from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
-from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
 
 PAPER = "koumakis2016"
@@ -53,51 +51,12 @@ def fit(
     return request.fit(path, wish, _folder(path, folder, "fit"), progress or silent)
 
 
-class Calibration(Result):
-    """Material and contact that a calibration plate tells; `design` and `scene` go on with them."""
-
-    def __init__(self, found: calibrations.Calibrated, title: str) -> None:
-        self.found, self.title = found, title
-
-    @property
-    def design(self) -> Design:
-        """Walker with the plastic that was measured."""
-        return self.found.design
-
-    @property
-    def scene(self) -> Scene:
-        """Scene with the contact and damping that were measured."""
-        return self.found.scene
-
-    @property
-    def settings(self) -> dict[str, float]:
-        """Keys of design and scene (these begin with scene.) that were set, with their values."""
-        return self.found.settings
-
-    @property
-    def notes(self) -> tuple[str, ...]:
-        """Notes on what disagrees, and on what the readings lack."""
-        return tuple(calibration_tables.lines(self.found))
-
-    @property
-    def table(self) -> Table:
-        """Every number that was measured, with its error and the key that it sets."""
-        return table_of(list(calibration_tables.rows(self.found)), self.title, self.notes)
-
-    def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        for row in calibration_tables.rows(self.found):
-            yield row.quantity, f"{number(row.value, 4)} ± {number(row.se, 2)} {row.unit}".strip()
-        for note in self.notes:
-            yield "note", note
-
-
 def calibrate(
     measurements: Name, design: Walker = PAPER, scene: Ground = SCENE, *,
     tilt: float | None = None, legs: Kind | None = None,
     by: Literal["deflection", "ring", "both"] = "both", roll_deg: float = 1.0, drops: int = 24,
     folder: Name | None = None, pictures: bool = True, progress: Progress | None = None,
-) -> Calibration:  # fmt: skip
+) -> CalibrationReport:  # fmt: skip
     """Estimate Young's modulus, density, friction, damping and restitution from a filled form.
 
     The form is that of `walkergen plate --calibration`; `by` says what Young's modulus is by;
@@ -109,7 +68,7 @@ def calibrate(
         one_of(design, tilt, legs), scene_of(scene), float(roll_deg), drops, pictures, by
     )
     target = _folder(path, folder, "calibrate")
-    return Calibration(calibrations.calibrate(path, job, target, progress or silent), path.stem)
+    return calibrations.calibrate(path, job, target, progress or silent)
 
 
 OWN = {
@@ -162,36 +121,14 @@ def bench(
     return benches.dropped(wish, how, place, tell)
 
 
-class Weighing(Result):
-    """Mass properties of a mesh file, in its own axes."""
-
-    def __init__(self, found: weighing.Weighing, title: str) -> None:
-        self.found, self.title = found, title
-
-    @property
-    def total(self) -> weighing.Weighed:
-        """All objects together, as one rigid body."""
-        return self.found.total
-
-    @property
-    def table(self) -> Table:
-        """Row for each object, and one for all together; vectors and tensors are arrays."""
-        several = len(self.found.parts) > 1
-        return table_of([*self.found.parts, *([self.total] if several else [])], self.title)
-
-    def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        for row in self.table:
-            yield row["name"], f"{row['volume_mm3']:.6g} mm3, {row['mass_g']:.6g} g"
-
-
-def weigh(file: Name, density: float = weighing.DENSITY, scale: float = 1.0) -> Weighing:
+def weigh(file: Name, density: float = weighing.DENSITY, scale: float = 1.0) -> WeighReport:
     """Weigh a mesh (STL, OBJ, PLY, OFF, 3MF, GLB) of a density in g/cm3, its unit `scale` mm long.
 
     Finds volume, mass, centre of mass, inertia tensor, principal moments and axes. Raises
     InputError for what cannot be read or is not sound.
     """
-    return Weighing(weighing.weigh(Path(file), density, scale), Path(file).stem)
+    weighed = weighing.weigh(Path(file), density, scale)
+    return weigh_report.of(weighed, Path(file), density, scale)
 
 
 def _folder(path: Path, folder: Name | None, what: str) -> Path:

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import STYLES, axes_of
-from walkergen.jobs.calibration.make import Bent
+from walkergen.jobs.calibration.result import Bent
 from walkergen.jobs.calibration.specimens import BENDS, RINGS
 
 LOOKS = {

@@ -7,16 +7,17 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen.analysis import inverse
-from walkergen.analysis.inverse import Branch, Curve, Inverse
 from walkergen.errors import InputError
 from walkergen.exploring import drops, still
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.calibration import contact, form, modulus, slips, specimens
+from walkergen.jobs.calibration import contact, form, modulus, report, slips, specimens
 from walkergen.jobs.calibration.contact import Rebound, Value
 from walkergen.jobs.calibration.form import Readings
-from walkergen.jobs.calibration.modulus import Density, Fit, Point, Systematic
+from walkergen.jobs.calibration.modulus import Density
+from walkergen.jobs.calibration.report import CalibrationReport
+from walkergen.jobs.calibration.result import Bent, Bounced, Calibrated
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -44,51 +45,7 @@ class Job(NamedTuple):
     """Method whose modulus counts: one of specimens.METHODS."""
 
 
-class Bent(NamedTuple):
-    """What strips tell."""
-
-    fit: Fit
-    points: list[Point]
-    density: Density
-    by: str
-    """Method that counts, of specimens.METHODS."""
-    ring_over_bend: Systematic | None
-    offset: Systematic | None
-
-
-class Bounced(NamedTuple):
-    """What a dropped walker tells."""
-
-    rebound: Rebound
-    curve: Curve
-    """From the restitution of the feet to the rebound, drops from the hand."""
-    inverse: Inverse
-    told: str
-
-    @property
-    def single(self) -> Branch | None:
-        """The one range of restitutions that agrees, or None."""
-        found = self.inverse
-        return None if found.everywhere or len(found.branches) != 1 else found.branches[0]
-
-
-class Calibrated(NamedTuple):
-    """Everything that the readings tell."""
-
-    bent: Bent | None
-    density: Value | None
-    friction: Value | None
-    damping: Value | None
-    bounced: Bounced | None
-    notes: list[str]
-    settings: dict[str, float]
-    """Keys of design and scene (these begin with scene.) with their values."""
-    design: Design
-    scene: Scene
-    folder: Path
-
-
-def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibrated:
+def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> CalibrationReport:
     """Estimate material and contact from a filled form, and write all of it.
 
     Writes calibration.csv and .md, strips.csv, design.toml, scene.toml, strips.png and .pdf,
@@ -104,7 +61,7 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     bent, notes = _bent(readings, density, job)
     found = Calibrated(
         bent, density, contact.friction(readings), contact.damping(readings), None, notes, {},
-        job.design, job.scene, folder,
+        job.design, job.scene,
     )  # fmt: skip
     found = _with_settings(found, job, path)
     seen = contact.rebound(readings)
@@ -116,8 +73,7 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     if not found.settings and found.bounced is None:
         raise InputError(f"{path}: tells nothing: {'; '.join([*found.notes, *missing])}")
     found = found._replace(notes=[*_notes(found), *missing])
-    _write(found, job, path)
-    return found
+    return _written(report.of(found, path, folder), job, path)
 
 
 def _check(flag: str, value: float, low: float, high: float) -> None:
@@ -285,25 +241,14 @@ def _missing(found: Calibrated, readings: Readings) -> list[str]:
     return notes
 
 
-def _write(found: Calibrated, job: Job, path: Path) -> None:
-    """Write tables, files, figure and manifest."""
-    from walkergen.jobs.calibration import tables
-
-    with Folder(found.folder) as target:
-        target.write("calibration.csv", tables.to_csv(found).encode())
-        target.write("calibration.md", tables.to_markdown(found, path.name).encode())
+def _written(made: CalibrationReport, job: Job, path: Path) -> CalibrationReport:
+    """Report, once it is written with the design and scene that go on."""
+    assert made.folder is not None
+    with Folder(made.folder) as target:
+        made.write(target, job.pictures)
         comment = f"Measured: {path.name}"
-        for name, one in (("design", found.design), ("scene", found.scene)):
-            target.write(f"{name}.toml", templates.dump(one, comment, every=False).encode())
-        if found.bent is not None:
-            target.write("strips.csv", tables.strips_csv(found.bent).encode())
-            if job.pictures:
-                from walkergen.files import figures as pictures
-                from walkergen.jobs.calibration import figures
-
-                figure = figures.of_strips(found.bent, f"Young's modulus: {path.name}")
-                target.write("strips.png", pictures.png(figure))
-                target.write("strips.pdf", pictures.pdf(figure))
+        target.write("design.toml", templates.dump(made.design, comment, every=False).encode())
+        target.write("scene.toml", templates.dump(made.scene, comment, every=False).encode())
         target.finish({
             "file": path.name,
             "design": job.design.model_dump(mode="json"),
@@ -311,5 +256,6 @@ def _write(found: Calibrated, job: Job, path: Path) -> None:
             "by": job.by,
             "roll_deg": job.turn_deg,
             "drops": job.drops,
-            "settings": found.settings,
+            "settings": made.settings,
         })  # fmt: skip
+    return made

@@ -4,7 +4,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -13,12 +13,11 @@ from walkergen.analysis.fits import ContactFit
 from walkergen.analysis.speeds import Measured
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
+from walkergen.jobs.fit import make
+from walkergen.jobs.fit.learn import Band, Learned
+from walkergen.jobs.fit.make import Fitted
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
-
-if TYPE_CHECKING:
-    from walkergen.jobs.fit.learn import Band, Learned
-    from walkergen.jobs.fit.make import Fitted
 
 Array = npt.NDArray[np.float64]
 
@@ -52,7 +51,7 @@ class Fixed(NamedTuple):
     origin: str
 
 
-def of_theory(fitted: "Fitted", path: Path, caption: str, folder: Path) -> FitReport:
+def of_theory(fitted: Fitted, path: Path, caption: str, folder: Path) -> FitReport:
     """Report of the theory's contact, fitted to a file of speeds."""
     fit, speeds = fitted.fit, fitted.speeds
     rows = [
@@ -71,7 +70,7 @@ def of_theory(fitted: "Fitted", path: Path, caption: str, folder: Path) -> FitRe
     points = Table("speeds", list(zip(*sides, strict=True)), keys)
 
     def draw() -> Any:
-        from walkergen.jobs.fit import figures, make
+        from walkergen.jobs.fit import figures
 
         return figures.fit_figure(fitted.tilt, fitted.legs, speeds, make.curves(fitted), path.name)
 
@@ -139,7 +138,7 @@ def _facts_of_theory(fit: ContactFit) -> dict[str, Any]:
     }
 
 
-def of_model(learned: "Learned", path: Path, caption: str, folder: Path) -> FitReport:
+def of_model(learned: Learned, path: Path, caption: str, folder: Path) -> FitReport:
     """Report of what a model learnt from a file of speeds."""
     parameters = (
         Column("parameter", lambda row: row.name.replace("_", " ")),
@@ -181,7 +180,7 @@ def _of_bands() -> Sequence[Column]:
     )
 
 
-def _sampled(learned: "Learned") -> str:
+def _sampled(learned: Learned) -> str:
     """Statement of how well the model describes the speeds and how well it was sampled."""
     posterior = learned.posterior
     return (
@@ -190,7 +189,7 @@ def _sampled(learned: "Learned") -> str:
     )
 
 
-def _points(seen: Measured, bands: "Sequence[Band]") -> Table:
+def _points(seen: Measured, bands: Sequence[Band]) -> Table:
     """Measured speeds and those predicted for one more print side by side."""
     by = {(band.tilt_deg, band.plate_speed_mm_s): band for band in bands}
     keys = ("tilt_deg", "legs", "plate_speed_mm_s", "speed_mm_s", "speed_se_mm_s", "fit_mm_s",
@@ -203,7 +202,7 @@ def _points(seen: Measured, bands: "Sequence[Band]") -> Table:
     return Table("speeds", rows, keys)
 
 
-def _facts_of_model(learned: "Learned") -> dict[str, Any]:
+def _facts_of_model(learned: Learned) -> dict[str, Any]:
     """All results but the draws for JSON."""
     posterior = learned.posterior
     return {
