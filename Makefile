@@ -1,4 +1,4 @@
-.PHONY: check quick test nightly bench coverage site pictures calibrate-models
+.PHONY: check test slow nightly bench coverage site pictures calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -7,11 +7,12 @@ check:
 	$(PYTHON) -m mypy
 	$(PYTHON) -c "from importlinter.cli import lint_imports_command; lint_imports_command()"
 
-quick:
-	$(PYTHON) -m pytest -m "not nightly and not slow and not programs and not pictures"
-
 test:
 	$(PYTHON) -m pytest
+
+# What `test` leaves out: long runs, other programs, pictures that code has left behind
+slow:
+	$(PYTHON) -m pytest -m "(slow or programs or pictures) and not nightly"
 
 nightly:
 	$(PYTHON) -m pytest -m nightly
