@@ -20,7 +20,7 @@ BELOW = Fact("c", 2, "always below 10", "text", "tilt", "deg", 10.0, -math.inf, 
         (VALUE, 8.0, 0.0, "agrees within 2 deg"),
         (VALUE, 11.8, 0.2, "undecided: off by 1.8 deg"),
         (VALUE, 12.2, 0.2, "undecided: off by 2.2 deg"),
-        (VALUE, 12.5, 0.2, "differs by 2.5 deg"),
+        (VALUE, 12.5, 0.1, "differs by 2.5 deg"),
         (VALUE, -3.0, 1.0, "differs by 13 deg"),
         (VALUE, 10.0, 50.0, "undecided"),  # noise is no agreement
         (VALUE, 10.5, None, "undecided: off by 0.5 deg"),

@@ -13,12 +13,15 @@ import numpy.typing as npt
 
 from walkergen import prediction, uncertain
 from walkergen.prediction import PRINT
-from walkergen.published import FACTS, TIMES
+from walkergen.published import FACTS
 from walkergen.scene import Contact, Prediction, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
+
+ENDS = 2.0
+"""Standard deviations from a stated value to the ends of its margin: 95 % lie between."""
 
 DRAWS, SEED = 2**15, 60
 
@@ -63,7 +66,7 @@ def likelihood(speed: Array) -> Array:
     weights = np.ones(len(speed))
     for seen, key in ((speed.max(axis=1), "peak speed"), (fastest, "peak tilt")):
         fact = FACTS[key]
-        sd = (fact.high - fact.value) / TIMES
+        sd = (fact.high - fact.value) / ENDS
         weights *= np.exp(-0.5 * ((seen - fact.value) / sd) ** 2)
     at = {tilt: speed[:, place] for place, tilt in enumerate(TILTS_DEG)}
     # "10°, 15°, 35° corresponding to high, medium and low propulsion efficiency"

@@ -126,7 +126,7 @@ def _agreements(rows: Sequence[Row]) -> Iterator[str]:
     """Lines that list, for each fact, the assumptions under which it comes out."""
     for key, fact in FACTS.items():
         about = [row for row in rows if row.fact == key]
-        well = [row for row in about if row.verdict.word in ("agrees", "agrees within")]
+        well = [row for row in about if row.verdict.agrees]
         told = f"{name(key)} ({fact.claim}): {len(well)} of {len(about)} agree"
         if 0 < len(well) < len(about):
             by_model: dict[str, list[str]] = {}

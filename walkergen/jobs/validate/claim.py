@@ -4,16 +4,14 @@ import math
 from collections.abc import Callable, Iterator
 from typing import Literal, NamedTuple
 
-TIMES = 3.0
-"""Standard errors by which two numbers may differ and still agree. With some twenty numbers that
-have errors, two would leave one of them out by chance; of eight runs (Student's t) three leave out
-one in fifty."""
+from walkergen.published import TIMES, Fact, judge
 
 Bound = Literal["", "<", ">"]
-Word = Literal["agree", "disagree", "fitted", "not run"]
+Word = Literal["agree", "undecided", "disagree", "fitted", "not run"]
 
 VERDICTS: dict[Word, str] = {
     "agree": "within the distance allowed",
+    "undecided": "within it, but the errors reach beyond what the paper's statement allows",
     "disagree": "outside it, with what we take for the reason",
     "fitted": "within it, by a number that was chosen for it: no test",
     "not run": "what it needs is not installed here: nothing is claimed",
@@ -42,6 +40,8 @@ class Claim(NamedTuple):
     """Side on which the statement puts our number: "<" below `theirs`, ">" above it."""
     fitted: bool = False
     """True where a number of walkergen was chosen so that the two agree."""
+    fact: Fact | None = None
+    """Statement of the paper that it is about: `published.judge` says how the two relate."""
     missing: str = ""
     """Reason why the claim was not put to the test; "" when it was."""
 
@@ -88,7 +88,10 @@ class Claim(NamedTuple):
             return "not run"
         if not abs(self.deviation) <= 1.0:
             return "disagree"
-        return "fitted" if self.fitted else "agree"
+        if self.fitted:
+            return "fitted"
+        sure = self.fact is None or judge(self.fact, self.ours, self.ours_se or 0.0).agrees
+        return "agree" if sure else "undecided"
 
 
 class Effort(NamedTuple):

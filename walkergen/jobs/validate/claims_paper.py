@@ -82,7 +82,7 @@ def _of_fact(
     quantity = f"{QUANTITIES.get(key, fact.quantity)}: {told}"
     return Claim(
         GROUP, quantity, fact.unit, ours, se, fact.value, None, margin,
-        fact.margin, f"{PAPER}, {fact.where}", why, bound, fitted,
+        fact.margin, f"{PAPER}, {fact.where}", why, bound, fitted, fact,
     )  # fmt: skip
 
 

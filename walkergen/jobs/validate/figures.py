@@ -11,8 +11,12 @@ from matplotlib.figure import Figure
 from walkergen.files.figures import PAGE, SMALLEST, png, style, wrapped
 from walkergen.jobs.validate.claim import Claim, Word
 
-COLOURS: dict[Word, str] = {"agree": "#0072B2", "fitted": "#8c8c8c", "disagree": "#D55E00"}
-MARKERS: dict[Word, str] = {"agree": "o", "fitted": "D", "disagree": "s"}
+COLOURS: dict[Word, str] = {
+    "agree": "#0072B2", "undecided": "#009E73", "fitted": "#8c8c8c", "disagree": "#D55E00",
+}  # fmt: skip
+MARKERS: dict[Word, str] = {
+    "agree": "o", "undecided": "^", "fitted": "D", "disagree": "s",
+}  # fmt: skip
 
 EXACT = 0.01
 """Gap over the allowed one below which a claim stands in the block of those without a gap."""
@@ -112,8 +116,10 @@ def _subject(claims: Sequence[Claim]) -> str:
 def _count(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict: "21 of 30 agree, 2 fitted"."""
     number = {word: sum(one.verdict == word for one in claims)
-              for word in ("agree", "fitted", "not run")}  # fmt: skip
-    more = [f", {number[word]} {word}" for word in ("fitted", "not run") if number[word]]
+              for word in ("agree", "undecided", "fitted", "not run")}  # fmt: skip
+    more = [
+        f", {number[word]} {word}" for word in ("undecided", "fitted", "not run") if number[word]
+    ]
     return f"{number['agree']} of {len(claims)} agree" + "".join(more)
 
 
@@ -134,7 +140,7 @@ def _swarm(claims: Sequence[Claim]) -> list[tuple[Claim, float, int]]:
 
     Those without a gap fill a block left of the axis.
     """
-    shown = [one for one in claims if one.verdict in ("agree", "fitted")]
+    shown = [one for one in claims if one.verdict in ("agree", "undecided", "fitted")]
     exact = [one for one in shown if abs(one.deviation or 0.0) < EXACT]
     found = [
         (one, -DOT * (1.5 + number // BLOCK), number % BLOCK) for number, one in enumerate(exact)
@@ -153,7 +159,7 @@ def _tallest(claims: Sequence[Claim]) -> int:
 
 def _draw_dots(axes: Axes, claims: Sequence[Claim], ground: float) -> None:
     """Draw the agreeing claims of a group, one above another, from a line upward."""
-    for word in ("agree", "fitted"):
+    for word in ("agree", "undecided", "fitted"):
         own = [(at, ground - PITCH * level) for one, at, level in _swarm(claims)
                if one.verdict == word]  # fmt: skip
         if own:

@@ -4,12 +4,19 @@ from collections.abc import Iterable, Mapping, Sequence
 
 from walkergen import __version__
 from walkergen.files import tables
-from walkergen.jobs.validate.claim import TIMES, VERDICTS, Claim
+from walkergen.jobs.validate.claim import VERDICTS, Claim, Word
+from walkergen.published import TIMES
 
 HEADER = (
     "group", "quantity", "unit", "ours", "ours_se", "theirs", "theirs_se", "bound", "margin",
     "margin_reason", "z", "gap_over_allowed", "verdict", "source", "why", "missing",
 )  # fmt: skip
+
+TITLES: dict[Word, str] = {
+    "disagree": "Where we disagree, and why", "undecided": "Undecided", "fitted": "Fitted",
+    "agree": "Remarks", "not run": "Not run",
+}  # fmt: skip
+"""Titles of the paragraphs of reasons, by verdict."""
 
 SIGNS = {"<": "below ", ">": "above ", "": ""}
 
@@ -60,7 +67,8 @@ def _head(claims: Sequence[Claim], command: str) -> str:
             "Errors are standard errors. The gap is ours less theirs, none on the right side of a "
             "bound; z is the gap over the error of both. A gap is allowed up to the margin (a "
             f"tolerance, or our reading of a statement in words) and {TIMES:g} errors. So *agree* "
-            "says that no difference shows: the column of what is allowed says how sharp that is. "
+            "says that no difference shows: the column of what is allowed says how sharp that is; "
+            f"with the paper it says that all of ours ± {TIMES:g} errors lies within the margin. "
             "Closed forms, engines and programs test the arithmetic; only the paper's walkers, and "
             "measured blocks, test the physics, and no walker of ours has been measured yet.",
             "",
@@ -108,8 +116,7 @@ def _exponent(value: float) -> int:
 def _reasons(claims: Sequence[Claim]) -> list[str]:
     """Paragraphs on what disagrees and why, on what an agreement hides, on what was not run."""
     found = []
-    for word, title in (("disagree", "Where we disagree, and why"), ("fitted", "Fitted"),
-                        ("agree", "Remarks"), ("not run", "Not run")):  # fmt: skip
+    for word, title in TITLES.items():
         reasons = dict[str, list[str]]()
         for one in claims:
             told = one.missing if word == "not run" else one.why
