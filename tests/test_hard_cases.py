@@ -1,4 +1,4 @@
-"""Every hard case over every model and method to which it applies, from the one list.
+"""Every hard case over every model to which it applies, from the one list.
 
 By day `walkergen selftest`, in the README's tour, runs them all; here each is told apart.
 """
@@ -7,15 +7,15 @@ import pytest
 
 from walkergen.jobs.selftest.catalogue import CASES
 
-JOBS = [(case, *pair) for case in CASES for pair in case.runs_on]
+JOBS = [(case, model) for case in CASES for model in case.runs_on]
 
 
 @pytest.mark.nightly
 @pytest.mark.parametrize(
-    ("case", "model", "method"), JOBS, ids=[f"{c.section} {c.name}-{a}-{b}" for c, a, b in JOBS]
+    ("case", "model"), JOBS, ids=[f"{case.section} {case.name}-{model}" for case, model in JOBS]
 )
-def test_hard_case(case, model, method):
-    checks = list(case.check(model, method))
+def test_hard_case(case, model):
+    checks = list(case.check(model))
     assert checks
     failed = [check for check in checks if not check.holds]
     assert not failed, "\n".join(

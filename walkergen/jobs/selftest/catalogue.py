@@ -6,7 +6,6 @@ from walkergen.jobs.selftest import (
     extremes,
     friction,
     geometry,
-    hammering,
     impacts,
     landings,
     space,
@@ -25,7 +24,7 @@ def _place(case: Case) -> tuple[int, ...]:
 
 
 _MODULES = (
-    impacts, friction, bounces, hammering, landings, steps, symmetries, extremes,
+    impacts, friction, bounces, landings, steps, symmetries, extremes,
     space, space_contact, space_rest, any_walker, geometry,
 )  # fmt: skip
 

@@ -48,7 +48,7 @@ def _distance(found: Impact, expected: tuple[Fraction, ...], speed_before: float
     )
 
 
-def _agrees_with_exact(model: str, method: str) -> Iterator[Check]:
+def _agrees_with_exact(model: str) -> Iterator[Check]:
     for law in (Law.POISSON, Law.NEWTON):
         worst, kinds = 0.0, set()
         for H, v, e, mu in _random_impacts(400, seed=int(law) + 1):
@@ -63,7 +63,7 @@ def _agrees_with_exact(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _no_friction(model: str, method: str) -> Iterator[Check]:
+def _no_friction(model: str) -> Iterator[Check]:
     sideways = 0.0
     for H, v, e, _ in _random_impacts(200, seed=5):
         for law in Law:
@@ -71,7 +71,7 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
     yield Check("horizontal impulse", sideways, 0.0, "exact: 0 times the normal impulse")
 
 
-def _jamming(model: str, method: str) -> Iterator[Check]:
+def _jamming(model: str) -> Iterator[Check]:
     """Check sliding that presses the foot ever harder down, until it stops and sticks."""
     H, mu, e = (1.0, -0.9, 1.0), 2.0, 0.5
     out = resolve(H, (-0.5, -1.0), e, mu)
@@ -93,7 +93,7 @@ def _jamming(model: str, method: str) -> Iterator[Check]:
     yield exactly("finite at the border of jamming", math.isfinite(just_out.F_y))
 
 
-def _singular(model: str, method: str) -> Iterator[Check]:
+def _singular(model: str) -> Iterator[Check]:
     """Check tensors of condition 1e8 to 1e12, held by friction: the impulse that stops the foot."""
     worst = det = 0.0
     for condition in (1e8, 1e10, 1e12):
@@ -110,7 +110,7 @@ def _singular(model: str, method: str) -> Iterator[Check]:
     yield Check("speed left, over H F", worst, 1e-15, "rounding of the impulse itself")
 
 
-def _energy(model: str, method: str) -> Iterator[Check]:
+def _energy(model: str) -> Iterator[Check]:
     gains = dict.fromkeys(Law, 0.0)
     for H, v, _, mu in _random_impacts(600, seed=3):
         for law in Law:
@@ -132,7 +132,7 @@ def _energy(model: str, method: str) -> Iterator[Check]:
     yield Check("any law: energy gained at e = 0", plastic, 1e-12, "rounding of the works' sum")
 
 
-def _stationary(model: str, method: str) -> Iterator[Check]:
+def _stationary(model: str) -> Iterator[Check]:
     """Check that an impact at the closed form's speed gives no horizontal impulse."""
     for name in speed.LAWS:
         law, worst, third = Law[name.upper()], 0.0, True
@@ -149,7 +149,7 @@ def _stationary(model: str, method: str) -> Iterator[Check]:
             yield exactly("poisson: always type III", third)
 
 
-def _upright_factors(model: str, method: str) -> Iterator[Check]:
+def _upright_factors(model: str) -> Iterator[Check]:
     """Check by symmetry: the feet of an upright walker push in opposite directions."""
 
     def factors(tilt: float, e: float, mu: float) -> speed.Factors:
@@ -174,7 +174,7 @@ def _upright_factors(model: str, method: str) -> Iterator[Check]:
     )
 
 
-def _mirror(model: str, method: str) -> Iterator[Check]:
+def _mirror(model: str) -> Iterator[Check]:
     worst = 0.0
     for (xx, xy, yy), (v_x, v_y), e, mu in _random_impacts(300, seed=6):
         for law in Law:
@@ -190,7 +190,7 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
     yield Check("impulse and velocity of the mirror image", worst, 0.0, "exact: only signs differ")
 
 
-def _light_and_heavy_legs(model: str, method: str) -> Iterator[Check]:
+def _light_and_heavy_legs(model: str) -> Iterator[Check]:
     """Check legs: light, H m / 3 -> P(c) / |c|^2 (docs/physics.md section 2); heavy, H > 0."""
     design = design_of("relaxed", 10.0)
     reach = np.array(design.limbs[0].anchor_to_foot)
@@ -244,7 +244,7 @@ def _one_by_one(own: Tensor, H: Tensor, v_x: float, contact: Contact) -> tuple[f
     return math.nan, math.nan
 
 
-def _sum_of_impacts(model: str, method: str) -> Iterator[Check]:
+def _sum_of_impacts(model: str) -> Iterator[Check]:
     for law in Law:
         rng, worst = np.random.default_rng(int(law)), 0.0
         for _ in range(1500):
@@ -264,7 +264,7 @@ def _sum_of_impacts(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _finite_work(model: str, method: str) -> Iterator[Check]:
+def _finite_work(model: str) -> Iterator[Check]:
     rng = np.random.default_rng(7)
     most, cone, finished, mirror = 0, 0.0, True, 0.0
     for _ in range(6000):
@@ -289,7 +289,7 @@ def _finite_work(model: str, method: str) -> Iterator[Check]:
     yield Check("impulse of the mirror image", mirror, 0.0, "exact: only signs differ")
 
 
-def _closed_form(model: str, method: str) -> Iterator[Check]:
+def _closed_form(model: str) -> Iterator[Check]:
     """Check sliding throughout: a plastic rigid impact, without e and the flexible tensor."""
     worst = held = 0.0
     tails, mu = 0, 0.1
@@ -310,7 +310,7 @@ def _closed_form(model: str, method: str) -> Iterator[Check]:
     yield Check("held by friction: -H^-1 v, g mm/s", held, 1e-9, "an approach cut at 1e-13")
 
 
-def _any_speed(model: str, method: str) -> Iterator[Check]:
+def _any_speed(model: str) -> Iterator[Check]:
     """Check that an impact scales with its speed to the last digit, where works underflow too."""
     for law in Law:
         same = 0

@@ -68,28 +68,27 @@ def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
 
-def scene_of(model: str, method: str, **tables: Any) -> Scene:
-    """Scene with the given tables, on one model and method."""
+def scene_of(model: str, **tables: Any) -> Scene:
+    """Scene with the given tables, on one model."""
     data = {key: copy.copy(value) for key, value in tables.items()}
     data.setdefault("legs", {})["model"] = model
-    data.setdefault("run", {})["method"] = method
     return Scene.model_validate(data)
 
 
 def plan_of(
-    model: str, method: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
+    model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
 ) -> Plan:
     """The plan of the paper's walker at a tilt on a scene of the given tables."""
     design = design_of(model, tilt_deg)
-    scene = scene_of(model, method, **tables)
+    scene = scene_of(model, **tables)
     return prepare(scene, design, masses(design, leg_mass))
 
 
-def drawn(model: str, method: str, shape: dict[str, dict[str, Any]], **tables: Any) -> Plan:
+def drawn(model: str, shape: dict[str, dict[str, Any]], **tables: Any) -> Plan:
     """Plan of a walker of the tables `shape`, masses in closed form."""
     kind = "braced" if model == "rigid" else "flexible"
     design = Design.model_validate({**shape, "legs": {"kind": kind, **shape["legs"]}})
-    return prepare(scene_of(model, method, **tables), design, masses(design))
+    return prepare(scene_of(model, **tables), design, masses(design))
 
 
 def with_legs(plan: Plan, factor: float, ratio: float) -> Plan:
