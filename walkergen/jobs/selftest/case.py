@@ -5,19 +5,10 @@ from typing import NamedTuple
 
 from walkergen.simulation.effects import effect
 
-THREE_COORDINATES = ("relaxed", "rigid")
-"""Models without leg coordinates, from event to event: instants in finite work, stands in one step.
-"""
-
-RIGID, COMPLIANT = ("rigid",), ("compliant",)
-EVERY = (*THREE_COORDINATES, *COMPLIANT)
-"""Every planar model."""
-
-SPACE = ("space",)
-IMPACT_LAW, CASCADE, GEOMETRY = ("impact law",), ("cascade",), ("geometry",)
+SPACE, IMPACT_LAW, GEOMETRY = ("space",), ("impact law",), ("geometry",)
 
 METHODS: Mapping[str, str] = {
-    **effect.METHODS, "impact law": "closed form", "cascade": "event", "geometry": "solids"
+    **effect.METHODS, "impact law": "closed form", "geometry": "solids"
 }  # fmt: skip
 """Methods of what cases run on: of models, and of parts of them."""
 

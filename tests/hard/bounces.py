@@ -6,27 +6,9 @@ from fractions import Fraction
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import (
-    COMPLIANT,
-    EVERY,
-    RIGID,
-    THREE_COORDINATES,
-    Case,
-    Check,
-    exactly,
-)
-from walkergen.jobs.selftest.scenes import (
-    HALF,
-    STILL,
-    TALL,
-    Array,
-    advance,
-    fall_time,
-    lift,
-    plan_of,
-    shaken,
-    with_legs,
-)
+from hard import COMPLIANT, EVERY, RIGID, THREE_COORDINATES, fall_time, lift, with_legs
+from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.scenes import HALF, STILL, TALL, Array, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI, velocity

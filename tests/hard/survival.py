@@ -4,8 +4,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from hard import energy_error, lift
 from walkergen.jobs.selftest.case import Check, exactly
-from walkergen.jobs.selftest.scenes import advance, energy_error, lift
+from walkergen.jobs.selftest.scenes import advance
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.model import Plan

@@ -6,9 +6,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import EVERY, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, advance, lift, plan_of, shaken, with_legs
-from walkergen.jobs.selftest.survival import survives
+from hard import EVERY, lift, with_legs
+from hard.survival import survives
+from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.scenes import STILL, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import MODE_BACK, MODE_FRONT, PITCH, STICK, V_X, V_Y, X

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import COMPLIANT, EVERY, THREE_COORDINATES, Case, Check
+from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
+from walkergen.jobs.selftest.case import Case, Check
 from walkergen.jobs.selftest.scenes import (
     STILL,
     Array,
     advance,
     design_of,
-    lift,
     plan_of,
     scene_of,
     shaken,
@@ -190,8 +190,8 @@ def _frozen_joints(model: str) -> Iterator[Check]:
     plan = plan_of(model, 20.0)
     walker, state = plan.world.walker, plan.start(1.0, 0.0, 0.0)
     stiffened = tuple(1e12 * leg.inertia for leg in walker.legs)
-    frozen: Any = chain_of(walker, state, stiffened)  # type: ignore[no-untyped-call]
-    stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
+    frozen: Any = chain_of(walker, state, stiffened)
+    stiff: Any = mobility_of(frozen)
     whole = masses.as_rigid(masses_of(design_of(model, 20.0)))
     d = whole.legs[0].foot
     braced = 1.0 / whole.M + float(d[0]) ** 2 / whole.J
