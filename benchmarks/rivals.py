@@ -2,7 +2,7 @@
 
 All simulate the same walker (koumakis2016, flexible, five coordinates; 90 Hz, 1.8 g, mu = 0.25)
 from the same starts, each on one core with a ladder of steps. The error of a mean speed is that
-against walkergen's event-driven method, which steps over nothing. Restitution is 0, where the laws
+against walkergen's own steps of 1 us. Restitution is 0, where the laws
 of restitution are one, or Newton's, which is the engines' own. Friction within an impact differs
 even so: the engines judge it by the slip at its end, walkergen follows the slip. With the engines'
 rule in walkergen's integrator the speeds are 50.6 and 22.4 mm/s at 15 and 20 deg (e = 0) in place
@@ -115,10 +115,14 @@ class Measured(NamedTuple):
         return self.simulated_s / self.cpu_s
 
 
-def scene_of(case: Case, method: str, step_us: float, runs: int, seconds: float) -> Scene:
+FINE_US = 1.0
+"""Step of the reference, us."""
+
+
+def scene_of(case: Case, step_us: float, runs: int, seconds: float) -> Scene:
     scene = templates.load("lane-90hz", "scenes", Scene)
     contact = {"restitution": case.restitution, "friction": FRICTION, "law": "newton"}
-    run = {"method": method, "step_us": step_us, "runs": runs, "seconds": seconds,
+    run = {"step_us": step_us, "runs": runs, "seconds": seconds,
            "discard_seconds": DISCARDED_S}  # fmt: skip
     return scene.model_copy(
         update={
@@ -129,14 +133,14 @@ def scene_of(case: Case, method: str, step_us: float, runs: int, seconds: float)
     )
 
 
-def with_walkergen(case: Case, method: str, step_us: float, runs: int, seconds: float) -> Measured:
-    scene = scene_of(case, method, step_us, runs, seconds)
+def with_walkergen(case: Case, step_us: float, runs: int, seconds: float) -> Measured:
+    scene = scene_of(case, step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
     plan = prepare(scene, design, solids.mass_of(design))
     summary, results = ensemble.measure(plan, lambda *_: None, threads=1)
     good = [result for result in results if result.outcome is Outcome.OK]
     if len(good) < runs:
-        print(f"walkergen, {case}, {method} {step_us:g} us: {summary.outcomes}")
+        print(f"walkergen, {case}, {step_us:g} us: {summary.outcomes}")
     speeds = np.array([result.speed for result in good])
     cpu_s = sum(result.cpu_s for result in good)
     return Measured(speeds, len(good) * (seconds + DISCARDED_S), cpu_s)
@@ -144,11 +148,10 @@ def with_walkergen(case: Case, method: str, step_us: float, runs: int, seconds: 
 
 def task_of(case: Case, setting: Setting, runs: int, seconds: float) -> dict[str, Any]:
     """All that a rival needs to know; its step divides the period, and it starts as ours does."""
-    scene = scene_of(case, "step", setting.step_us, runs, seconds)
+    scene = scene_of(case, setting.step_us, runs, seconds)
     design = templates.load("koumakis2016", "walkers", Design).variant(tilt_deg=case.tilt_deg)
     mass = solids.mass_of(design)
     walker = walker_of(design, mass, damping_ratio=scene.legs.damping_ratio)
-    assert walker.legs is not None
     limbs = [leg._asdict() for leg in walker.legs]
     drive = scene.drive
     period = 1.0 / drive.frequency
@@ -181,14 +184,14 @@ def compare(
     case: Case, ladder: list[Setting], python: str, options: argparse.Namespace
 ) -> list[Rung]:
     """Print a case's table; returns what each setting of the ladder reached."""
-    exact = with_walkergen(case, "event", 20.0, options.runs, options.reference)
-    print(f"\n{case}, mu = {FRICTION:g}: event-driven {exact.mean:.2f} +- "
+    exact = with_walkergen(case, FINE_US, options.runs, options.reference)
+    print(f"\n{case}, mu = {FRICTION:g}: steps of {FINE_US:g} us {exact.mean:.2f} +- "
           f"{exact.standard_error:.2f} mm/s at {exact.rate:.1f} s/CPU s")  # fmt: skip
     print(f"{'engine':<24}{'step us':>8}{'s/CPU s':>9}{'mean speed mm/s':>18}{'error %':>16}")
     found = []
     for setting in ladder:
         if setting.engine == "walkergen":
-            made = with_walkergen(case, "step", setting.step_us, options.runs, options.seconds)
+            made = with_walkergen(case, setting.step_us, options.runs, options.seconds)
         else:
             made = with_rival(python, case, setting, options.runs, options.seconds)
         error = made.mean / exact.mean - 1.0
@@ -237,7 +240,7 @@ def isolated_python(folder: Path) -> str:
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0] if __doc__ else None)
     parser.add_argument("--seconds", type=float, default=3.0, help="measured, of each run")
-    parser.add_argument("--reference", type=float, default=6.0, help="the same, event-driven")
+    parser.add_argument("--reference", type=float, default=6.0, help="the same, of the reference")
     parser.add_argument("--runs", type=int, default=8)
     parser.add_argument("--accepted", type=float, default=0.05, help="relative error of the speed")
     parser.add_argument("--rivals", default=",".join(ENGINES), help="comma-separated")

@@ -4,7 +4,7 @@ import pytest
 
 
 def at_night(cases, but):
-    """Cases of a parametrized test, of which by day only those of `but` run."""
+    """Cases of a parametrized test, of which by day only `but` runs."""
     return [
-        case if case in but else pytest.param(*case, marks=pytest.mark.nightly) for case in cases
+        case if case == but else pytest.param(case, marks=pytest.mark.nightly) for case in cases
     ]

@@ -60,7 +60,7 @@ def test_study_then_one_command_meets_the_error(run, tmp_path):
     result = run("simulate", *words, "--error", "20%", "--json")
     met = json.loads(result.stdout)["chosen"]
     assert 0 < met["error"] <= met["allowed"]
-    assert met["setting"].startswith("--model space --method step")
+    assert met["setting"].startswith("--model space --step")
     told = run("simulate", *words, "--error", "20%").stdout
     assert "on record" in told
     assert "within the" in told

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from walkergen.jobs.accuracy import choose, elastic, kept, make, statistics
-from walkergen.jobs.accuracy.purse import BY_STEPS, Purse, Runs, rounded_down, widened
+from walkergen.jobs.accuracy.purse import KINDS, Purse, Runs, rounded_down, widened
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.scene import Scene
@@ -25,7 +25,7 @@ def survey_of(budget_s, **tables):
 
 def rated(survey, cpu_per_s=0.06):
     """Give every setting a made-up cost: 1/step in space, next to nothing for planar models."""
-    for one in [*survey.events, *survey.steps, survey.own, *survey.simpler]:
+    for one in [*survey.steps, survey.own, *survey.simpler]:
         dear = cpu_per_s / one.step_us if one.step_us and one.model == "space" else 1e-4
         survey._rates[one] = dear
     return survey
@@ -40,7 +40,7 @@ def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slow
     least = make._share_out(survey, ("models", "steps", "statistics", "shape"), silent)
     assert least is None
     for setting in [*survey.steps, *survey.simpler]:
-        kinds = BY_STEPS
+        kinds = KINDS
         rate = survey.rate(setting)
         runs = survey.purse.affords(survey.granted(setting), rate, 1.0, kinds)
         idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
@@ -48,7 +48,7 @@ def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slow
         cost = runs.number * rate * (runs.seconds + 1.0)
         survey.known[setting] = Measured(setting, 1.0, 0.1, *runs, 1.0, cost, None, "ok")
     survey.purse.pay(survey.take("steps-short"))
-    for name, kinds in (("frames", BY_STEPS), ("statistics", statistics.KINDS)):
+    for name, kinds in (("frames", KINDS), ("statistics", statistics.KINDS)):
         rate = survey.rate(survey.own)
         parts = len(elastic.FRAMES) if name == "frames" else 1
         runs = survey.purse.affords(survey.take(name) / parts, rate, 1.0, kinds)
@@ -81,11 +81,11 @@ def test_a_patient_purse_counts_what_an_idle_machine_would_take():
 
 def test_runs_are_fewer_before_they_are_too_short():
     purse = Purse(10.0, 1)
-    afforded = [purse.affords(wall, 0.1, 1.0, BY_STEPS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
+    afforded = [purse.affords(wall, 0.1, 1.0, KINDS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
     # 16 runs of 61.5 s; 16 of 1.06; 8 of 1.5; 4 of 1.5; and the least
     assert afforded == [Runs(16, 60.0), Runs(16, 1.0), Runs(8, 1.5), Runs(4, 1.5), Runs(4, 0.5)]
     crowd = Purse(10.0, 64)  # no run is split: 16 runs keep 16 of 64 cores busy
-    assert crowd.affords(1.0, 0.1, 1.0, BY_STEPS) == Runs(16, 8.0)
+    assert crowd.affords(1.0, 0.1, 1.0, KINDS) == Runs(16, 8.0)
     assert crowd.cost(Runs(16, 8.0), 0.1, 1.0) == pytest.approx(0.9)
 
 

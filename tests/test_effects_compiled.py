@@ -17,11 +17,8 @@ SCENES = {
     },
     "relaxed, slope": {"legs": {"model": "relaxed"}, "plate": {"slope_deg": 3.0}},
     "rigid": {"legs": {"model": "rigid"}},
-    "rigid, steps": {"legs": {"model": "rigid"}, "run": {"method": "step"}},
-    "rigid, steps, air": {
-        "legs": {"model": "rigid"}, "run": {"method": "step"}, "effects": {"air_drag": True},
-    },
-    "compliant, steps": {"legs": {"model": "compliant"}},
+    "compliant": {"legs": {"model": "compliant"}},
+    "compliant, air": {"legs": {"model": "compliant"}, "effects": {"air_drag": True}},
 }  # fmt: skip
 
 
@@ -47,18 +44,16 @@ def texts_of(scenes, folder):
 @pytest.mark.nightly
 def test_an_effect_that_is_off_leaves_no_code(tmp_path):
     """Air drag needs its own sines, which must not be there without it."""
-    found = texts_of(("rigid, steps", "rigid, steps, air"), tmp_path)
-    assert found["rigid, steps"][0] < found["rigid, steps, air"][0]
-    assert found["rigid, steps"][1] < found["rigid, steps, air"][1]
+    found = texts_of(("compliant", "compliant, air"), tmp_path)
+    assert found["compliant"][0] < found["compliant, air"][0]
+    assert found["compliant"][1] < found["compliant, air"][1]
 
 
 @pytest.mark.nightly
-def test_legs_and_drives_that_are_off_leave_no_code(tmp_path):
-    """Leg angles and a harmonic need their own sines; a slope adds numbers, and their lines."""
-    scenes = [name for name in SCENES if name != "rigid, steps, air"]
+def test_drives_and_slopes_that_are_off_leave_no_code(tmp_path):
+    """A harmonic needs its own sines; a slope adds numbers, and their lines."""
+    scenes = [name for name in SCENES if not name.startswith("compliant")]
     found = texts_of(scenes, tmp_path)
-    assert found["rigid, steps"][0] < found["compliant, steps"][0]
-    assert found["rigid, steps"][1] < found["compliant, steps"][1]
     assert found["relaxed"][0] < found["relaxed, harmonic"][0]
     assert found["relaxed"][1] < found["relaxed, harmonic"][1]
     assert found["relaxed"][1] < found["relaxed, slope"][1]

@@ -1,21 +1,27 @@
-"""Every hard case over every model and method to which it applies, from the one list.
+"""Every hard case over every model to which it applies: planar ones, and those of `selftest`.
 
-By day `walkergen selftest`, in the README's tour, runs them all; here each is told apart.
+By day `walkergen selftest`, in the README's tour, runs its own; here each is told apart.
 """
 
 import pytest
+from hard import bounces, cascades, extremes, friction, landings, steps, symmetries
 
 from walkergen.jobs.selftest.catalogue import CASES
 
-JOBS = [(case, *pair) for case in CASES for pair in case.runs_on]
+MODULES = bounces, cascades, extremes, friction, landings, steps, symmetries
+PLANAR = [case for module in MODULES for case in module.CASES]
 
 
-@pytest.mark.nightly
-@pytest.mark.parametrize(
-    ("case", "model", "method"), JOBS, ids=[f"{c.section} {c.name}-{a}-{b}" for c, a, b in JOBS]
-)
-def test_hard_case(case, model, method):
-    checks = list(case.check(model, method))
+def each(cases):
+    """Cases with each of their models, named."""
+    return [
+        pytest.param(case, model, id=f"{case.section} {case.name}-{model}")
+        for case in cases for model in case.runs_on
+    ]  # fmt: skip
+
+
+def check(case, model):
+    checks = list(case.check(model))
     assert checks
     failed = [check for check in checks if not check.holds]
     assert not failed, "\n".join(
@@ -23,7 +29,19 @@ def test_hard_case(case, model, method):
     )
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(("case", "model"), each(PLANAR))
+def test_planar_hard_case(case, model):
+    check(case, model)
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(("case", "model"), each(CASES))
+def test_hard_case(case, model):
+    check(case, model)
+
+
 def test_names_are_unique_and_every_section_is_covered():
-    names = [case.name for case in CASES]
-    assert len(set(names)) == len(names)
-    assert {case.section for case in CASES} >= {"7", *(f"6.{number}" for number in range(1, 15))}
+    cases = [*PLANAR, *CASES]
+    assert len({case.name for case in cases}) == len(cases)
+    assert {case.section for case in cases} >= {"7", *(f"6.{number}" for number in range(1, 16))}

@@ -11,7 +11,6 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, observables, record, resolution
-from walkergen.simulation.compliant import events
 from walkergen.simulation.compliant.lengths import swings_back
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
@@ -61,13 +60,10 @@ def test_too_few_runs_have_a_value_but_no_error():
 
 
 @pytest.mark.parametrize(
-    ("model", "method"),
-    [("relaxed", "event"), ("compliant", "step"),
-     pytest.param("compliant", "event", marks=pytest.mark.nightly),
-     pytest.param("space", "step", marks=pytest.mark.slow)],
-)  # fmt: skip
-def test_impulses_by_type_are_those_of_all_impacts_kept(model, method):
-    plan = plan_of(model, method=method, seconds=0.2, runs=4)
+    "model", ["relaxed", "compliant", pytest.param("space", marks=pytest.mark.slow)]
+)
+def test_impulses_by_type_are_those_of_all_impacts_kept(model):
+    plan = plan_of(model, seconds=0.2, runs=4)
     found, results = ensemble.measure(plan, silent, impacts=True)
     rows = np.concatenate([impacts_of(result) for result in results])
     rows = rows[rows[:, 1] < 4]  # without touches of the lane's walls
@@ -91,18 +87,18 @@ def test_errors_of_all_observables_cover_the_scatter_between_ensembles():
     assert 0.5 < np.mean(squares) / (1.4 * 15 / 16) < 1.8
 
 
-def test_steps_in_a_plane_agree_with_events_and_counts_have_no_limit():
+def test_steps_in_a_plane_agree_with_a_fifth_of_them_and_counts_have_no_limit():
     """All but counts of the own step, within its error; with absorbed rebounds of up to two steps
-    friction and contact were twice those of events (10 deg, e = 0.8).
+    friction and contact were twice as large (10 deg, e = 0.8).
     """
-    by_step, by_event = measured(plan_of(runs=8)), measured(plan_of(method="event", seconds=0.5))
-    for _, _, verdicts in (by_step, by_event):
+    own, finer = measured(plan_of(runs=8)), measured(plan_of(step_us=6.0))
+    for _, _, verdicts in (own, finer):
         for name in observables.NAMES:
             counted = name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}.")
             assert (verdicts[name].error is None) == counted
             assert bool(verdicts[name].reason) == counted
-    known = [name for name in observables.NAMES if by_step[2][name].error is not None]
-    assert close(by_step, by_event, known) == []
+    known = [name for name in observables.NAMES if own[2][name].error is not None]
+    assert close(own, finer, known) == []
     coarse = measured(plan_of(step_us=60.0, seconds=0.1))[2]
     assert all(one.error is None for one in coarse.values())
     assert "--step 30 " in coarse[observables.SPEED].reason
@@ -118,17 +114,13 @@ def test_own_step_follows_the_legs():
 
 
 def test_impacts_in_a_plane_grow_with_every_decade_of_their_cut_off():
-    """No method resolves their number: it has no limit, while shares by impulse keep theirs."""
-    plan = plan_of(method="event", seconds=0.3)
+    """No step resolves their number: it has no limit, while shares by impulse keep theirs."""
     rates, shares = [], []
-    for snap in (1e-1, 1e-2, 1e-3):
-        options = plan.world.options._replace(snap=snap)
-        assert isinstance(options, events.Options)
-        found, _, _ = measured(plan._replace(world=plan.world._replace(options=options)))
+    for step_us in (20.0, 2.0):
+        found, _, _ = measured(plan_of(seconds=0.3, step_us=step_us))
         rates.append(found[observables.IMPACTS])
         shares.append(found[f"{observables.BY_IMPULSE}.III"])
     assert rates[1] - rates[0] > 300.0  # measured 500 to 900 a decade, each known to 60
-    assert rates[2] - rates[1] > 300.0
     assert max(shares) - min(shares) < 0.02  # known to 0.004 each
 
 
@@ -183,7 +175,7 @@ def test_longest_step_of_legs_is_where_they_swing_back():
         plan_of(design=stiff)
     )
     assert ratio == pytest.approx(2.0)
-    assert resolution.longest_step(plan_of(method="event")) == math.inf
+    assert resolution.longest_step(plan_of("relaxed")) == math.inf
     assert resolution.longest_step(plan_of("space")) == math.inf
 
 

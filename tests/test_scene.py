@@ -105,8 +105,9 @@ def test_a_prior_supplies_what_a_contact_does_not_give():
 @pytest.mark.parametrize(
     ("key", "told"),
     [("prediction.impact_speed_factor_sd", "did you mean prediction.impact_speed_factor?"),
-     ("contact.prior", "'paper', 'unknown'")],
+     ("contact.prior", "'paper', 'unknown'"),
+     ("run.method", "run.method: this key is gone: legs.model implies it")],
 )  # fmt: skip
-def test_misspelt_keys_of_a_prediction_are_refused(key, told):
+def test_misspelt_keys_and_those_gone_are_refused(key, told):
     with pytest.raises(InputError, match=re.escape(told)):
         Scene().variant(**{key: 10})

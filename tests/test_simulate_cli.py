@@ -52,10 +52,10 @@ def test_json_has_the_named_keys(run):
         (("--model", "compliant"), ("compliant", "step")),
         (("--legs", "braced"), ("space", "step")),
         (("--legs", "braced", "--model", "rigid"), ("rigid", "event")),
-        (("--model", "compliant", "--method", "event", "--law", "newton"), ("compliant", "event")),
+        (("--model", "compliant", "--law", "newton"), ("compliant", "step")),
     ],
 )
-def test_models_and_methods_can_be_chosen(run, options, expected):
+def test_models_can_be_chosen_and_imply_their_methods(run, options, expected):
     found = json.loads(run("simulate", *options, *SHORT, "--json").stdout)
     assert (found["model"], found["method"]) == expected
 
@@ -142,8 +142,8 @@ def test_family_simulate_adds_columns_and_points(run, tmp_path):
     ("words", "hint"),
     [
         (("--model", "soft"), "'compliant', 'relaxed', 'rigid'"),
-        (("--method", "guess"), "'auto', 'event', 'step'"),
-        (("--model", "relaxed", "--method", "step"), "no time step"),
+        (("--set", "scene.run.method=step"), "scene.run.method: this key is gone: legs.model"),
+        (("--model", "rigid", "--set", "scene.effects.air_drag=true"), "legs.model 'space'"),
         (("--legs", "braced", "--model", "compliant"), "braced legs are rigid"),
         (("--law", "newton"), "legs.model 'compliant' for this law"),
         (("--model", "space", "--law", "stronge"), "contact.law = 'stronge'"),

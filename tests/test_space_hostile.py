@@ -94,7 +94,6 @@ REFUSED = {
     "steps over contacts": (
         {"run": {"step_us": 100.0}}, r"run.step_us = 100: .* at most 7.*leave the key out",
     ),
-    "instants of impact": ({"run": {"method": "event"}}, "run.method = 'event'"),
     "a plane for a planar model": ({"legs": {"model": "compliant"}}, "arena.kind = 'plane'"),
 }  # fmt: skip
 """Scenes, and what the one line says."""

@@ -11,7 +11,7 @@ from walkergen.exploring import wanted
 from walkergen.exploring.wanted import Wanted
 from walkergen.jobs.accuracy import choose, elastic, kept, shape, statistics, steps
 from walkergen.jobs.accuracy.ladder import order
-from walkergen.jobs.accuracy.setting import Measured, Setting
+from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.scene import Scene
 from walkergen.simulation import record
@@ -25,7 +25,7 @@ def silent(*told):
 
 
 def survey_of(kind="flexible", model="compliant", **tables):
-    """Survey of one second; planar by default, since its ladders have both methods."""
+    """Survey of one second, of the compliant model by default."""
     tables = {"legs": {"model": model if kind == "flexible" else "rigid"}, **tables}
     design = Design().variant(kind=kind)
     mass = solids.mass_of(design)
@@ -50,20 +50,13 @@ def test_order_of_an_exact_power_is_its_exponent():
 
 def test_measured_orders_are_those_claimed():
     ladder = steps.short(survey_of(), silent)
-    assert len(ladder.notes) == 4
+    assert len(ladder.notes) == 2
     for series in {rung.series for rung in ladder.rungs}:
         rungs = [rung for rung in ladder.rungs if rung.series == series]
         rungs = sorted(rungs, key=lambda rung: rung.details["value"])[:4]  # the asymptotic end
         slope, _ = order([r.details["value"] for r in rungs], [r.error for r in rungs])
-        claimed = 2.0 if series.endswith("step") else 1.0
         # 0.5: events lie anywhere in a step, which scatters four points
-        assert slope == pytest.approx(claimed, abs=0.5), series
-
-
-def test_both_methods_of_the_rigid_walker_agree_to_rounding():
-    ladder = steps.short(survey_of("braced", contact={"restitution": 0.8}), silent)
-    assert max(rung.error for rung in ladder.rungs) < 1e-10  # 1e4 roundings of the height
-    assert all("exact to rounding" in note for note in ladder.notes)
+        assert slope == pytest.approx(2.0, abs=0.5), series
 
 
 @pytest.mark.slow
@@ -143,9 +136,8 @@ def test_errors_that_mean_nothing_are_refused(text):
         wanted.parse(text)
 
 
-def speeds_of(survey, steps, events=100.0, rigid=0.0, relaxed=60.0):
+def speeds_of(survey, steps, rigid=0.0, relaxed=60.0):
     found = dict(zip(survey.steps, steps, strict=True))
-    found |= dict.fromkeys(survey.events, events)
     return found | dict(zip(survey.simpler, (rigid, relaxed, 130.0), strict=False))
 
 
@@ -153,7 +145,7 @@ def test_the_cheapest_setting_within_the_error_is_chosen():
     survey = survey_of()
     speeds = speeds_of(survey, (100.0, 100.1, 99.9, 99.0, 97.0, 94.0, 80.0, 50.0))
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
-    known(survey, speeds, cpu_per_s=costs | {survey.events[0]: 0.5})
+    known(survey, speeds, cpu_per_s=costs)
     # 20 %: 220 us are 6 % off, but 560 us 50 %; 110 us count, since 220 us are within as well
     assert choose.choose(survey, Wanted(0.2, True), silent).setting == survey.steps[4]
     assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[3]
@@ -168,7 +160,7 @@ def test_the_last_step_before_a_cliff_is_never_chosen():
     survey = survey_of()  # as measured at 10 deg, e = 0.8: 220 us lose the speed, 110 us do not
     speeds = speeds_of(survey, (100.0,) * 5 + (14.0, 10.0, 8.0))
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
-    known(survey, speeds, cpu_per_s=costs | {survey.events[0]: 0.5})
+    known(survey, speeds, cpu_per_s=costs)
     assert survey.steps[4].step_us == pytest.approx(110.0)
     for error in (0.5, 0.2, 0.05, 0.02):
         assert choose.choose(survey, Wanted(error, True), silent).setting == survey.steps[3]
@@ -180,19 +172,16 @@ def test_the_last_step_before_a_cliff_is_never_chosen():
 
 
 def test_errors_are_those_of_the_observable_asked_for():
-    """Contact is biased where the speed is not; its truth in a plane are events."""
+    """Contact is biased where the speed is not."""
     survey = survey_of()
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
-    costs |= {survey.events[0]: 0.5}
     known(survey, speeds_of(survey, (100.0,) * 8), cpu_per_s=costs)
     shares = (0.2, 0.21, 0.22, 0.23, 0.3, 0.4, 0.5, 0.6)
     for setting, share in zip(survey.steps, shares, strict=True):
         seen = {"contact_fraction": (share, 0.0005)}
         survey.known[setting] = survey.known[setting]._replace(observed=seen)
-    truth = survey.known[survey.events[0]]
-    survey.known[truth.setting] = truth._replace(observed={"contact_fraction": (0.2, 0.0005)})
     contact = survey.showing("contact_fraction")
-    assert contact.reference(silent).setting == survey.events[0]
+    assert contact.reference(silent).setting == survey.steps[0]
     assert choose.choose(survey, Wanted(0.25, True), silent).setting == survey.steps[5]
     chosen = choose.choose(contact, Wanted(0.25, True), silent)
     assert chosen.setting == survey.steps[1]  # 22 us: 5 % off; 56 us 15 %; 110 us 50 %
@@ -220,7 +209,7 @@ def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
     survey = survey_of()
     speeds = speeds_of(survey, (100.0, 100.0, 100.0, 100.0, 90.0, 85.0, 100.0, 100.0))
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
-    known(survey, speeds, cpu_per_s=costs | {survey.events[0]: 0.5})
+    known(survey, speeds, cpu_per_s=costs)
     # 56 us are right, but twice as long is 10 % off: 22 us have the margin of two
     assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[1]
 
@@ -229,7 +218,7 @@ def test_what_cannot_be_promised_is_refused():
     survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
     with pytest.raises(InputError, match=r"known to 0\.2 mm/s only; measure longer"):
         choose.choose(survey, Wanted(1e-4, True), silent)
-    still = known(survey_of(), speeds_of(survey_of(), (0.05,) * 8, events=0.0))
+    still = known(survey_of(), speeds_of(survey_of(), (0.05,) * 8))
     with pytest.raises(InputError, match=r"may be zero; give the error in mm/s"):
         choose.choose(still, Wanted(0.05, True), silent)
     dead = survey_of()
@@ -242,8 +231,7 @@ def test_what_cannot_be_promised_is_refused():
 def test_what_auto_trusts_counts_as_true():
     assert survey_of(model="auto").complete == "space"
     assert survey_of(model="relaxed").complete == "space"
-    assert survey_of("braced").complete == "rigid"
-    assert survey_of("braced", legs={"model": "auto"}).complete == "space"
+    assert survey_of("braced").complete == "space"
     assert survey_of().complete == "compliant"
 
 
@@ -296,8 +284,8 @@ def cache(tmp_path, monkeypatch):
 def test_measured_speeds_are_kept_per_walker_and_scene():
     survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
     kept.remember(survey)
-    same = survey_of(run={"seconds": 3.0, "step_us": 50.0, "method": "event"})
-    assert kept.recall(same) == 11
+    same = survey_of(run={"seconds": 3.0, "step_us": 50.0})
+    assert kept.recall(same) == 10
     assert same.known == survey.known
     for other in (survey_of("braced"), survey_of(contact={"friction": 0.3})):
         assert kept.recall(other) == 0
@@ -308,14 +296,14 @@ def test_the_longer_of_two_measurements_is_kept_and_a_broken_record_is_none():
     survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
     kept.remember(survey)
     short = survey_of()
-    setting = Setting("compliant", "event", None)
+    setting = survey.steps[0]
     short.known[setting] = survey.known[setting]._replace(seconds=1.0, value=1.0)
     kept.remember(short)
     again = survey_of()
     kept.recall(again)
     assert again.known[setting].value == 100.0
     path = kept.record(survey)
-    assert len(json.loads(path.read_text())) == 11
+    assert len(json.loads(path.read_text())) == 10
     for broken in ("", "[{}]", "[1]", "{}x"):
         path.write_text(broken)
         assert kept.recall(survey_of()) == 0

@@ -2,7 +2,7 @@
 
 Each example is a whole walker on a whole plate, drawn within the allowed ranges and, for one field
 in ten, beyond them. In CI both optional effects (second harmonic, slope) are compiled in for every
-engine, at sizes that include zero, so that five kernels serve all examples; the nightly sweep also
+model, at sizes that include zero, so that three kernels serve all examples; the nightly sweep also
 leaves either out.
 """
 
@@ -23,20 +23,13 @@ from walkergen.simulation.run import Outcome, simulate
 from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
 
-METHODS = [
-    ("rigid", "event"), ("rigid", "step"), ("relaxed", "event"),
-    ("compliant", "event"), ("compliant", "step"),
-]  # fmt: skip
+MODELS = ("rigid", "relaxed", "compliant")
 
 ENDINGS = {Outcome.OK, Outcome.STUCK, Outcome.TOPPLED, Outcome.FOLDED, Outcome.LEFT}
 """Physical ends of a run; an energy error, or no convergence, is none."""
 
-EXPLICIT_OSCILLATIONS = 3000
-"""Of a leg, followed in one example: the explicit compliant method takes 30 steps for each, so
-that a leg of 20 MHz is followed for less time than one of 2 kHz."""
-
 RESOLVED, MOST_STEPS = 0.04, 20_000
-"""Oscillations of a leg in a time step beyond which `step` follows its contact only roughly: its
+"""Oscillations of a leg in a time step beyond which its contact is followed only roughly: its
 energy may then miss the balance, which the outcome says. Examples resolve the leg where that takes
 no more than so many steps."""
 
@@ -87,7 +80,7 @@ def between(allowed, usual, wide):
 
 
 @st.composite
-def walks(draw, model, method, effects, wide=False):
+def walks(draw, model, effects, wide=False):
     """Design and scene tables, keyed by table; `effects`: strategy of "is each compiled in?".
 
     `wide`: feet at any distance, legs damped up to 10 times the critical, plates almost at rest.
@@ -149,7 +142,7 @@ def walks(draw, model, method, effects, wide=False):
             ),
         },
         "effects": {"second_harmonic": draw(effects), "plate_slope": draw(effects)},
-        "run": {"method": method, "step_us": 30.0, "discard_seconds": 0.0},
+        "run": {"step_us": 30.0, "discard_seconds": 0.0},
     }  # fmt: skip
     if draw(st.integers(0, 3)) == 0:
         tables["weighed"]["body_mass_g"] = scale**3 * draw(decades(-2, 2))
@@ -186,12 +179,9 @@ def built(tables):
     if scene.legs.model == "compliant":
         seconds, step_us = scene.run.seconds, scene.run.step_us
         frequency = fastest_swing(prepare(scene, design, weighed))
-        if scene.run.method == "event":
-            seconds = min(seconds, EXPLICIT_OSCILLATIONS / frequency)
-        else:
-            finest = max(1e6 * seconds / MOST_STEPS, 0.01)
-            step_us = min(step_us, max(0.8e6 * RESOLVED / frequency, finest))
-        run = scene.run.model_copy(update={"seconds": seconds, "step_us": step_us})
+        finest = max(1e6 * seconds / MOST_STEPS, 0.01)
+        step_us = min(step_us, max(0.8e6 * RESOLVED / frequency, finest))
+        run = scene.run.model_copy(update={"step_us": step_us})
         scene = scene.model_copy(update={"run": run})
     return design, scene, shape, weighed, prepare(scene, design, weighed)
 
@@ -271,10 +261,8 @@ def largest_at_once(times, values):
 
 
 def check_motion(design, scene, weighed, plan, result):
-    unresolved = (
-        scene.run.method == "step"
-        and plan.resolved.model == "compliant"
-        and (1e-6 * scene.run.step_us * fastest_swing(plan) > RESOLVED)
+    unresolved = plan.resolved.model == "compliant" and (
+        1e-6 * scene.run.step_us * fastest_swing(plan) > RESOLVED
     )
     assert result.outcome in ENDINGS | ({Outcome.ENERGY} if unresolved else set()) | (
         {Outcome.RUNAWAY} if impacts_may_gain(plan) else set()
@@ -293,7 +281,7 @@ def check_motion(design, scene, weighed, plan, result):
     gaps = feet_gaps(plan, weighed, rows, scene.drive)
     size = design.size.length + design.limbs[0].length + scene.drive.amplitude
     slack = 1e-9 * size
-    if scene.run.method == "step":
+    if plan.resolved.model == "compliant":
         # Landings are located, but within the step that follows a leg may swing back as fast, and
         # the plate rise.
         fastest = scene.drive.peak_speed - v_y.min(initial=0.0)
@@ -316,13 +304,13 @@ def check_motion(design, scene, weighed, plan, result):
     # snap speed may be counted with either loss; and a billionth of its energy is rounding.
     whole = abs(plan.energy(rows[0, 1:]))
     exchanged = np.abs(sums[record.PLATE_WORK :]).max()
-    step = scene.run.method == "step"
+    step = plan.resolved.model == "compliant"
     allowed = 0.05 * max(exchanged, whole) if step else max(1e-2 * exchanged, 1e-9 * whole)
     assert sums[record.FRICTION_LOSS] >= -allowed or unresolved, sums
     assert sums[record.DAMPING_LOSS] >= -allowed, sums
     if scene.contact.law == "stronge" and plan.resolved.model != "relaxed":
         assert sums[record.IMPACT_LOSS] >= -1e-9 * max(exchanged, 1e-9 * whole), sums
-    tolerance = 0.05 if scene.run.method == "step" else 1e-4
+    tolerance = 0.05 if plan.resolved.model == "compliant" else 1e-4
     assert result.energy_error <= tolerance or unresolved, result.energy_error
 
 
@@ -336,7 +324,7 @@ def check(tables):
     check_solid(design, shape)
     interval = scene.run.seconds / 200.0
     result = simulate(plan, 0, sample_interval=interval, event_room=MOST_EVENTS)
-    if result.outcome is Outcome.ENERGY and scene.run.method == "step":
+    if result.outcome is Outcome.ENERGY and plan.resolved.model == "compliant":
         # The outcome tells the user to take a smaller step, which then has to do.
         run = scene.run.model_copy(update={"step_us": max(scene.run.step_us / FINER, 0.01)})
         scene = scene.model_copy(update={"run": run})
@@ -346,9 +334,9 @@ def check(tables):
     return result.outcome.value
 
 
-def sweep(model, method, effects, wide=False, **examples):
+def sweep(model, effects, wide=False, **examples):
     @settings(deadline=None, database=None, **examples)
-    @given(walks(model, method, effects, wide))
+    @given(walks(model, effects, wide))
     def any_walker(tables):
         event(check(tables))
 
@@ -356,9 +344,9 @@ def sweep(model, method, effects, wide=False, **examples):
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(("model", "method"), METHODS)
-def test_any_walker_is_refused_or_lawful(model, method):
-    sweep(model, method, st.just(True), max_examples=15, derandomize=True)
+@pytest.mark.parametrize("model", MODELS)
+def test_any_walker_is_refused_or_lawful(model):
+    sweep(model, st.just(True), max_examples=15, derandomize=True)
 
 
 def pinned(**tables):
@@ -373,27 +361,12 @@ def pinned(**tables):
         "plate": {},
         "scene_legs": {"model": "relaxed"},
         "effects": {},
-        "run": {"method": "event", "seconds": 0.3, "discard_seconds": 0.0},
+        "run": {"seconds": 0.3, "discard_seconds": 0.0},
     }
     return {table: values | tables.get(table, {}) for table, values in whole.items()}
 
 
 FOUND = {
-    "legs of 7 GHz, damped so that steps of 4 ps are no sign of a stall": (
-        "ok",
-        pinned(
-            body={"length_mm": 0.02, "depth_mm": 0.008, "thickness_mm": 0.007},
-            legs={"tilt_deg": -50.0, "length_mm": 0.0058, "contact_spacing_mm": 0.0076,
-                  "flexible_thickness_mm": 0.0016},
-            material={"density_g_cm3": 0.37, "youngs_modulus_gpa": 6770.0},
-            weighed={"body_mass_g": 2.66e-11, "leg_mass_g": 4.66e-13},
-            drive={"frequency_hz": 548.0, "gamma": 0.5},
-            contact={"restitution": 0.0, "friction": 1.0},
-            scene_legs={"model": "compliant", "damping_ratio": 9.0},
-            effects={"second_harmonic": True, "plate_slope": True},
-            run={"seconds": 6e-8},
-        ),
-    ),
     "a foot that rises from within a rounding of the plate, while the other rocks": (
         "ok",
         pinned(
@@ -444,7 +417,7 @@ FOUND = {
             plate={"slope_deg": 0.0},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 20.491803278688526, "seconds": 0.09016393442622951},
+            run={"step_us": 20.491803278688526, "seconds": 0.09016393442622951},
         ),
     ),
     "a walker that turns as fast as its legs swing, in flights of coarser steps than asked": (
@@ -459,7 +432,7 @@ FOUND = {
             plate={"slope_deg": 0.0},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 30.0, "seconds": 0.3},
+            run={"step_us": 30.0, "seconds": 0.3},
         ),
     ),
     "overdamped legs, whose foot rebounded into the plate in every step": (
@@ -475,7 +448,7 @@ FOUND = {
             plate={"slope_deg": 0.0},
             scene_legs={"model": "compliant", "damping_ratio": 2.8774},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 10.093, "seconds": 0.20185},
+            run={"step_us": 10.093, "seconds": 0.20185},
         ),
     ),
     "legs that swing once in a step, whose foot sank while it rose at every step's end": (
@@ -495,7 +468,7 @@ FOUND = {
             plate={"slope_deg": 0.6495474605916366},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 10.243404532524925, "seconds": 0.21716017608952842},
+            run={"step_us": 10.243404532524925, "seconds": 0.21716017608952842},
         ),
     ),
     "a plate of 10 m/s that throws the legs around within a step in contact": (
@@ -511,7 +484,7 @@ FOUND = {
             plate={"slope_deg": 0.0},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 30.0, "seconds": 0.3},
+            run={"step_us": 30.0, "seconds": 0.3},
         ),
     ),
     "legs of 23 GHz that keep the rates of an impact over the step": (
@@ -529,7 +502,7 @@ FOUND = {
             plate={"slope_deg": -9.121387832673388},
             scene_legs={"model": "compliant", "damping_ratio": 0.48587444448755834},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 30.0, "seconds": 0.3},
+            run={"step_us": 30.0, "seconds": 0.3},
         ),
     ),
     "both feet hit at once at friction 100, one by the rounding of the other": (
@@ -545,95 +518,7 @@ FOUND = {
             plate={"slope_deg": 0.0},
             scene_legs={"model": "compliant", "damping_ratio": 0.0},
             effects={"second_harmonic": True, "plate_slope": True},
-            run={"method": "step", "step_us": 2.8096, "seconds": 0.010115},
-        ),
-    ),
-    "alternating feet on legs of 10 kHz, whose speed the depth of a landing fed for ever": (
-        None,
-        pinned(
-            body={"length_mm": 10.0, "depth_mm": 1.0, "thickness_mm": 1.0},
-            legs={"tilt_deg": 32.0, "length_mm": 5.0, "contact_spacing_mm": 1.7254036788339757,
-                  "flexible_thickness_mm": 1.25, "foot": "flat"},
-            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
-            drive={"frequency_hz": 5.0, "gamma": 5.0},
-            contact={"restitution": 0.0, "friction": 0.0, "law": "poisson"},
-            scene_legs={"model": "compliant", "damping_ratio": 0.0},
-            effects={"second_harmonic": True, "plate_slope": True},
-        ),
-    ),
-    "a foot that slid on, held as if stuck, when the other one jammed": (
-        None,
-        pinned(
-            body={"length_mm": 100.0, "depth_mm": 186.77874291698953,
-                  "thickness_mm": 35.47407106447573},
-            legs={"tilt_deg": -33.335649623951056, "length_mm": 45.447939129333,
-                  "contact_spacing_mm": 27.972266571578192,
-                  "flexible_thickness_mm": 15.524738001068448, "foot": "flat"},
-            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
-            drive={"frequency_hz": 10.0, "gamma": 1.0,
-                   "second_harmonic_ratio": 0.1727932233625127},
-            contact={"restitution": 0.0005737181064156383, "friction": 340.3013028933273,
-                     "law": "newton"},
-            scene_legs={"model": "compliant", "damping_ratio": 0.05},
-            effects={"second_harmonic": True, "plate_slope": True},
-        ),
-    ),
-    "a nearly upright leg that jams while it slides, as the walker turns": (
-        None,
-        pinned(
-            body={"depth_mm": 4.0, "thickness_mm": 5.0},
-            legs={"tilt_deg": -0.24, "length_mm": 4.31, "contact_spacing_mm": 14.4,
-                  "flexible_thickness_mm": 0.73, "foot": "flat"},
-            drive={"frequency_hz": 60.0, "gamma": 2.0},
-            contact={"restitution": 0.0, "friction": 1.9, "law": "poisson"},
-            plate={"slope_deg": 14.0},
-            scene_legs={"model": "compliant", "damping_ratio": 0.5},
-            effects={"second_harmonic": True, "plate_slope": True},
-        ),
-    ),
-    "bounces at restitution 1 that a damped spring shortens, but never ends": (
-        "toppled",
-        pinned(
-            body={"length_mm": 0.019, "depth_mm": 0.001, "thickness_mm": 0.001},
-            legs={"tilt_deg": 0.0, "length_mm": 0.0095, "contact_spacing_mm": 0.018703125,
-                  "flexible_thickness_mm": 0.000296875, "foot": "flat"},
-            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
-            weighed={"body_mass_g": 1e-9, "leg_mass_g": 1.0000000000000001e-11},
-            drive={"frequency_hz": 51.0, "gamma": 0.203125},
-            contact={"restitution": 1.0, "friction": 0.0, "law": "poisson"},
-            scene_legs={"model": "compliant", "damping_ratio": 1.0},
-            effects={"second_harmonic": True, "plate_slope": True},
-            run={"seconds": 0.09803921568627451},
-        ),
-    ),
-    "a foot at its limit, which would jam alone but not with the other": (
-        None,
-        pinned(
-            body={"length_mm": 14.0, "depth_mm": 1.0, "thickness_mm": 7.0},
-            legs={"tilt_deg": 0.0, "length_mm": 7.0, "contact_spacing_mm": 6.125,
-                  "flexible_thickness_mm": 1.75, "foot": "flat"},
-            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 0.001},
-            weighed={"body_mass_g": 1.0, "leg_mass_g": 1.0},
-            drive={"frequency_hz": 145.0, "gamma": 1.0},
-            contact={"restitution": 0.0, "friction": 10.0, "law": "poisson"},
-            plate={"slope_deg": 2.0},
-            scene_legs={"model": "compliant", "damping_ratio": 0.0},
-            effects={"second_harmonic": True, "plate_slope": True},
-            run={"seconds": 0.034482758620689655},
-        ),
-    ),
-    "two feet that jam in turn at friction 100, each slower than the last": (
-        "ok",
-        pinned(
-            body={"length_mm": 20.0, "depth_mm": 1.0, "thickness_mm": 6.0},
-            legs={"tilt_deg": 0.0, "length_mm": 10.0, "contact_spacing_mm": 8.75,
-                  "flexible_thickness_mm": 2.5, "foot": "flat"},
-            material={"density_g_cm3": 1.0, "youngs_modulus_gpa": 1.0},
-            weighed={"body_mass_g": 1.0, "leg_mass_g": 10.0},
-            drive={"frequency_hz": 5.0, "gamma": 1.0},
-            contact={"restitution": 0.0, "friction": 100.0, "law": "poisson"},
-            scene_legs={"model": "compliant", "damping_ratio": 0.0},
-            effects={"second_harmonic": True, "plate_slope": True},
+            run={"step_us": 2.8096, "seconds": 0.010115},
         ),
     ),
 }  # fmt: skip
@@ -648,6 +533,6 @@ def test_what_the_sweep_once_found_stays_lawful(name):
 
 
 @pytest.mark.nightly
-@pytest.mark.parametrize(("model", "method"), METHODS)
-def test_ten_thousand_walkers_are_refused_or_lawful(model, method):
-    sweep(model, method, st.booleans(), wide=True, max_examples=2000, print_blob=True)
+@pytest.mark.parametrize("model", MODELS)
+def test_ten_thousand_walkers_are_refused_or_lawful(model):
+    sweep(model, st.booleans(), wide=True, max_examples=2000, print_blob=True)

@@ -1,4 +1,4 @@
-"""Time stepping against the event-driven reference: order, and speeds of published size."""
+"""Time stepping: its order, and speeds of published size."""
 
 import math
 
@@ -7,7 +7,7 @@ import pytest
 from worlds import OMEGA, hinged_state, hinged_walker, shaken, world_of
 
 from walkergen.simulation import record
-from walkergen.simulation.compliant import events, steps
+from walkergen.simulation.compliant import steps
 from walkergen.simulation.compliant.chain import energy
 from walkergen.simulation.record import CONTACT_TIME
 from walkergen.simulation.world import (
@@ -25,12 +25,12 @@ from walkergen.simulation.world import (
 from walkergen.theory.impact import Law
 
 
-def landed(advance, options, tilt, contact, v_x, pitch, duration, kind="flexible"):
-    walker = hinged_walker(tilt, kind)
+def landed(h, tilt, contact, v_x, pitch, duration):
+    walker = hinged_walker(tilt)
     state = hinged_state(walker, 0.01, pitch, 0.3)
     state[V_Y], state[V_X] = -20.0, v_x
-    world = world_of(walker, contact=contact, options=options)
-    assert advance(world, state, duration, record.new(state.size)) == OK
+    world = world_of(walker, contact=contact, options=steps.Options(h))
+    assert steps.advance(world, state, duration, record.new(state.size)) == OK
     return state
 
 
@@ -44,11 +44,10 @@ SCENES = {
 
 @pytest.mark.parametrize("scene", SCENES)
 def test_error_falls_with_the_square_of_the_step(scene):
-    exact = events.Options(1e-13, 1e-4, 1e-5)
-    reference = landed(events.advance, exact, *SCENES[scene])
+    reference = landed(2e-8, *SCENES[scene])
     errors = []
     for h in (2e-5, 1.25e-6):
-        found = landed(steps.advance, steps.Options(h), *SCENES[scene])
+        found = landed(h, *SCENES[scene])
         errors.append(np.abs(found - reference)[[X, Y, PITCH]].max())
     # four halvings; seen 1.64 (slides back, leaves) to 1.97: events lie anywhere in a step
     assert math.log2(errors[0] / errors[1]) / 4.0 > 1.5
@@ -70,17 +69,8 @@ def test_flight_of_a_turning_walker_does_not_pump_its_legs(mode):
     assert energy(world, state) == pytest.approx(before, rel=1e-6)  # was 4 to 5 % without
 
 
-def test_flight_of_a_braced_walker_is_exact():
-    contact = Contact(0.3, 0.25, 0)
-    one = landed(steps.advance, steps.Options(1e-5), 10, contact, 5.0, 0.01, 6e-3, "braced")
-    exact = events.Options(1e-13)
-    other = landed(events.advance, exact, 10, contact, 5.0, 0.01, 6e-3, "braced")
-    # 1e-9: the landing's place on the cubic through its step
-    np.testing.assert_allclose(one[[X, Y, PITCH]], other[[X, Y, PITCH]], rtol=0, atol=1e-9)
-
-
-def mean_speed(tilt, contact, duration, kind="flexible", h=3e-5):
-    walker = hinged_walker(tilt, kind)
+def mean_speed(tilt, contact, duration, h=3e-5):
+    walker = hinged_walker(tilt)
     state, world = hinged_state(walker, 0.05, 0.002, 1.0), world_of(walker, contact=contact)
     tally, world = record.new(state.size), world._replace(options=steps.Options(h))
     assert steps.advance(world, state, 0.5, tally) == OK
@@ -102,12 +92,6 @@ def mean_speed(tilt, contact, duration, kind="flexible", h=3e-5):
 def test_mean_speed_is_that_of_an_independent_code(tilt, contact, speed, spread):
     """docs/physics.md section 5; spread: its +-2-5 mm/s and ours over 3 s of a chaotic run."""
     assert mean_speed(tilt, contact, 3.0) == pytest.approx(speed, abs=spread)
-
-
-@pytest.mark.parametrize("tilt", [0, 10])
-def test_braced_walker_goes_nowhere(tilt):
-    # docs/physics.md section 5: below 2 mm/s always; 3 s of a chaotic run
-    assert abs(mean_speed(tilt, Contact(0.8, 0.25, Law.POISSON.value), 3.0, "braced")) < 2.5
 
 
 def test_step_may_be_long_where_nothing_happens():

@@ -5,7 +5,6 @@ import math
 from walkergen.jobs.selftest.scenes import masses
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
-from walkergen.simulation.compliant import events as steady
 from walkergen.simulation.compliant import state as hinged
 from walkergen.simulation.compliant import steps
 from walkergen.simulation.drive import Drive, velocity
@@ -16,11 +15,8 @@ from walkergen.simulation.relaxed import state as relaxed
 from walkergen.simulation.world import V_Y, Contact, World
 from walkergen.walker.design import Design
 
-METHODS = {
-    "events": (steady.advance, steady.Options()),
-    "steps": (steps.advance, steps.Options(1e-5)),
-}
-"""Methods of the compliant model, with their options."""
+STEPS = steps.Options(1e-5)
+"""Options of the compliant model."""
 
 OMEGA = 2.0 * math.pi * 90.0
 ANY = Contact(0.5, 0.25, 0)
@@ -34,14 +30,14 @@ def shaken(gamma, frequency=90.0):
 SHAKEN = shaken(1.8)
 
 
-def world_of(walker, drive=SHAKEN, contact=ANY, options=None, slope=None, air=None):
+def world_of(walker, drive=SHAKEN, contact=ANY, options=STEPS, slope=None, air=None):
     """World of two feet of one `Contact`, or of a pair of them."""
     contacts = (contact, contact) if isinstance(contact, Contact) else contact
     return World(walker, drive, contacts, Acting(gravity_of(slope), air), options)
 
 
-def hinged_walker(tilt, kind="flexible", **options):
-    design = Design().variant(tilt_deg=float(tilt), kind=kind)
+def hinged_walker(tilt, **options):
+    design = Design().variant(tilt_deg=float(tilt))
     return hinged.walker_of(design, masses(design), **options)
 
 
@@ -94,8 +90,8 @@ def unlike_design(mirrored=False, kind="flexible"):
 UNLIKE = Contact(0.5, 0.1, 0), Contact(0.8, 0.6, 0)
 
 
-def unlike_hinged(mirrored=False, kind="flexible"):
-    design = unlike_design(mirrored, kind)
+def unlike_hinged(mirrored=False):
+    design = unlike_design(mirrored)
     return hinged.walker_of(design, masses(design))
 
 

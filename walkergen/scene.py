@@ -6,7 +6,7 @@ acceleration over g) determine it; a third and a fourth are accepted when they a
 
 import math
 from collections.abc import Mapping
-from typing import Annotated, Any, Literal, NamedTuple
+from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
@@ -256,14 +256,18 @@ class Feet(Section):
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
+    gone: ClassVar[Mapping[str, str]] = {
+        "method": "legs.model implies it (rigid, relaxed: by events; compliant, space: by steps); "
+        "leave the key out"
+    }
+
     seconds: Annotated[float, Field(ge=1e-8, le=1e7)] = 60.0
     """Measured time of one run, s, after the discarded start."""
     discard_seconds: Annotated[float, Field(ge=0, le=1e7)] = 1.0
     runs: Annotated[int, Field(ge=1, le=100_000)] = 16
     seed: Annotated[int, Field(ge=0, le=2**63)] = 1
-    method: Literal["auto", "event", "step"] = "auto"
     step_us: Annotated[float, Field(ge=0.01, le=1000)] | None = None
-    """Step of the time-stepping method, us, while a foot is in contact. None: the model's own, 30
+    """Time step, us, while a foot is in contact. None: the model's own, 30
     us in a plane, in space what resolves the feet."""
     energy_tolerance: Annotated[float, Field(ge=1e-9, le=1)] = 0.05
     """Largest share of the exchanged energy that may remain unaccounted for."""

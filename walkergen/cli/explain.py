@@ -21,7 +21,6 @@ def explain(
     tilt: opt.OneTilt = None,
     legs: opt.OneKind = None,
     model: opt.Model = None,
-    method: opt.Method = None,
     friction: opt.Friction = None,
     gamma: opt.Gamma = None,
     frequency: opt.Frequency = None,
@@ -38,7 +37,7 @@ def explain(
 
     asked = loading.asked(
         keys, "design scene",
-        friction=friction, gamma=gamma, frequency=frequency, method=method, model=model,
+        friction=friction, gamma=gamma, frequency=frequency, model=model,
     )  # fmt: skip
     resolved_scene, chosen = asked.scene(scene), asked.one(design, tilt, legs)
     mass = solids.mass_of(chosen)
@@ -66,6 +65,6 @@ def _show_effects(
         why = f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
         table.add_row(row.effect, "on" if row.on else "off", f"{row.number:.3g}", cost, why)
     print(f"{design.name}, tilt {design.tilt_deg:g} deg, on {scene.name}:")
-    print(f"model {plan.resolved.model}, method {plan.resolved.method}")
+    print(f"model {plan.resolved.model}")
     show.table(table)
     show.text("cost: CPU time over that of the scene without the effect, whose motion differs too")

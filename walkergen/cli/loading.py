@@ -30,7 +30,6 @@ FLAGS = {
     "seconds": "scene.run.seconds",
     "runs": "scene.run.runs",
     "seed": "scene.run.seed",
-    "method": "scene.run.method",
     "step": "scene.run.step_us",
     "model": "scene.legs.model",
 }

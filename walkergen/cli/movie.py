@@ -39,7 +39,6 @@ def movie(
         int, typer.Option("--fps", metavar="N", help="Frames per second: 10, 20, 25 or 50.")
     ] = 25,
     model: opt.Model = None,
-    method: opt.Method = None,
     law: opt.LawName = None,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
@@ -67,7 +66,7 @@ def movie(
     asked = loading.asked(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-        seed=seed, method=method, step=step, model=model,
+        seed=seed, step=step, model=model,
     )  # fmt: skip
     resolved, chosen = asked.scene(scene), asked.design(design)
     members = asked.members(chosen, tilt, legs, whole=False)

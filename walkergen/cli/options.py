@@ -87,18 +87,13 @@ Model = Annotated[
         "--model", metavar="MODEL", help="Model: rigid, relaxed, compliant, space or auto."
     ),
 ]
-Method = Annotated[
-    str | None, typer.Option("--method", metavar="METHOD", help="Method: event, step or auto.")
-]
 Gamma = Annotated[
     float | None, typer.Option("--gamma", metavar="NUMBER", help="Peak acceleration over g.")
 ]
 Frequency = Annotated[
     float | None, typer.Option("--frequency", metavar="HZ", help="Frequency of the drive, Hz.")
 ]
-Step = Annotated[
-    float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step of method step.")
-]
+Step = Annotated[float | None, typer.Option("--step", metavar="MICROSECONDS", help="Time step.")]
 Uncertain = Annotated[
     bool, typer.Option("--uncertain", help="Draw uncertain inputs; say what to measure next.")
 ]

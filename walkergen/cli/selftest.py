@@ -70,7 +70,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
         table.add_column(heading, justify="right" if right else "left")
     for result in results:
         tightest = sorted(result.checks, key=lambda check: _room(check.value, check.limit))[:1]
-        name = (result.section, result.case, f"{result.model}, {result.method}")
+        name = (result.section, result.case, result.model)
         shown = [check for check in result.checks if not check.holds] or tightest
         for check in shown if not result.error else []:
             room = _room(check.value, check.limit)
@@ -88,7 +88,7 @@ def _show_hard_cases(results: "Sequence[Result]") -> None:
     cases = len({result.case for result in results})
     print("sections: docs/physics.md")
     print(
-        f"{cases} hard cases in {len(results)} runs of a model and method, {checks} checks: "
+        f"{cases} hard cases in {len(results)} runs of a model, {checks} checks: "
         f"{len(results) - failed} runs hold, {failed} fail"
     )
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 UNCERTAIN_SECONDS = 4.0
 """Measured time of a run of --uncertain unless asked otherwise, s."""
 
-CHOSEN = tuple(loading.FLAGS[name] for name in ("model", "method", "step", "seconds", "runs"))
+CHOSEN = tuple(loading.FLAGS[name] for name in ("model", "step", "seconds", "runs"))
 """Keys whose values --error chooses itself."""
 
 
@@ -36,7 +36,6 @@ def simulate(
     seconds: opt.Seconds = None,
     runs: opt.Runs = None,
     model: opt.Model = None,
-    method: opt.Method = None,
     law: opt.LawName = None,
     restitution: opt.Restitution = None,
     friction: opt.Friction = None,
@@ -88,7 +87,7 @@ def simulate(
     asked = loading.asked(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
-        seconds=seconds, runs=runs, seed=seed, method=method, step=step, model=model,
+        seconds=seconds, runs=runs, seed=seed, step=step, model=model,
     )  # fmt: skip
     if uncertain:
         why = "not with --uncertain; leave one of them out"

@@ -101,7 +101,7 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
         if half <= most or found.speed_mm_s is None or Outcome.ORBIT.value in found.outcomes:
             break
-        own = float(plan.world.options.step) if plan.resolved.method == "step" else None
+        own = getattr(plan.world.options, "step", None)
         finer = _refined(scene, half, most, step or 0.0, own)
         if finer is None:
             break

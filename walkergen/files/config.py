@@ -10,7 +10,7 @@ import tomllib
 from collections import Counter
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_args, get_origin
+from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_validator
 from pydantic.fields import FieldInfo
@@ -54,6 +54,9 @@ class Section(BaseModel):
     """Table of a TOML file: frozen, with strict numbers; unknown keys and NaN are refused."""
 
     model_config = ConfigDict(frozen=True, extra="forbid", strict=True, allow_inf_nan=False)
+
+    gone: ClassVar[Mapping[str, str]] = {}
+    """Keys that earlier versions had, and what to do without each."""
 
     @field_validator("*", mode="before")
     @classmethod
@@ -198,7 +201,7 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
     place = where(location, source, text)
     key = plain.line(prefix + ".".join(location) or "file")
     if mistake["type"] == "extra_forbidden":
-        return f"{place}: {_cut(key)}: unknown key{_spelling_hint(location, model, prefix)}"
+        return f"{place}: {_cut(key)}: {_unknown_key(location, model, prefix)}"
     if mistake["type"] == "value_error":  # raised by a table's own check, in full words
         return f"{place}: {key}: {mistake['msg'].removeprefix('Value error, ')}"
     if mistake["type"] in ("too_short", "too_long"):
@@ -290,20 +293,22 @@ def unknown(location: tuple[str, ...], model: type[Section], prefix: str = "") -
     """
     if _field_at(location, model) is not None:
         return ""
-    return f"unknown key{_spelling_hint(location, model, prefix)}"
+    return _unknown_key(location, model, prefix)
 
 
-def _spelling_hint(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
-    """End of a line on an unknown key: the known key most like it, or all of its table."""
+def _unknown_key(location: tuple[str, ...], model: type[Section], prefix: str) -> str:
+    """Words on a key that is gone, or unknown: the known key most like it, or all of its table."""
     table = _model_at(location[:-1], model)
+    if table and location[-1] in table.gone:
+        return f"this key is gone: {table.gone[location[-1]]}"
     known = [".".join(path) for path in keys(model)]
     if table and any("[" in key for key in location):
         known = [".".join((*location[:-1], name)) for name in table.model_fields]
     close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
     if close:
-        return f"; did you mean {prefix}{close[0]}?"
+        return f"unknown key; did you mean {prefix}{close[0]}?"
     names = list(table.model_fields) if table else [key for key in known if "." not in key]
-    return f"; known here: {', '.join(names)}"
+    return f"unknown key; known here: {', '.join(names)}"
 
 
 def keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:

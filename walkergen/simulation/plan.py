@@ -52,18 +52,13 @@ def _room(resolved: Resolved) -> Any:
     """Package that moves the walker of a resolved scene."""
     if resolved.model == "space":
         return space
-    return compliant if resolved.model == "compliant" or resolved.method == "step" else relaxed
+    return compliant if resolved.model == "compliant" else relaxed
 
 
 def without(scene: Scene, effect: Effect) -> Scene:
-    """Scene with `effect` off; where that changes the model, the method becomes 'auto'."""
+    """Scene with `effect` off, or with the model that leaves it out."""
     simpler = {compliance.NAME: "relaxed", tensor.NAME: "rigid"}.get(effect.name)
     if simpler is None:
         off = {effect.switch.removeprefix("effects."): False}
         return scene.model_copy(update={"effects": scene.effects.model_copy(update=off)})
-    return scene.model_copy(
-        update={
-            "legs": scene.legs.model_copy(update={"model": simpler}),
-            "run": scene.run.model_copy(update={"method": "auto"}),
-        }
-    )
+    return scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": simpler})})

@@ -19,8 +19,7 @@ from walkergen.files.progress import Progress, part
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
-from walkergen.simulation.effects.effect import ModelName
-from walkergen.simulation.effects.resolve import MethodName
+from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import RunResult
@@ -46,10 +45,14 @@ class Point(NamedTuple):
 
     key: str
     model: ModelName
-    method: MethodName
     summary: Summary
     results: Sequence[RunResult]
     """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
+
+    @property
+    def method(self) -> str:
+        """Method of the model: "event" or "step"."""
+        return METHODS[self.model]
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
@@ -95,7 +98,7 @@ def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Poi
     summary, results = ensemble.measure(
         plan, progress, threads, asked.impacts, asked.sample_interval
     )
-    return Point(key(asked), plan.resolved.model, plan.resolved.method, summary, results)
+    return Point(key(asked), plan.resolved.model, summary, results)
 
 
 def each(

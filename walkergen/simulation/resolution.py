@@ -63,12 +63,11 @@ ENDLESS = (
     "not resolved: impacts that shrink without end are counted down to a cut-off, so the number "
     "grows as that shrinks, by steps and by events; see the types by impulse"
 )
-COARSE = "not resolved by this step: --step {own:.2g} or less is, and --method event has no error"
 TURNING = (
     "turning and spread: ± is of the runs; by a tenth of this step they were the same within 30 %, "
     "at one setting of 14 twice as large"
 )
-LONGER = "not resolved by this step: --step {own:.2g} or less is"
+COARSE = "not resolved by this step: --step {own:.2g} or less is"
 
 
 class Verdict(NamedTuple):
@@ -93,7 +92,7 @@ def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
         names = [*known, LANDED, GROUPED, MOTION]
-        return dict.fromkeys(names, Verdict(None, LONGER.format(own=_down(1e6 * own))))
+        return dict.fromkeys(names, Verdict(None, COARSE.format(own=_down(1e6 * own))))
     known |= {LANDED: 1.0, GROUPED: 1.0}
     verdicts = {name: _in_space(plan, part, name, value) for name, value in known.items()}
     return verdicts | {MOTION: Verdict(None, TURNING)}
@@ -119,7 +118,7 @@ def values(found: Summary) -> dict[str, float]:
 def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
     if name == observables.IMPACTS or name.startswith(f"{observables.BY_NUMBER}."):
         return Verdict(None, ENDLESS)
-    if plan.resolved.method == "event":
+    if plan.resolved.model != "compliant":
         return Verdict(0.0)
     own = lengths.own_step(plan.world.walker)
     part = plan.world.options.step / own
@@ -164,7 +163,7 @@ def longest_step(plan: Plan) -> float:
     Legs that are hit swing back within twice that step, by half a period of their slower mode or
     by their damper: it ends before their rebound (`compliant.lengths.swings_back`).
     """
-    if plan.resolved.model == "space" or plan.resolved.method == "event":
+    if plan.resolved.model != "compliant":
         return math.inf
     return lengths.longest_step(plan.world.walker)
 
@@ -177,7 +176,7 @@ def warnings(plan: Plan) -> list[str]:
     return [
         f"run.step_us = {1e6 * step:g}: beyond {1e6 * longest:.3g} legs swing back within two "
         "steps, every rebound is absorbed, and the speed is wrong (by 70 to 90 % at 10 deg); at "
-        f"most {0.5e6 * longest:.2g}, half of it, or method 'event'"
+        f"most {0.5e6 * longest:.2g}, half of it"
     ]
 
 

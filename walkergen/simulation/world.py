@@ -58,7 +58,7 @@ class World(NamedTuple):
     """Contact of each foot, the back one first; in space the walker knows its own."""
     acting: Acting
     options: Any
-    """The method's own `Options`."""
+    """The model's own `Options`."""
 
 
 def mirrored(state: State) -> State:

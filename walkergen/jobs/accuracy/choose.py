@@ -9,7 +9,7 @@ from walkergen.exploring.wanted import Wanted
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import elastic, kept, observed
-from walkergen.jobs.accuracy.purse import SHORTEST, STEP_RUNS, Purse
+from walkergen.jobs.accuracy.purse import RUNS, SHORTEST, Purse
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey, complete
 from walkergen.numerics.statistics import Mean
@@ -97,7 +97,7 @@ def check(wanted: Wanted, of: str, scene: Scene, design: Design, mass: MassPrope
     if of != SPEED and not wanted.relative:
         raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
     counted = of == observables.IMPACTS or of.startswith(f"{observables.BY_NUMBER}.")
-    if counted and complete(scene, design) != "space":
+    if counted and complete(scene) != "space":
         raise InputError(f"--of {of}: {resolution.ENDLESS}")
 
 
@@ -106,12 +106,7 @@ def candidates(survey: Survey, progress: Progress) -> list[Measured]:
 
     Where a simpler model has the same mean speed, errors of opposite signs happen to cancel.
     """
-    return survey.measure(settings(survey), progress)
-
-
-def settings(survey: Survey) -> list[Setting]:
-    """Settings of the complete model, of which one is chosen."""
-    return [*survey.events, *survey.steps]
+    return survey.measure(survey.steps, progress)
 
 
 def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
@@ -140,7 +135,7 @@ def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured)
     """Advice on the budget that would give the reference's mean speed to a third of the error."""
     assert reference.se is not None
     known = 2.0 * reference.se
-    weights = [*map(survey.share, settings(survey)), *elastic.WEIGHTS.values()]
+    weights = [*map(survey.share, survey.steps), *elastic.WEIGHTS.values()]
     share = survey.share(reference.setting) / sum(weights)
     spent = reference.cpu_s / share / survey.cores
     needed = spent * max(3.0 * known / error, 1.0) ** 2
@@ -158,11 +153,9 @@ def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured)
 def margin(survey: Survey, one: Measured, found: Sequence[Measured]) -> list[Measured | None]:
     """What must be within the error for `one` to count: a step twice as long; [None] without any.
 
-    Steps on a ladder are rounded: 1.9 times as long is twice. Events have no step.
+    Steps on a ladder are rounded: 1.9 times as long is twice.
     """
-    step = one.setting.step_us
-    if step is None:
-        return []
+    step = one.setting.step_us or 0.0
     steps = {other.setting.step_us or 0.0: other for other in found}
     longer = sorted(other for other in steps if other > step)
     twice = [other for other in longer if other >= MARGIN * step]
@@ -181,10 +174,10 @@ def _offer(survey: Survey, one: Measured, reference: Measured, error: float) -> 
     if bound is None or not _within(survey, one, reference, error):
         return None
     se = 0.5 * (error - bound)
-    time = max(SLACK * one.variance_time / se**2, STEP_RUNS * SHORTEST)
-    seconds = _up(time / STEP_RUNS)
-    cpu = one.cpu_per_s * STEP_RUNS * (seconds + one.discard_seconds)
-    return Choice(one.setting, bound, se, STEP_RUNS, seconds, cpu)
+    time = max(SLACK * one.variance_time / se**2, RUNS * SHORTEST)
+    seconds = _up(time / RUNS)
+    cpu = one.cpu_per_s * RUNS * (seconds + one.discard_seconds)
+    return Choice(one.setting, bound, se, RUNS, seconds, cpu)
 
 
 def _up(seconds: float) -> float:
@@ -200,7 +193,7 @@ def _informed(survey: Survey, wanted: Wanted, progress: Progress) -> tuple[Choic
     little is known that the runs to come would be dearer than to know more.
     Raises InputError when not even the longest tell enough.
     """
-    survey.asked = settings(survey)
+    survey.asked = survey.steps
     survey.purse = Purse(PILOTS_S[0], survey.cores, patient=True)
     kept.recall(survey)
     on_record = not survey.due
@@ -229,7 +222,7 @@ def _tried(survey: Survey, wanted: Wanted, progress: Progress) -> Choice | Uncer
 
 def _thin(survey: Survey, pilot_s: float) -> bool:
     """Whether the known ladders took much less than a survey of `pilot_s` s would."""
-    spent = sum(survey.known[one].cpu_s for one in settings(survey) if one in survey.known)
+    spent = sum(survey.known[one].cpu_s for one in survey.steps if one in survey.known)
     return spent < 0.5 * pilot_s * survey.cores
 
 

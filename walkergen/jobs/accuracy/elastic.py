@@ -10,7 +10,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
-from walkergen.jobs.accuracy.purse import BY_STEPS, widened
+from walkergen.jobs.accuracy.purse import KINDS, widened
 from walkergen.jobs.accuracy.setting import Setting
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble, record
@@ -107,7 +107,7 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     granted = survey.take("frames")
     several = granted > len(FRAMES) * survey.least(survey.own)
     lengths = FRAMES if several else FEWEST_FRAMES
-    runs = survey.purse.affords(granted / len(lengths), rate, discard, BY_STEPS)
+    runs = survey.purse.affords(granted / len(lengths), rate, discard, KINDS)
     plan = survey.plan(survey.own).lasting(seconds=runs.seconds, runs=runs.number)
     rungs = []
     for number, frame in enumerate(lengths):
@@ -163,7 +163,7 @@ def _landing_s(survey: Survey) -> float:
 
 def _sliding(survey: Survey) -> Short:
     """Slide down a slope from rest, on a plate too calm to throw the walker."""
-    scene = survey.scene_of(Setting("space", "step", None))
+    scene = survey.scene_of(Setting("space", None))
     drive = {"frequency_hz": scene.drive.frequency, "gamma": 0.3}
     slope = min(float(np.degrees(np.arctan(scene.contact.friction))) + STEEP_DEG, 59.0)
     tables = scene.model_dump(exclude_none=True) | {"drive": drive, "plate": {"slope_deg": slope}}
@@ -176,7 +176,7 @@ def _sliding(survey: Survey) -> Short:
 
 def _landings(survey: Survey, drops: int) -> Short:
     """Drop the walker over half a period, from many heights, pitches, rolls and phases."""
-    plan = survey.plan(Setting("space", "step", None))
+    plan = survey.plan(Setting("space", None))
     drive, rng = plan.world.drive, np.random.default_rng(1)
     starts = [
         plan.start(

@@ -20,8 +20,8 @@ WITHIN = 0.05
 
 
 def ladder(survey: Survey, progress: Progress) -> Ladder:
-    """Measure the bias of every observable at every step of the complete model, and by events."""
-    survey.measure([*survey.steps, *survey.events], progress)
+    """Measure the bias of every observable at every step of the complete model."""
+    survey.measure(survey.steps, progress)
     rungs: list[Rung] = []
     notes = []
     for name in observed.NAMES:
@@ -38,8 +38,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         "Bias of everything that is printed against the step",
         "bias, share of the value",
         "CPU time of a simulated second, s",
-        f"{true.setting.label}"
-        + ("" if survey.complete == "space" else ", for the mean speed the finest step"),
+        true.setting.label,
         rungs,
         (
             *notes,
@@ -52,8 +51,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 def _reference(view: Survey, progress: Progress) -> Measured | None:
     """What counts as true of an observable; None where it is rare, or not told from zero."""
-    true = [*view.events, *view.steps] if view.of != observables.SPEED else view.steps
-    (found,) = view.measure(true[:1], progress)
+    (found,) = view.measure(view.steps[:1], progress)
     if found.value is None or found.se is None or not abs(found.value) > TOLD * found.se:
         return None
     shares = (f"{observables.BY_IMPULSE}.", f"{observables.BY_NUMBER}.")

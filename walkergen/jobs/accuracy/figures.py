@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.files.figures import PAGE, SERIES, SMALLEST, logarithmic, style, wrapped
+from walkergen.files.figures import PAGE, SERIES, logarithmic, style, wrapped
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 
 YLABEL = 1.5
@@ -47,8 +47,6 @@ def ladder_figure(ladder: Ladder) -> Figure:
     if ladder.along:
         _label(axes[1], names[ladder.along], ladder.cost)
         axes[0].set_xlabel("")
-        if any(_at(rung, ladder.along) == 0.0 for rung in known):
-            _mark_events(axes[0], apart)
     figure.suptitle(wrapped(ladder.title, PAGE - 0.2))
     figure.legend(loc="outside right center")
     return figure
@@ -57,13 +55,6 @@ def ladder_figure(ladder: Ladder) -> Figure:
 def _at(rung: Rung, along: str) -> float:
     """Place of a rung on the axis of its ladder, 0 of one without steps; its cost without a key."""
     return float(rung.details[along] or 0.0) if along else rung.cpu_s
-
-
-def _mark_events(axes: Axes, at: float) -> None:
-    """Name the place left of the steps at which settings without steps stand."""
-    axes.axvline(at, color="0.85", linewidth=5, zorder=0)
-    axes.annotate("by events", (at, 1.0), xycoords=("data", "axes fraction"), ha="center",
-                  va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
 
 
 def _draw(

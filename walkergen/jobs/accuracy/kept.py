@@ -16,7 +16,7 @@ from walkergen.simulation import points
 def record(survey: Survey) -> Path:
     """Where the measured speeds of this walker in this scene are kept, for this version here."""
     scene, *others = points.facts(survey.scene, survey.design)
-    for key in ("seconds", "runs", "method", "step_us", "accepted_error"):
+    for key in ("seconds", "runs", "step_us", "accepted_error"):
         scene["run"].pop(key)
     scene["legs"].pop("model")
     text = json.dumps([scene, *others, machine()], sort_keys=True)

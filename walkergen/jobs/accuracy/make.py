@@ -104,7 +104,7 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     The least is what the fewest and shortest runs take that mean something, and it is then spent:
     shorter ones would give numbers without error bars.
     """
-    wanted = [*choose.settings(survey), survey.own] if {*only} & ANSWERING else []
+    wanted = [*survey.steps, survey.own] if {*only} & ANSWERING else []
     wanted += survey.simpler if "models" in only else []
     least = 0.0
     if "statistics" in only:

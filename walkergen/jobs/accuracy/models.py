@@ -30,7 +30,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     The bias of formulas depends on the scene's impact_speed_factor, which they cannot predict.
     """
     reference = survey.reference(progress)
-    settings = [*survey.simpler, survey.own, *survey.events]
+    settings = [*survey.simpler, survey.own]
     found = survey.measure(settings, progress)
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
@@ -53,7 +53,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 def certificate(survey: Survey, progress: Progress) -> str:
     """Statement of the mean speed that counts as true, and how far another setting agrees on it.
 
-    That is the method by events; in space, where there is none, the step next to the finest.
+    That is the step next to the finest.
     """
     reference = survey.reference(progress)
     (other,) = survey.measure([survey.certifying], progress)
@@ -118,7 +118,7 @@ def rung_of(
     """Rung of a measured setting with its bias and cost; `own` details precede the common ones."""
     bias, unit = survey.bias(found, reference), survey.unit(reference)
     return Rung(
-        f"{found.setting.model}, {found.setting.method}",
+        found.setting.series,
         found.setting.label,
         None if bias is None else abs(bias.size) / unit.size,
         None if bias is None else bias.se / unit.size,

@@ -6,8 +6,8 @@ from typing import NamedTuple
 
 from walkergen.simulation.ensemble import FEWEST_RUNS
 
-STEP_RUNS, EVENT_RUNS = 16, 8
-"""Independent runs of a measurement by steps and by events: few, because each start is dear."""
+RUNS = 16
+"""Independent runs of a measurement: few, because each start is dear."""
 
 SHORTEST = 0.5
 """Shortest run, s: a still shorter run is mostly its discarded start."""
@@ -20,11 +20,8 @@ class Runs(NamedTuple):
     seconds: float
 
 
-BY_STEPS = (Runs(STEP_RUNS, 1.0), Runs(8, 1.0), Runs(FEWEST_RUNS, SHORTEST))
-"""Numbers of runs by steps, each with the time from which it is better than the next fewer."""
-
-BY_EVENTS = (Runs(EVENT_RUNS, 1.0), Runs(FEWEST_RUNS, SHORTEST))
-"""The same by events."""
+KINDS = (Runs(RUNS, 1.0), Runs(8, 1.0), Runs(FEWEST_RUNS, SHORTEST))
+"""Numbers of runs, each with the time from which it is better than the next fewer."""
 
 ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 """Digits of a run's length: it does not follow every fluctuation of the machine's speed, and with
@@ -102,11 +99,11 @@ def rounded_down(value: float) -> float:
 
 
 def widened(runs: int) -> float:
-    """Factor on the standard error of few runs, so that twice it is as sure as of STEP_RUNS.
+    """Factor on the standard error of few runs, so that twice it is as sure as of RUNS.
 
     By Student's t at 95 %: 1.49 for 4 runs, 1.11 for 8.
     """
     from scipy.special import stdtrit
 
-    few, usual = (float(stdtrit(count - 1.0, 0.975)) for count in (runs, STEP_RUNS))
-    return few / usual if runs < STEP_RUNS else 1.0
+    few, usual = (float(stdtrit(count - 1.0, 0.975)) for count in (runs, RUNS))
+    return few / usual if runs < RUNS else 1.0

@@ -3,8 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
-from walkergen.simulation.effects.effect import ModelName
-from walkergen.simulation.effects.resolve import MethodName
+from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.observables import SPEED
 
 
@@ -12,32 +11,29 @@ class Setting(NamedTuple):
     """Choice of how to simulate."""
 
     model: ModelName
-    method: MethodName
     step_us: float | None
-    """Time step, us; None for method event."""
+    """Time step, us; None for the model's own, or where it has none."""
 
     @property
     def label(self) -> str:
         """Name of the setting in tables and figures."""
         step = "" if self.step_us is None else f" {self.step_us:g} us"
-        return f"{self.model}, {self.method}{step}"
+        return f"{self.series}{step}"
+
+    @property
+    def series(self) -> str:
+        """Name of all settings that differ in the step alone."""
+        return f"{self.model}, {METHODS[self.model]}"
 
     @property
     def flags(self) -> str:
         """Options of the command line that select the setting."""
         step = "" if self.step_us is None else f" --step {self.step_us:g}"
-        return f"--model {self.model} --method {self.method}{step}"
+        return f"--model {self.model}{step}"
 
 
-PLANAR = (
-    Setting("rigid", "event", None),
-    Setting("relaxed", "event", None),
-    Setting("compliant", "step", None),
-)
+PLANAR = Setting("rigid", None), Setting("relaxed", None), Setting("compliant", None)
 """Settings of the models in a plane, with a law of impact; braced walkers have the first."""
-
-PLANAR_METHODS = {one.model: one.method for one in PLANAR}
-"""Methods of those models."""
 
 
 class Measured(NamedTuple):

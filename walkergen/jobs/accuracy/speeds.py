@@ -1,4 +1,4 @@
-"""Speeds and all else by every model, method and step: measured once each, with their costs."""
+"""Speeds and all else by every model and step: measured once each, with their costs."""
 
 import copy
 import math
@@ -10,8 +10,8 @@ from functools import cached_property
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.accuracy import observed
-from walkergen.jobs.accuracy.purse import BY_EVENTS, BY_STEPS, STEP_RUNS, Purse, Runs, widened
-from walkergen.jobs.accuracy.setting import PLANAR, PLANAR_METHODS, Bias, Measured, Setting, Unit
+from walkergen.jobs.accuracy.purse import KINDS, RUNS, Purse, Runs, widened
+from walkergen.jobs.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import ensemble, points
 from walkergen.simulation.effects.effect import ModelName
@@ -26,14 +26,13 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
-"""Numbers of steps per period of the drive at which the time-stepping method is measured."""
+"""Numbers of steps per period of the drive at which the compliant model is measured."""
 
 STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.25, 1.6)
 """Steps over that which resolves the feet, at which the model in space is measured."""
 
-CERTIFYING_SHARE, FINEST_SHARE = 0.3, 0.15
-"""Shares of the CPU budget for the two settings that certify the reference: events, or the step
-next to the finest, and the finest step. In space the two change places: the finest costs most."""
+FINEST_SHARE, CERTIFYING_SHARE = 0.3, 0.15
+"""Shares of the CPU budget for the finest step and for that next to it, which certifies it."""
 
 PILOT = 0.25
 """Simulated time, s, of each run that tells what a setting costs."""
@@ -60,44 +59,39 @@ class Survey:
         """Settings that are to be measured within the budget; None: all."""
         self.known: dict[Setting, Measured] = {}
         self._rates: dict[Setting, float] = {}
-        self.complete = complete(scene, design)
-
-    @property
-    def events(self) -> list[Setting]:
-        """Setting of the complete model by events, which elastic feet do not have."""
-        return [] if self.complete == "space" else [Setting(self.complete, "event", None)]
+        self.complete = complete(scene)
 
     @property
     def certifying(self) -> Setting:
-        """Setting that certifies the reference: events, or the step next to the finest."""
-        return [*self.events, *self.steps[1:]][0]
+        """Setting that certifies the reference: the step next to the finest."""
+        return self.steps[1]
 
     @property
     def steps(self) -> list[Setting]:
-        """Settings of the complete model by steps, finest first; the finest is the reference."""
+        """Settings of the complete model, finest step first, which is the reference."""
         if self.complete == "space":
             found = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
         else:
             period = 1e6 / self.scene.drive.frequency
             found = [_round(period / part) for part in STEPS_PER_PERIOD]
         inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in found)
-        return [Setting(self.complete, "step", step) for step in inside]
+        return [Setting(self.complete, step) for step in inside]
 
     @cached_property
     def resolving_us(self) -> float:
         """Step that resolves elastic feet, us: the default of the model in space."""
         run = self.scene.run.model_copy(update={"step_us": None})
         scene = self.scene.model_copy(update={"run": run})
-        plan = prepare(_as(scene, Setting("space", "step", None)), self.design, self.mass)
+        plan = prepare(_as(scene, Setting("space", None)), self.design, self.mass)
         return float(1e6 * plan.world.options.step)
 
     @property
     def own(self) -> Setting:
-        """Setting of the complete model by steps, with the scene's own step."""
+        """Setting of the complete model with the scene's own step."""
         step = self.scene.run.step_us
         if step is None and self.complete == "space":
             step = _round(self.resolving_us)
-        return Setting(self.complete, "step", step)
+        return Setting(self.complete, step)
 
     @property
     def simpler(self) -> list[Setting]:
@@ -149,7 +143,7 @@ class Survey:
         if setting in self.known:
             return self.known[setting].cpu_per_s
         if setting not in self._rates:
-            runs = min(self.cores, STEP_RUNS)
+            runs = min(self.cores, RUNS)
             plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
             compile_kernels(plan)
             started = time.perf_counter()
@@ -178,22 +172,19 @@ class Survey:
     @property
     def due(self) -> list[Setting]:
         """Settings that are still to be measured."""
-        asked = [*self.events, *self.steps, *self.simpler] if self.asked is None else self.asked
+        asked = [*self.steps, *self.simpler] if self.asked is None else self.asked
         return [one for one in dict.fromkeys(asked) if one not in self.known]
 
     def least(self, setting: Setting) -> float:
         """Wall time (s) of the least measurement of a setting that means something."""
-        runs = _kinds(setting)[-1]
-        return self.purse.cost(runs, self.rate(setting), self.scene.run.discard_seconds)
+        return self.purse.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
 
     def reference(self, progress: Progress) -> Measured:
         """Measure the setting that counts as true: the finest step of the complete model.
 
-        In a plane it is the method by events for all but the speed, since steps of any length
-        absorb small rebounds. Raises InputError when it gives no value with an error bar.
+        Raises InputError when it gives no value with an error bar.
         """
-        true = [*self.events, *self.steps] if self.of != SPEED else self.steps
-        (found,) = self.measure(true[:1], progress)
+        (found,) = self.measure(self.steps[:1], progress)
         if found.value is None or found.se is None:
             raise InputError(
                 f"{self.scene.name}: the runs end as {found.outcomes}: there is no {self.title} "
@@ -244,8 +235,7 @@ class Survey:
         biases = [
             self.bias(one.seen(self.of), reference)
             for one in self.known.values()
-            if one.setting.method == "step"
-            and one.setting.model == measured.setting.model
+            if one.setting.model == measured.setting.model
             and (one.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
         ]
         sizes = (math.inf if bias is None else bias.certain for bias in biases)
@@ -254,8 +244,6 @@ class Survey:
     def share(self, setting: Setting) -> float:
         """Weight of a setting in the budget; of all settings together: 1."""
         shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
-        if self.complete == "space":
-            shares = {self.certifying: FINEST_SHARE, self.steps[0]: CERTIFYING_SHARE}
         others = {*self.steps, *self.simpler} - shares.keys()
         return shares.get(setting, (1.0 - sum(shares.values())) / len(others))
 
@@ -277,7 +265,7 @@ class Survey:
         Errors of few runs are widened, so that twice them means 95 % confidence as ever.
         """
         discard, rate = self.scene.run.discard_seconds, self.rate(setting)
-        runs = self.purse.affords(self.granted(setting), rate, discard, _kinds(setting))
+        runs = self.purse.affords(self.granted(setting), rate, discard, KINDS)
         point = self._run(setting, runs, progress)
         summary, wider = point.summary, widened(runs.number)
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
@@ -297,20 +285,15 @@ class Survey:
         )
 
 
-def _kinds(setting: Setting) -> Sequence[Runs]:
-    return BY_EVENTS if setting.method == "event" else BY_STEPS
-
-
-def complete(scene: Scene, design: Design) -> ModelName:
-    """Model that counts as the truth: the planar one that a scene names, else that in space."""
-    planar: ModelName = "rigid" if design.braced else "compliant"
-    return planar if scene.legs.model == planar else "space"
+def complete(scene: Scene) -> ModelName:
+    """Model that counts as the truth: the compliant one where a scene names it, else in space."""
+    return "compliant" if scene.legs.model == "compliant" else "space"
 
 
 def refusal(scene: Scene, design: Design, mass: MassProperties, model: ModelName) -> str:
     """Reason for which a planar model does not know a walker; "" where it does."""
     try:
-        resolve(_as(scene, Setting(model, PLANAR_METHODS[model], None)), design, mass)
+        resolve(_as(scene, Setting(model, None)), design, mass)
     except InputError as refused:
         return str(refused)
     return ""
@@ -324,7 +307,7 @@ def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
     step: dict[str, float | None] = {"step_us": setting.step_us} if setting.step_us else {}
     if setting.step_us is None and setting.model != scene.legs.model:
         step = {"step_us": None}
-    changed = scene.run.model_copy(update={"method": setting.method, **step, **run})
+    changed = scene.run.model_copy(update={**step, **run})
     legs = scene.legs.model_copy(update={"model": setting.model})
     if setting.model == "space":
         return scene.model_copy(update={"run": changed, "legs": legs})

@@ -115,7 +115,7 @@ def on_plane(scene: Scene, noise_ratio: float = 0.0) -> Scene:
     """Scene of the model in space: the same drive and contact on an open plane, without walls."""
     arena = scene.arena.model_copy(update={"kind": "plane", "gap_mm": None})
     legs = scene.legs.model_copy(update={"model": "space"})
-    run = scene.run.model_copy(update={"method": "auto", "step_us": None})
+    run = scene.run.model_copy(update={"step_us": None})
     plate = scene.plate
     if noise_ratio:
         plate = plate.model_copy(update={"noise_ratio": noise_ratio})

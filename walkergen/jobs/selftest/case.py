@@ -1,27 +1,16 @@
-"""Hard cases: something to run, the models and methods to run it on, and what must hold."""
+"""Hard cases: something to run, the models to run it on, and what must hold."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from typing import NamedTuple
 
-Pair = tuple[str, str]
+from walkergen.simulation.effects import effect
 
-EVERY: tuple[Pair, ...] = (
-    ("relaxed", "event"),
-    ("rigid", "event"),
-    ("rigid", "step"),
-    ("compliant", "event"),
-    ("compliant", "step"),
-)
-"""Pairs of every model with every method that it has."""
+SPACE, IMPACT_LAW, GEOMETRY = ("space",), ("impact law",), ("geometry",)
 
-THREE_COORDINATES = EVERY[:2]
-"""The event-driven plan without leg coordinates: instants in finite work, stands in one step."""
-
-RIGID = EVERY[1:3]
-COMPLIANT = EVERY[3:]
-IMPACT_LAW: tuple[Pair, ...] = (("impact law", "closed form"),)
-CASCADE: tuple[Pair, ...] = (("cascade", "event"),)
-GEOMETRY: tuple[Pair, ...] = (("geometry", "solids"),)
+METHODS: Mapping[str, str] = {
+    **effect.METHODS, "impact law": "closed form", "geometry": "solids"
+}  # fmt: skip
+"""Methods of what cases run on: of models, and of parts of them."""
 
 
 class Check(NamedTuple):
@@ -40,15 +29,15 @@ class Check(NamedTuple):
 
 
 class Case(NamedTuple):
-    """Hard case, for every model and method to which it applies."""
+    """Hard case, for every model to which it applies."""
 
     name: str
     section: str
     """Section of docs/physics.md ("6.7"), or "geometry"."""
-    runs_on: tuple[Pair, ...]
-    """Pairs of model and method on which the case runs."""
-    check: Callable[[str, str], Iterator[Check]]
-    """Function of model and method that yields the checks."""
+    runs_on: tuple[str, ...]
+    """Models on which the case runs, or parts of them."""
+    check: Callable[[str], Iterator[Check]]
+    """Function of the model that yields the checks."""
 
 
 def exactly(what: str, holds: bool, reason: str = "a matter of yes or no") -> Check:

@@ -1,20 +1,9 @@
-"""Catalogue of hard cases: a single list for the tests and for `walkergen selftest`."""
+"""Catalogue of the hard cases of `walkergen selftest`: closed forms, space and geometry.
 
-from walkergen.jobs.selftest import (
-    any_walker,
-    bounces,
-    extremes,
-    friction,
-    geometry,
-    hammering,
-    impacts,
-    landings,
-    space,
-    space_contact,
-    space_rest,
-    steps,
-    symmetries,
-)
+Those of planar models test the code, not a machine: tests/hard.
+"""
+
+from walkergen.jobs.selftest import any_walker, geometry, impacts, space, space_contact, space_rest
 from walkergen.jobs.selftest.case import Case
 
 
@@ -24,10 +13,7 @@ def _place(case: Case) -> tuple[int, ...]:
     return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
 
 
-_MODULES = (
-    impacts, friction, bounces, hammering, landings, steps, symmetries, extremes,
-    space, space_contact, space_rest, any_walker, geometry,
-)  # fmt: skip
+_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry
 
 CASES: tuple[Case, ...] = tuple(
     sorted((case for module in _MODULES for case in module.CASES), key=_place)

@@ -17,15 +17,14 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.selftest import catalogue
-from walkergen.jobs.selftest.case import Case, Check
+from walkergen.jobs.selftest.case import METHODS, Case, Check
 
 
 class Job(NamedTuple):
-    """Case to run on one model and method."""
+    """Case to run on one model."""
 
     case: Case
     model: str
-    method: str
 
 
 class Result(NamedTuple):
@@ -61,7 +60,7 @@ def choose(only: str | None) -> list[Job]:
         raise InputError(
             f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}"
         )
-    return [Job(case, *pair) for case in cases for pair in case.runs_on]
+    return [Job(case, model) for case in cases for model in case.runs_on]
 
 
 def _named(case: Case, only: str) -> bool:
@@ -74,7 +73,7 @@ def run_job(job: Job) -> Result:
     """Run a case; an error that it raises is reported as its failure."""
     started, checks, error = time.perf_counter(), list[Check](), ""
     try:
-        checks.extend(job.case.check(job.model, job.method))
+        checks.extend(job.case.check(job.model))
     except Exception as raised:  # any error at all: the table must name it
         error = f"{type(raised).__name__}: {' '.join(str(raised).split())}"
     if not (checks or error):
@@ -83,8 +82,8 @@ def run_job(job: Job) -> Result:
 
 
 def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> Result:
-    case = job.case
-    return Result(case.section, case.name, job.model, job.method, checks, error, seconds)
+    case, method = job.case, METHODS[job.model]
+    return Result(case.section, case.name, job.model, method, checks, error, seconds)
 
 
 def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
@@ -95,7 +94,7 @@ def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
     try:
         for index, result in _in_process(jobs) if workers == 1 else _in_processes(jobs, workers):
             done[index] = result
-            progress(f"{result.case}, {result.model} {result.method}", len(done), len(jobs))
+            progress(f"{result.case}, {result.model}", len(done), len(jobs))
     except KeyboardInterrupt:
         pass  # reported by the second value
     return [done[index] for index in sorted(done)], len(done) == len(jobs)
@@ -114,7 +113,7 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Resu
         futures: dict[Future[Result], int] = {}
         for index in _compilers_first(jobs):
             job = jobs[index]
-            futures[pool.submit(_run_named, job.case.name, job.model, job.method)] = index
+            futures[pool.submit(_run_named, job.case.name, job.model)] = index
         for future in as_completed(futures):
             index = futures[future]
             try:
@@ -128,13 +127,12 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Resu
 
 
 def _compilers_first(jobs: Sequence[Job]) -> list[int]:
-    """Indices of jobs, the first of each model and method in front: no two compile the same."""
-    seen = set[tuple[str, str]]()
+    """Indices of jobs, the first of each model in front: no two compile the same."""
+    seen = set[str]()
     first, rest = list[int](), list[int]()
     for index, job in enumerate(jobs):
-        pair = job.model, job.method
-        (rest if pair in seen else first).append(index)
-        seen.add(pair)
+        (rest if job.model in seen else first).append(index)
+        seen.add(job.model)
     return first + rest
 
 
@@ -142,6 +140,6 @@ def _ignore_interrupts() -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C belongs to the parent process
 
 
-def _run_named(name: str, model: str, method: str) -> Result:
+def _run_named(name: str, model: str) -> Result:
     (case,) = [case for case in catalogue.CASES if case.name == name]
-    return run_job(Job(case, model, method))
+    return run_job(Job(case, model))

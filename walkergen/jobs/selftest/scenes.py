@@ -5,18 +5,17 @@ its mirror image exact images of each other, to the last bit, which a mesh does 
 """
 
 import copy
-import math
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.scene import GRAVITY, Scene, at_rest
+from walkergen.scene import Scene, at_rest
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDS, Outcome
-from walkergen.simulation.world import OK, Y
+from walkergen.simulation.world import OK
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import LegMass, MassProperties, Spatial
@@ -68,39 +67,20 @@ def _leg(limb: Limb, density: float, leg_mass: float | None) -> LegMass:
     return LegMass(m, inertia, anchor, c, c, limb.across, strip)
 
 
-def scene_of(model: str, method: str, **tables: Any) -> Scene:
-    """Scene with the given tables, on one model and method."""
+def scene_of(model: str, **tables: Any) -> Scene:
+    """Scene with the given tables, on one model."""
     data = {key: copy.copy(value) for key, value in tables.items()}
     data.setdefault("legs", {})["model"] = model
-    data.setdefault("run", {})["method"] = method
     return Scene.model_validate(data)
 
 
 def plan_of(
-    model: str, method: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
+    model: str, tilt_deg: float = 10.0, leg_mass: float | None = None, **tables: Any
 ) -> Plan:
     """The plan of the paper's walker at a tilt on a scene of the given tables."""
     design = design_of(model, tilt_deg)
-    scene = scene_of(model, method, **tables)
+    scene = scene_of(model, **tables)
     return prepare(scene, design, masses(design, leg_mass))
-
-
-def drawn(model: str, method: str, shape: dict[str, dict[str, Any]], **tables: Any) -> Plan:
-    """Plan of a walker of the tables `shape`, masses in closed form."""
-    kind = "braced" if model == "rigid" else "flexible"
-    design = Design.model_validate({**shape, "legs": {"kind": kind, **shape["legs"]}})
-    return prepare(scene_of(model, method, **tables), design, masses(design))
-
-
-def with_legs(plan: Plan, factor: float, ratio: float) -> Plan:
-    """The same compliant walker on springs `factor` times as stiff, with a damping ratio."""
-    walker = plan.world.walker
-    springs = [factor * leg.stiffness for leg in walker.legs]
-    legs = tuple(
-        leg._replace(stiffness=k, damping=2.0 * ratio * math.sqrt(k * leg.inertia))
-        for leg, k in zip(walker.legs, springs, strict=True)
-    )
-    return plan._replace(world=plan.world._replace(walker=walker._replace(legs=legs)))
 
 
 def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.Tally]:
@@ -108,18 +88,3 @@ def advance(plan: Plan, state: Array, seconds: float) -> tuple[Outcome, record.T
     tally = record.new(len(state))
     status = plan.advance(state, seconds, tally)
     return (Outcome.OK if status == OK else ENDS[status]), tally
-
-
-def lift(plan: Plan, state: Array, gap: float) -> None:
-    """Put the lower foot `gap` (mm) over the plate, keeping everything else."""
-    state[Y] += gap - float(plan.feet(state)[:, 1].min())
-
-
-def energy_error(plan: Plan, before: float, state: Array, tally: record.Tally) -> float:
-    """Energy unaccounted for over the largest energy exchanged."""
-    return record.energy_error(tally.sums, plan.energy(state) - before, before)
-
-
-def fall_time(gap: float) -> float:
-    """Time (s) in which a body falls by `gap` mm."""
-    return math.sqrt(2.0 * gap / GRAVITY)

@@ -5,17 +5,10 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, scene_of, shaken
 from walkergen.jobs.selftest.scenes import masses as masses_of
-from walkergen.jobs.selftest.space_scenes import (
-    SPACE,
-    apart,
-    in_space,
-    quarter_turned,
-    reflected,
-    thrown,
-)
+from walkergen.jobs.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
@@ -44,7 +37,7 @@ TALL = 1e8
 """Height (mm) from which it falls in the meantime."""
 
 
-def _images(model: str, method: str) -> Iterator[Check]:
+def _images(model: str) -> Iterator[Check]:
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
         about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
@@ -56,7 +49,7 @@ def _images(model: str, method: str) -> Iterator[Check]:
             yield Check(f"{about}: {name}, mm", apart(image_of(one), other), 1e-9, GROWN)
 
 
-def _held(model: str, method: str) -> Iterator[Check]:
+def _held(model: str) -> Iterator[Check]:
     """Check that roll and yaw come from rounding alone, and not at all when they are off."""
     for contact in CONTACTS:
         about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
@@ -74,7 +67,7 @@ def _held(model: str, method: str) -> Iterator[Check]:
             )
 
 
-def _tiny_roll(model: str, method: str) -> Iterator[Check]:
+def _tiny_roll(model: str) -> Iterator[Check]:
     """Check that no rule for ties decides: the first landings answer in proportion to the roll."""
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
@@ -99,11 +92,11 @@ def _tiny_roll(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _top(model: str, method: str) -> Iterator[Check]:
+def _top(model: str) -> Iterator[Check]:
     """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
     plan = prepare(
-        scene_of("space", "step", drive=STILL, arena={"kind": "plane"}), design, masses_of(design)
+        scene_of("space", drive=STILL, arena={"kind": "plane"}), design, masses_of(design)
     )
     state = plan.start(TALL, 0.0, 0.0)
     state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
@@ -135,10 +128,10 @@ def _momentum(plan: Plan, state: Array) -> Array:
     return np.asarray(body + q * twice + np.cross(v, twice))
 
 
-def _upright(model: str, method: str) -> Iterator[Check]:
+def _upright(model: str) -> Iterator[Check]:
     runs = {"seconds": 2.0, "discard_seconds": 0.5}
     plan = plan_of(
-        model, method, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25},
+        model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25},
         run=runs,
     )  # fmt: skip
     results = [simulate(plan, number) for number in range(8)]

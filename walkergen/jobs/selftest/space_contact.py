@@ -5,10 +5,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.selftest.scenes import STILL, advance, design_of, masses, scene_of, shaken
 from walkergen.jobs.selftest.space_scenes import (
-    SPACE,
     apart,
     endures,
     in_space,
@@ -28,12 +27,12 @@ RUN = 0.3
 BALANCE = 1e-2, "second order in the steps, of landings inside a step; soft feet come to 4e-3"
 
 
-def _smooth(model: str, method: str) -> Iterator[Check]:
+def _smooth(model: str) -> Iterator[Check]:
     plan = in_space(drive=shaken(1.8), contact={"friction": 0.0, "restitution": 0.5})
     yield unslowed(plan, RUN)
 
 
-def _rough(model: str, method: str) -> Iterator[Check]:
+def _rough(model: str) -> Iterator[Check]:
     for tilt, friction in ((10.0, 0.23), (10.0, 0.3), (10.0, 1e3), (20.0, 0.3), (35.0, 1.0)):
         for label in (0.02, 0.5, 1.0):
             plan = in_space(
@@ -43,7 +42,7 @@ def _rough(model: str, method: str) -> Iterator[Check]:
             yield from endures(plan, thrown(plan), RUN, about, BALANCE)
 
 
-def _without_slip(model: str, method: str) -> Iterator[Check]:
+def _without_slip(model: str) -> Iterator[Check]:
     """Check a landing at a tangential velocity of exactly zero: the limit of slow slips."""
     for friction in (0.1, 0.25, 2.0):
         plan = in_space(drive=STILL, contact={"friction": friction, "restitution": 0.5})
@@ -63,7 +62,7 @@ def _without_slip(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _lossless(model: str, method: str) -> Iterator[Check]:
+def _lossless(model: str) -> Iterator[Check]:
     """Check that free bounces of undamped smooth feet keep their energy, at the order of a step."""
     changes = []
     for part in (4.0, 8.0, 16.0):
@@ -96,7 +95,7 @@ def _change(plan: Plan, place: float) -> float:
     return (plan.energy(state) - rest) / before - 1.0
 
 
-def _stiffness(model: str, method: str) -> Iterator[Check]:
+def _stiffness(model: str) -> Iterator[Check]:
     for ratio in (1e-2, 1e2, 1e4):
         for damping in ("viscous", "hysteretic"):
             plan = in_space(
@@ -108,7 +107,7 @@ def _stiffness(model: str, method: str) -> Iterator[Check]:
             yield from endures(plan, thrown(plan), seconds, about, BALANCE)
 
 
-def _frozen(model: str, method: str) -> Iterator[Check]:
+def _frozen(model: str) -> Iterator[Check]:
     """Check joints without give: inverse mass and motion of the same walker without joints."""
     tilt, feet, modulus = 20.0, 1e-6, 9000.0
     design = design_of("space", tilt)
@@ -116,7 +115,7 @@ def _frozen(model: str, method: str) -> Iterator[Check]:
         update={"material": design.material.model_copy(update={"youngs_modulus_gpa": modulus})}
     )
     scene = scene_of(
-        "space", "step", drive=STILL, arena={"kind": "plane"}, contact={"restitution": 0.5},
+        "space", drive=STILL, arena={"kind": "plane"}, contact={"restitution": 0.5},
         feet={"stiffness_ratio": feet, "damping": "hysteretic"}, run={"step_us": 1.0},
     )  # fmt: skip
     loose = prepare(scene, stiff, masses(stiff))
@@ -145,7 +144,7 @@ def _frozen(model: str, method: str) -> Iterator[Check]:
     )
 
 
-def _corner_of_lane(model: str, method: str) -> Iterator[Check]:
+def _corner_of_lane(model: str) -> Iterator[Check]:
     """Check edges that touch a wall in the step in which feet touch the plate."""
     for label in (0.02, 0.5, 1.0):
         plan = in_space(

@@ -6,9 +6,9 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.case import SPACE, Case, Check, exactly
 from walkergen.jobs.selftest.scenes import HALF, STILL, Array, advance, shaken
-from walkergen.jobs.selftest.space_scenes import CALM, SPACE, apart, in_space, settled
+from walkergen.jobs.selftest.space_scenes import CALM, apart, in_space, settled
 from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
@@ -42,7 +42,7 @@ FIRST_RATE, FRICTION = 20.0, 0.25
 """Rate (rad/s) of the spin, and the friction that stops it."""
 
 
-def _spin(model: str, method: str) -> Iterator[Check]:
+def _spin(model: str) -> Iterator[Check]:
     """Check a spin on four corners against Coulomb friction on the circle through them."""
     for tilt in (0.0, 10.0, 20.0):
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
@@ -95,7 +95,7 @@ def _awake(plan: Plan, state: Array, seconds: float) -> None:
         advance(plan, state, AWAKE)
 
 
-def _stands(model: str, method: str) -> Iterator[Check]:
+def _stands(model: str) -> Iterator[Check]:
     for tilt in (0.0, 10.0, 20.0, 35.0):
         for height in (0.0, RAISED):
             plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
@@ -113,7 +113,7 @@ def _stands(model: str, method: str) -> Iterator[Check]:
             )
 
 
-def _long_rest(model: str, method: str) -> Iterator[Check]:
+def _long_rest(model: str) -> Iterator[Check]:
     """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
     for gamma in (AT_REST, 0.5):
         plan = in_space(
@@ -136,7 +136,7 @@ def _long_rest(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _rights_itself(model: str, method: str) -> Iterator[Check]:
+def _rights_itself(model: str) -> Iterator[Check]:
     for tilt in (0.0, 10.0):
         plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
         # It topples where C stands over the edge of its feet

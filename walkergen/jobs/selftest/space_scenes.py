@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import Check, Pair, exactly
+from walkergen.jobs.selftest.case import Check, exactly
 from walkergen.jobs.selftest.scenes import Array, advance, plan_of
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
@@ -31,8 +31,6 @@ from walkergen.simulation.space.state import (
     W_Z,
 )
 
-SPACE: tuple[Pair, ...] = (("space", "step"),)
-
 PLACE = slice(SHOWN_X, ROLL + 1)
 """Place of O (mm) and the three angles (rad) in a state."""
 
@@ -42,7 +40,7 @@ CALM = 1.0
 
 def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
     """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
-    return plan_of("space", "step", tilt_deg, **({"arena": {"kind": "plane"}} | tables))
+    return plan_of("space", tilt_deg, **({"arena": {"kind": "plane"}} | tables))
 
 
 def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:

@@ -52,7 +52,6 @@ def plan(
         "contact": {"restitution": restitution, "friction": friction},
         "plate": {"slope_deg": slope_deg},
         "legs": {"model": "rigid"},
-        "run": {"method": "event"},
     }
     return prepare(Scene.model_validate(tables), design, body() if mass is None else mass)
 

@@ -1,1 +1,1 @@
-"""Model B: body and legs as a hinged chain on springs, by time steps or from event to event."""
+"""Model B: body and legs as a hinged chain on springs, by time steps."""

@@ -67,34 +67,14 @@ class Chain(NamedTuple):
 
 
 @kernel
-def angle(legs, state, index):
-    """Angle (rad) or rate (rad/s) of a leg at `index` of the state; 0 when braced."""
-    if legs is None:
-        return 0.0
-    return state[index]
-
-
-@kernel
 def turned(vector, cos, sin):
     """Vector turned by an angle, from its cosine and sine."""
     return cos * vector[0] - sin * vector[1], sin * vector[0] + cos * vector[1]
 
 
 @kernel
-def _leg(legs, foot):
-    """Leg of a foot; None when braced."""
-    return None if legs is None else legs[foot]
-
-
-@kernel
 def _limb(leg, anchor, reach, cos, sin, pitch, alpha, implicit):
     A_x, A_y = turned(anchor, cos, sin)
-    if leg is None:
-        r_x, r_y = turned(reach, cos, sin)
-        return Limb(
-            A_x, A_y, 0.0, 0.0, r_x, r_y, 0.0, 0.0, 0.0, 0.0,
-            1.0, 0.0, -(A_y + r_y), 0.0, 1.0, A_x + r_x,
-        )  # fmt: skip
     c, s = math.cos(pitch + alpha), math.sin(pitch + alpha)
     (C_x, C_y), (r_x, r_y) = turned(leg.centre, c, s), turned(reach, c, s)
     mobility = 1.0 / (leg.inertia + implicit)
@@ -110,8 +90,6 @@ def _limb(leg, anchor, reach, cos, sin, pitch, alpha, implicit):
 @kernel
 def _carried(leg, limb, implicit):
     """Apparent mass (xx, xy, xt, yy, yt, tt) that a leg on its hinge adds to the body."""
-    if leg is None:
-        return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     m, A_x, A_y = leg.mass, limb.A_x, limb.A_y
     p = m * (A_x * limb.C_x + A_y * limb.C_y)
     # The last is m A^2 + implicit - (p - implicit)^2 mobility, without cancellation when stiff
@@ -130,10 +108,9 @@ def chain_of(walker, state, implicit):
     """Chain at the pose of `state`; `implicit` (g mm^2, of either leg) stiffens the hinges of an
     implicit step: h c / 2 + h^2 k / 4 for the trapezoidal rule, `LOOSE` for the true inertia.
     """
-    legs, pitch = walker.legs, state[PITCH]
-    leg_b, leg_f, (b_i, f_i) = _leg(legs, 0), _leg(legs, 1), implicit
+    pitch, (leg_b, leg_f), (b_i, f_i) = state[PITCH], walker.legs, implicit
     cos, sin = math.cos(pitch), math.sin(pitch)
-    alpha, beta = angle(legs, state, ANGLE_BACK), angle(legs, state, ANGLE_FRONT)
+    alpha, beta = state[ANGLE_BACK], state[ANGLE_FRONT]
     back = _limb(leg_b, walker.anchors[0], walker.reaches[0], cos, sin, pitch, alpha, b_i)
     front = _limb(leg_f, walker.anchors[1], walker.reaches[1], cos, sin, pitch, beta, f_i)
     b_xx, b_xy, b_xt, b_yy, b_yt, b_tt = _carried(leg_b, back, b_i)
@@ -197,27 +174,25 @@ def push(chain, impulses):
 
 
 @kernel
-def accelerate(legs, state, change):
+def accelerate(state, change):
     """Add a change of (v_x, v_y, spin, spins of the legs) to the rates of `state`."""
     v_x, v_y, spin, back, front = change
     state[V_X] += v_x
     state[V_Y] += v_y
     state[SPIN] += spin
-    if legs is not None:
-        state[RATE_BACK] += back - spin
-        state[RATE_FRONT] += front - spin
+    state[RATE_BACK] += back - spin
+    state[RATE_FRONT] += front - spin
 
 
 @kernel
-def shift(legs, state, change):
+def shift(state, change):
     """Add a change of (x, y, pitch, turns of the legs) to the positions of `state`."""
     x, y, turn, back, front = change
     state[X] += x
     state[Y] += y
     state[PITCH] += turn
-    if legs is not None:
-        state[ANGLE_BACK] += back - turn
-        state[ANGLE_FRONT] += front - turn
+    state[ANGLE_BACK] += back - turn
+    state[ANGLE_FRONT] += front - turn
 
 
 class Mobility(NamedTuple):
@@ -284,8 +259,8 @@ def gaps(drive, state, chain):
 def feet_velocities(world, state, chain):
     """Velocities (back x, y, front x, y) of the feet over the plate, mm/s."""
     b, f, spin = chain.back, chain.front, state[SPIN]
-    spin_b = spin + angle(world.walker.legs, state, RATE_BACK)
-    spin_f = spin + angle(world.walker.legs, state, RATE_FRONT)
+    spin_b = spin + state[RATE_BACK]
+    spin_f = spin + state[RATE_FRONT]
     v_x, v_y = state[V_X], state[V_Y] - velocity(world.drive, state[PHASE])
     return (
         v_x - spin * b.A_y - spin_b * b.r_y,
@@ -301,24 +276,19 @@ def feet_changes(chain, change):
     b, f = chain.back, chain.front
     v_x, v_y, spin, spin_b, spin_f = change
     return (
-        v_x - spin * b.A_y - _leg_spin(b, spin, spin_b) * b.r_y,
-        v_y + spin * b.A_x + _leg_spin(b, spin, spin_b) * b.r_x,
-        v_x - spin * f.A_y - _leg_spin(f, spin, spin_f) * f.r_y,
-        v_y + spin * f.A_x + _leg_spin(f, spin, spin_f) * f.r_x,
+        v_x - spin * b.A_y - spin_b * b.r_y,
+        v_y + spin * b.A_x + spin_b * b.r_x,
+        v_x - spin * f.A_y - spin_f * f.r_y,
+        v_y + spin * f.A_x + spin_f * f.r_x,
     )
 
 
-@kernel
-def _leg_spin(limb, spin, leg_spin):
-    return leg_spin if limb.mobility > 0.0 else spin  # a braced leg turns with the body
-
-
 @inlined
-def feet_turning(walker, state, chain):
+def feet_turning(state, chain):
     """Accelerations (back x, y, front x, y) of the feet by rotation alone, -spin^2 r, mm/s^2."""
     b, f, spin = chain.back, chain.front, state[SPIN]
-    back = (spin + angle(walker.legs, state, RATE_BACK)) ** 2
-    front = (spin + angle(walker.legs, state, RATE_FRONT)) ** 2
+    back = (spin + state[RATE_BACK]) ** 2
+    front = (spin + state[RATE_FRONT]) ** 2
     spin = spin * spin
     return (
         -spin * b.A_x - back * b.r_x,
@@ -348,8 +318,6 @@ def energy(world, state):
 
 @kernel
 def _legs_energy(legs, world, state):
-    if legs is None:
-        return 0.0
     chain, spin, total = chain_of(world.walker, state, LOOSE), state[SPIN], 0.0
     for leg, limb, alpha, rate in (
         (legs[0], chain.back, state[ANGLE_BACK], state[RATE_BACK]),
@@ -377,8 +345,6 @@ def free_acceleration(world, state, chain):
 def _free(legs, world, state, chain):
     g_x, g_y, walker = along(world.acting), -across(world.acting), world.walker
     f_x, f_y = body_force(world.acting, state[PITCH], state[V_X], state[V_Y])
-    if legs is None:
-        return respond(chain, walker.mass * g_x + f_x, walker.mass * g_y + f_y, 0.0, 0.0, 0.0)
     b, f, m, m_f, mu = chain.back, chain.front, legs[0].mass, legs[1].mass, walker.ratios.mass
     spin = state[SPIN]
     spin_b, spin_f = spin + state[RATE_BACK], spin + state[RATE_FRONT]
@@ -410,11 +376,5 @@ def power_lost(world, pitch, v_x, v_y, rate_b, rate_f):
     from a body with that pitch (rad) and velocity (mm/s).
     """
     f_x, f_y = body_force(world.acting, pitch, v_x, v_y)
-    return _damped(world.walker.legs, world.walker.ratios, rate_b, rate_f) - (f_x * v_x + f_y * v_y)
-
-
-@inlined
-def _damped(legs, ratios, rate_b, rate_f):
-    if legs is None:
-        return 0.0
-    return legs[0].damping * (rate_b * rate_b + ratios.damping * (rate_f * rate_f))
+    rates = rate_b * rate_b + world.walker.ratios.damping * (rate_f * rate_f)
+    return world.walker.legs[0].damping * rates - (f_x * v_x + f_y * v_y)

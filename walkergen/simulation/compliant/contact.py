@@ -32,7 +32,6 @@ from walkergen.simulation.record import Tally, add_impulse, note_event, tally_im
 from walkergen.simulation.world import (
     ANGLE_BACK,
     ANGLE_FRONT,
-    BACKWARD,
     FORWARD,
     MODE_BACK,
     MODE_FRONT,
@@ -43,19 +42,14 @@ from walkergen.simulation.world import (
 from walkergen.theory.impact import FROM_REST, III_MIRRORED, TYPE_I, TYPE_III, TYPE_IV, impact
 
 SHARING = 1e-12
-"""Relative softness added to the friction of two feet that stick: how a braced walker's feet share
-it is undetermined, and the softness picks least squares (equal halves)."""
+"""Relative softness added to the friction of two feet that stick: how feet on stiff legs share it
+is undetermined, and the softness picks least squares (equal halves)."""
 
 SMOOTH = (0.0, 0.0)
 """Friction of both feet where only their normal velocities are to be stopped."""
 
 FRICTIONLESS = 1e-12
 """Coefficient of friction below which no foot sticks: rounding hides the force and its side."""
-
-JAMMED = 1e-9
-"""Size of the give of sliding feet (`give`) from which on they jam. The pose changes while a foot
-slides, and its give may fall to zero, its normal acceleration with it: the force stays finite but
-answers ever faster, so that steps shrink with the give (docs/physics.md section 5, trap 4)."""
 
 PLASTIC = (0.0, 0.0)
 """Restitution of both feet where none rebounds."""
@@ -149,72 +143,43 @@ def impulses(W, u, back, front, friction, rows):
 
 
 @kernel
-def give(W, back, front, friction):
-    """Determinant of the normal velocities by normal impulses, over that without friction, while
-    friction answers in the feet's modes; 1 where none slides. At zero the feet jam.
-    """
-    b, f = back in (FORWARD, BACKWARD), front in (FORWARD, BACKWARD)
-    b_x = -friction[0] if back == FORWARD else friction[0]
-    f_x = -friction[1] if front == FORWARD else friction[1]
-    _, own_b, x_f, y_f = applied(W, (b_x, 1.0, 0.0, 0.0))
-    x_b, y_b, _, own_f = applied(W, (0.0, 0.0, f_x, 1.0))
-    if b and f:
-        return (own_b * own_f - y_f * y_b) / (W.bb_yy * W.ff_yy)
-    if b:
-        if front == STICK:
-            F_x, F_y = _single(W.ff_xx, W.ff_xy, W.ff_yy, x_f, y_f, STICK, 0.0)
-            own_b += W.bf_yx * F_x + W.bf_yy * F_y
-        return own_b / W.bb_yy
-    if f:
-        if back == STICK:
-            F_x, F_y = _single(W.bb_xx, W.bb_xy, W.bb_yy, x_b, y_b, STICK, 0.0)
-            own_f += W.bf_xy * F_x + W.bf_yy * F_y
-        return own_f / W.ff_yy
-    return 1.0
-
-
-@kernel
-def _violation(mode, slides, w_x, w_y, F_x, F_y, xx, yy, friction):
+def _violation(mode, w_x, w_y, F_x, F_y, xx, yy, friction):
     """Excess (in units of u) by which a foot's mode contradicts its signs; w: velocity after."""
     if mode == OPEN:
         return -w_y
     worst = -F_y * yy
     if mode == STICK:
         return max(worst, (abs(F_x) - friction * F_y) * xx)
-    if slides:
-        return worst
     return max(worst, -w_x if mode == FORWARD else w_x)
 
 
 @kernel
-def solve(W, u, touching, sliding, guess, friction, rows):
-    """Modes and impulses of lasting contact: (back, front, impulses, violation).
+def solve(W, u, touching, guess, friction, rows):
+    """Modes and impulses of contact: (back, front, impulses).
 
-    u: velocities or accelerations of the feet without contact. touching: (bool, bool). sliding:
-    the sign of each foot's sliding velocity; 0 (always in a time step) makes its direction part of
-    the answer. guess: the mode pair tried first. violation: how far the best pair contradicts its
-    signs relative to |u|; above 1e-9 there is no solution (sliding that jams; Painleve).
+    u: velocities of the feet without contact. touching: (bool, bool). guess: the mode pair tried
+    first. Where every pair contradicts its signs (sliding that jams; Painleve), the least does.
     """
     scale = abs(u[0]) + abs(u[1]) + abs(u[2]) + abs(u[3]) + 1e-300
     best, best_back, best_front = math.inf, OPEN, OPEN
     best_F = (0.0, 0.0, 0.0, 0.0)
     for trial in range(-1, 16):
         back, front = (guess[0], guess[1]) if trial < 0 else (trial // 4, trial % 4)
-        if not _allowed(back, touching[0], sliding[0], friction[0]):
+        if not _allowed(back, touching[0], friction[0]):
             continue
-        if not _allowed(front, touching[1], sliding[1], friction[1]):
+        if not _allowed(front, touching[1], friction[1]):
             continue
         F = impulses(W, u, back, front, friction, rows)
         d = applied(W, F)
         violation = 0.0
         if touching[0]:
             violation = _violation(
-                back, sliding[0] != 0, u[0] + d[0], u[1] + d[1], F[0], F[1],
+                back, u[0] + d[0], u[1] + d[1], F[0], F[1],
                 W.bb_xx, W.bb_yy, friction[0],
             )  # fmt: skip
         if touching[1]:
             other = _violation(
-                front, sliding[1] != 0, u[2] + d[2], u[3] + d[3], F[2], F[3],
+                front, u[2] + d[2], u[3] + d[3], F[2], F[3],
                 W.ff_xx, W.ff_yy, friction[1],
             )  # fmt: skip
             violation = max(violation, other)
@@ -222,16 +187,14 @@ def solve(W, u, touching, sliding, guess, friction, rows):
             best, best_back, best_front, best_F = violation, back, front, F
         if best <= 1e-12 * scale:
             break
-    return best_back, best_front, best_F, best / scale
+    return best_back, best_front, best_F
 
 
 @kernel
-def _allowed(mode, touching, sliding, friction):
+def _allowed(mode, touching, friction):
     if mode == STICK and friction < FRICTIONLESS:
         return False
-    if not touching or sliding == 0:
-        return touching or mode == OPEN
-    return mode == OPEN or mode == (FORWARD if sliding > 0 else BACKWARD)
+    return touching or mode == OPEN
 
 
 class Instant(NamedTuple):
@@ -255,7 +218,7 @@ def one_foot(world, restitution, state, now, foot):
     contact = world.contacts[foot]
     hit = impact(xx, xy, yy, v_x, v_y, restitution, contact.friction, contact.law)
     F = (hit.F_x, hit.F_y, 0.0, 0.0) if foot == 0 else (0.0, 0.0, hit.F_x, hit.F_y)
-    accelerate(world.walker.legs, state, push(now.chain, F))
+    accelerate(state, push(now.chain, F))
     tally_impact(tally.counts, hit.kind, hit.sticks)
     add_impulse(tally.sums, hit.kind, hit.F_y)
     tally.sums[record.PLATE_WORK] += hit.F_y * velocity(world.drive, state[PHASE])
@@ -303,11 +266,11 @@ def both_feet(world, restitution, state, now):
     """
     u, W, tally = feet_velocities(world, state, now.chain), now.mobility, now.tally
     both = (True, True)
-    _, _, F, _ = solve(W, u, both, (0, 0), (STICK, STICK), frictions(world), now.rows)
+    _, _, F = solve(W, u, both, (STICK, STICK), frictions(world), now.rows)
     b, f = _restored(W, F, restitution)
     F = (b * F[0], b * F[1], f * F[2], f * F[3])
     d = applied(W, F)
-    accelerate(world.walker.legs, state, push(now.chain, F))
+    accelerate(state, push(now.chain, F))
     tally.sums[record.PLATE_WORK] += (F[1] + F[3]) * velocity(world.drive, state[PHASE])
     for foot in range(2):
         F_x, F_y, v_x, v_y = F[2 * foot], F[2 * foot + 1], u[2 * foot], u[2 * foot + 1]
@@ -361,12 +324,10 @@ def settle(world, state, implicit, rows):
     )
     W = mobility_of(chain)
     F = impulses(W, (0.0, back, 0.0, front), modes[0], modes[1], SMOOTH, rows)
-    shift(world.walker.legs, state, push(chain, F))
+    shift(state, push(chain, F))
 
 
 @kernel
-def folded(legs, state):
+def folded(state):
     """True when a leg has turned by 90 degrees against the body: its stop."""
-    if legs is None:
-        return False
     return max(abs(state[ANGLE_BACK]), abs(state[ANGLE_FRONT])) >= 0.5 * math.pi

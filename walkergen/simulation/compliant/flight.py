@@ -3,8 +3,7 @@
 The centre of mass of body and legs falls freely, exactly. In the body's frame the legs are two
 uncoupled damped oscillators (`Swing`), whatever the pitch, also exact; the rest (finite angles,
 centrifugal forces, what unlike dampers couple) is a kick in the middle of the flight: the flow is
-of second order in its length, with an error that vanishes for small angles of legs damped alike. A
-braced walker's flight is exact.
+of second order in its length, with an error that vanishes for small angles of legs damped alike.
 """
 
 import math
@@ -45,25 +44,16 @@ def fly(world, state, t, sums):
 @inlined
 def _fly(legs, world, state, t, sums):
     x_0, y_0 = state[X], state[Y]
-    if legs is None:
-        mass = world.walker.mass
-        a_x, a_y, f_x, f_y = _falling(world, state, mass, t)
-        state[X] += t * (state[V_X] + 0.5 * t * a_x)
-        state[Y] += t * (state[V_Y] + 0.5 * t * a_y)
-        state[V_X] += t * a_x
-        state[V_Y] += t * a_y
-        state[PITCH] += t * state[SPIN]
-    else:
-        a_x, a_y, f_x, f_y = _falling(world, state, _total(legs, world.walker), t)
-        x, y, v_x, v_y = _centre(legs, world.walker, state)
-        _swing(legs, world.walker, state, 0.5 * t, sums)
-        _kick(legs, world, state, t, sums)
-        _swing(legs, world.walker, state, 0.5 * t, sums)
-        x_1, y_1, v_x1, v_y1 = _centre(legs, world.walker, state)
-        state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * a_x)
-        state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * a_y)
-        state[V_X] += v_x - v_x1 + t * a_x
-        state[V_Y] += v_y - v_y1 + t * a_y
+    a_x, a_y, f_x, f_y = _falling(world, state, _total(legs, world.walker), t)
+    x, y, v_x, v_y = _centre(legs, world.walker, state)
+    _swing(legs, world.walker, state, 0.5 * t, sums)
+    _kick(legs, world, state, t, sums)
+    _swing(legs, world.walker, state, 0.5 * t, sums)
+    x_1, y_1, v_x1, v_y1 = _centre(legs, world.walker, state)
+    state[X] += x - x_1 + t * (v_x + state[V_X] + 0.5 * t * a_x)
+    state[Y] += y - y_1 + t * (v_y + state[V_Y] + 0.5 * t * a_y)
+    state[V_X] += v_x - v_x1 + t * a_x
+    state[V_Y] += v_y - v_y1 + t * a_y
     sums[DAMPING_LOSS] -= f_x * (state[X] - x_0) + f_y * (state[Y] - y_0)
 
 
@@ -221,12 +211,6 @@ def _clear_time(legs, world, state, chain, gaps, pull):
     b, f, spin = chain.back, chain.front, state[SPIN]
     back_x, front_x = b.A_x + b.r_x, f.A_x + f.r_x
     rise = state[V_Y] - velocity(world.drive, state[PHASE])
-    if legs is None:
-        pull += spin * spin * math.hypot(back_x, b.A_y + b.r_y)
-        return min(
-            _fall_time(gaps[0], rise + spin * back_x, pull),
-            _fall_time(gaps[1], rise + spin * front_x, pull),
-        )
     s, root, unroot = world.walker.swing, world.walker.ratios.root, world.walker.ratios.unroot
     amplitude = math.sqrt(
         state[ANGLE_BACK] ** 2

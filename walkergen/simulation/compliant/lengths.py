@@ -4,7 +4,6 @@ import math
 from typing import Any
 
 from walkergen.numerics.kernels import inlined, kernel
-from walkergen.simulation.compliant.chain import LOOSE, angle
 from walkergen.simulation.world import ANGLE_BACK, ANGLE_FRONT, RATE_BACK, RATE_FRONT, SPIN
 
 TURN = 0.25
@@ -29,8 +28,6 @@ of second order that a stopped foot keeps would be stopped again and again."""
 @kernel
 def stiffening(legs, t):
     """Inertia (g mm^2) that the trapezoidal rule adds to either hinge for a step of t seconds."""
-    if legs is None:
-        return LOOSE
     back, front = legs
     return (
         t * (0.5 * back.damping + 0.25 * t * back.stiffness),
@@ -48,8 +45,6 @@ def swings_back(walker, t):
 
 @inlined
 def _swings_back(legs, swing, t):
-    if legs is None:
-        return False
     rate, decay = slower_mode(legs[0], swing)
     return t * rate > math.pi or t * decay > DAMPED
 
@@ -67,8 +62,6 @@ def slower_mode(leg, swing):
 
 def longest_step(walker: Any) -> float:
     """Step (s) beyond which legs that are hit swing back within two, so that no foot rebounds."""
-    if walker.legs is None:
-        return math.inf
     rate, decay = slower_mode(walker.legs[0], walker.swing)
     return 0.5 * min(math.pi / rate, DAMPED / decay if decay > 0.0 else math.inf)
 
@@ -80,7 +73,7 @@ def own_step(walker: Any) -> float:
 
 @inlined
 def longest_flight(walker, state, options, clear):
-    """Longest step in the air, s: exact when braced, else neither body nor legs turn far in it.
+    """Longest step in the air, s: neither body nor legs turn far in it.
 
     A kick in every half period of the legs is in resonance with them: the centrifugal stiffness of
     a turn at `spin` then pumps their swing at the rate spin^2 / omega. Where that matters within
@@ -93,8 +86,6 @@ def longest_flight(walker, state, options, clear):
 @inlined
 def _longest_flight(legs, swing, state, options, clear):
     least, longest = SLIVER * options.step, options.flight * options.step
-    if legs is None:
-        return longest
     faster = max(swing.mobility_1, swing.mobility_2)
     square = legs[0].stiffness * faster
     angles = state[ANGLE_BACK] ** 2 + state[ANGLE_FRONT] ** 2
@@ -108,11 +99,11 @@ def _longest_flight(legs, swing, state, options, clear):
 
 
 @kernel
-def longest_contact(legs, state, step):
+def longest_contact(state, step):
     """Longest step in contact, s: `step`, or less where body or legs would turn far in it.
 
     Not less than a part of `step`: legs too stiff for it keep the rates that an impact gave them.
     """
-    turn = max(abs(state[SPIN]), abs(angle(legs, state, RATE_BACK)))
-    turn = max(turn, abs(angle(legs, state, RATE_FRONT)))
+    turn = max(abs(state[SPIN]), abs(state[RATE_BACK]))
+    turn = max(turn, abs(state[RATE_FRONT]))
     return min(step, max(SLIVER * step, TURN / (turn + 1e-300)))

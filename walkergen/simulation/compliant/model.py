@@ -1,8 +1,8 @@
-"""Model B, legs on springs, and the rigid walker by time steps, each as a `Model`."""
+"""Model B, legs on springs, as a `Model`."""
 
 import numpy as np
 
-from walkergen.simulation.compliant import chain, events, steps
+from walkergen.simulation.compliant import chain, steps
 from walkergen.simulation.compliant.lengths import own_step
 from walkergen.simulation.compliant.state import Walker, start, walker_of
 from walkergen.simulation.drive import Drive
@@ -33,12 +33,10 @@ def feet(world: World, state: State) -> Array:
 def momentum(world: World, state: State) -> float:
     """Momentum of body and legs along the plate, g mm/s."""
     walker, legs = world.walker, world.walker.legs
-    total = walker.mass * state[V_X]
-    if legs is not None:
-        now = chain.chain_of(walker, state, chain.LOOSE)
-        for leg, limb, rate in zip(legs, (now.back, now.front), state[RATE_BACK:], strict=True):
-            turning = state[SPIN] * limb.A_y + (state[SPIN] + rate) * limb.C_y
-            total += leg.mass * (state[V_X] - turning)
+    total, now = walker.mass * state[V_X], chain.chain_of(walker, state, chain.LOOSE)
+    for leg, limb, rate in zip(legs, (now.back, now.front), state[RATE_BACK:], strict=True):
+        turning = state[SPIN] * limb.A_y + (state[SPIN] + rate) * limb.C_y
+        total += leg.mass * (state[V_X] - turning)
     return float(total)
 
 
@@ -56,19 +54,9 @@ STEPS = Model(
 )
 """Method by time steps of second order."""
 
-EVENTS = STEPS._replace(advance=events.advance, coarser=events.coarser, resting=events.resting)
-"""Method from event to event by an integrator of fifth order: the reference of the steps."""
 
-
-def of(
-    case: Case, resolved: Resolved, drive: Drive
-) -> tuple[Model, Walker, steps.Options | events.Options]:
-    """Model, walker and options of a case: legs on springs, or none where its mass is rigid."""
-    legs, stepped = case.scene.legs, resolved.method == "step"
+def of(case: Case, resolved: Resolved, drive: Drive) -> tuple[Model, Walker, steps.Options]:
+    """Model, walker and options of a case."""
+    legs, given = case.scene.legs, case.scene.run.step_us
     walker = walker_of(case.design, case.mass, damping_ratio=legs.damping_ratio, spring=legs.spring)
-    model = STEPS if stepped else EVENTS
-    if walker.legs is None:
-        model = model._replace(columns=RIGID_COLUMNS)
-    given = case.scene.run.step_us
-    step = own_step(walker) if given is None else 1e-6 * given
-    return model, walker, steps.Options(step) if stepped else events.Options()
+    return STEPS, walker, steps.Options(own_step(walker) if given is None else 1e-6 * given)

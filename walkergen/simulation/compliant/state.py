@@ -1,7 +1,6 @@
 """Hinged walker: a body and legs on hinges at its anchors (docs/physics.md section 5, model B).
 
 Each leg hangs on a torsional spring with a damper; its angle against the body is zero when relaxed.
-A braced walker has `legs` None: its state has no leg coordinates and its code no springs.
 """
 
 import math
@@ -12,7 +11,7 @@ import numpy.typing as npt
 
 from walkergen.simulation.drive import height
 from walkergen.simulation.effects.compliance import Spring, stiffness
-from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, RIGID_SIZE, State, World, Y
+from walkergen.simulation.world import COMPLIANT_SIZE, PHASE, PITCH, State, World, Y
 from walkergen.walker.design import Design
 from walkergen.walker.mass import LegMass, MassProperties, from_centre
 from walkergen.walker.planar import in_plane
@@ -73,9 +72,9 @@ class Walker(NamedTuple):
     """
 
     mass: float
-    """Mass of the body (flexible legs) or of the whole (braced), g."""
+    """Mass of the body, g."""
     inertia: float
-    """Moment of inertia about O of what `mass` counts, g mm^2."""
+    """Moment of inertia of the body about O, g mm^2."""
     anchors: tuple[Point, Point]
     """Vectors O -> anchors."""
     reaches: tuple[Point, Point]
@@ -84,9 +83,9 @@ class Walker(NamedTuple):
     corner_front_x: float
     corner_y: float
     """Vectors O -> lower corners of the body."""
-    legs: tuple[Leg, Leg] | None
-    ratios: Ratios | None
-    swing: Swing | None
+    legs: tuple[Leg, Leg]
+    ratios: Ratios
+    swing: Swing
 
 
 def walker_of(
@@ -96,19 +95,16 @@ def walker_of(
     damping_ratio: float = 0.05,
     spring: Spring = "cantilever",
 ) -> Walker:
-    """Walker of a design, legs None if braced; `damping_ratio`: of a free leg on a held body."""
+    """Walker of a design; `damping_ratio`: of a free leg on a held body."""
     flat, size = in_plane(design, mass), design.size
     low = np.array([(-0.5 * size.length, -0.5 * size.thickness),
                     (0.5 * size.length, -0.5 * size.thickness)])  # fmt: skip
     (left, bottom), (right, _) = from_centre(design, mass, low)
     back, front = flat.mass.legs
-    legs = ratios = swing = None
-    if not mass.rigid:
-        modulus = design.material.youngs_modulus
-        stiff_b, stiff_f = (stiffness(limb, modulus, spring) for limb in flat.limbs)
-        legs = _leg(back, stiff_b, damping_ratio), _leg(front, stiff_f, damping_ratio)
-        ratios = _ratios(*legs)
-        swing = _swing(flat.mass, ratios)
+    modulus = design.material.youngs_modulus
+    stiff_b, stiff_f = (stiffness(limb, modulus, spring) for limb in flat.limbs)
+    legs = _leg(back, stiff_b, damping_ratio), _leg(front, stiff_f, damping_ratio)
+    ratios = _ratios(*legs)
     return Walker(
         mass=float(mass.M),
         inertia=float(mass.J),
@@ -119,7 +115,7 @@ def walker_of(
         corner_y=float(bottom),
         legs=legs,
         ratios=ratios,
-        swing=swing,
+        swing=_swing(flat.mass, ratios),
     )
 
 
@@ -167,7 +163,7 @@ def start(
 ) -> State:
     """A state at rest in the laboratory, relaxed, its lower foot `clearance` mm over the plate."""
     walker = world.walker
-    state = np.zeros(RIGID_SIZE if walker.legs is None else COMPLIANT_SIZE)
+    state = np.zeros(COMPLIANT_SIZE)
     state[PITCH], state[PHASE] = pitch, phase
     cos, sin = math.cos(pitch), math.sin(pitch)
     lower = min(

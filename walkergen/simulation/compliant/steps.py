@@ -1,4 +1,4 @@
-"""Time stepping: Moreau and Jean's scheme with located landings, for compliant and braced walkers.
+"""Time stepping: Moreau and Jean's scheme with located landings, for the compliant walker.
 
 While a foot lies on the plate, steps have a fixed length h: trapezoidal rule (springs implicit),
 contact as a complementarity problem between velocities and impulses, solved exactly by enumeration
@@ -19,7 +19,6 @@ from walkergen.simulation import record
 from walkergen.simulation.compliant.chain import (
     LOOSE,
     accelerate,
-    angle,
     chain_of,
     corner_height,
     feet_changes,
@@ -132,14 +131,13 @@ def resting(world: World) -> float:
 
 
 @kernel
-def _drift(legs, state, t):
+def _drift(state, t):
     """Move the positions on for t seconds at the present rates."""
     state[X] += t * state[V_X]
     state[Y] += t * state[V_Y]
     state[PITCH] += t * state[SPIN]
-    if legs is not None:
-        state[ANGLE_BACK] += t * state[RATE_BACK]
-        state[ANGLE_FRONT] += t * state[RATE_FRONT]
+    state[ANGLE_BACK] += t * state[RATE_BACK]
+    state[ANGLE_FRONT] += t * state[RATE_FRONT]
 
 
 @kernel
@@ -185,16 +183,16 @@ def _contact_step(world, state, t, sums, rows):
     Returns the part of the step after which a sliding foot stops, 1 when none does.
     """
     legs = world.walker.legs
-    rate_b, rate_f = angle(legs, state, RATE_BACK), angle(legs, state, RATE_FRONT)
+    rate_b, rate_f = state[RATE_BACK], state[RATE_FRONT]
     v_x, v_y = state[V_X], state[V_Y]
     plate_before = velocity(world.drive, state[PHASE])
-    _drift(legs, state, 0.5 * t)
+    _drift(state, 0.5 * t)
     state[PHASE] = moved_on(world.drive, state[PHASE], t)
     chain = chain_of(world.walker, state, stiffening(legs, t))
     before = feet_velocities(world, state, chain)
     a_x, a_y, a_t, a_b, a_f = free_acceleration(world, state, chain)
     free = (t * a_x, t * a_y, t * a_t, t * a_b, t * a_f)
-    d, turning = feet_changes(chain, free), feet_turning(world.walker, state, chain)
+    d, turning = feet_changes(chain, free), feet_turning(state, chain)
     u = (
         before[0] + d[0] + 0.5 * t * turning[0],
         before[1] + d[1] + 0.5 * t * turning[1],
@@ -203,13 +201,13 @@ def _contact_step(world, state, t, sums, rows):
     )
     closed = (state[MODE_BACK] != OPEN, state[MODE_FRONT] != OPEN)
     guess, W = (int(state[MODE_BACK]), int(state[MODE_FRONT])), mobility_of(chain)
-    back, front, F, _ = solve(W, u, closed, (0, 0), guess, frictions(world), rows)
+    back, front, F = solve(W, u, closed, guess, frictions(world), rows)
     part = _stop(W, u, before, back, front, frictions(world), rows)
-    accelerate(legs, state, free)
-    accelerate(legs, state, push(chain, F))
+    accelerate(state, free)
+    accelerate(state, push(chain, F))
     state[MODE_BACK], state[MODE_FRONT] = back, front
     after = feet_velocities(world, state, chain)
-    _drift(legs, state, 0.5 * t)
+    _drift(state, 0.5 * t)
 
     plate_after = velocity(world.drive, state[PHASE])
     work = 0.5 * (F[1] + F[3]) * (plate_before + plate_after)
@@ -220,8 +218,8 @@ def _contact_step(world, state, t, sums, rows):
     gained += (F[1] + F[3]) * plate_after
     sums[record.PLATE_WORK] += work
     sums[record.FRICTION_LOSS] += work - gained
-    mean_b = 0.5 * (rate_b + angle(legs, state, RATE_BACK))
-    mean_f = 0.5 * (rate_f + angle(legs, state, RATE_FRONT))
+    mean_b = 0.5 * (rate_b + state[RATE_BACK])
+    mean_f = 0.5 * (rate_f + state[RATE_FRONT])
     v_x, v_y = 0.5 * (v_x + state[V_X]), 0.5 * (v_y + state[V_Y])
     sums[record.DAMPING_LOSS] += t * power_lost(world, state[PITCH], v_x, v_y, mean_b, mean_f)
     return part
@@ -319,7 +317,7 @@ def _land(world, state, chain, gap, landed, tally, rows):
         landed[1] or state[MODE_FRONT] != OPEN or gap[1] <= REACH,
     )
     d = feet_changes(chain, free_acceleration(world, state, chain))
-    turning = feet_turning(world.walker, state, chain)
+    turning = feet_turning(state, chain)
     lift = acceleration(world.drive, state[PHASE])
     least = short * across(world.acting)
     rest = (
@@ -358,7 +356,7 @@ def advance(world, state, duration, tally):
             take_sample(tally.samples, begin + t, state)
         if corner_height(world, state) <= 0.0:
             return TOPPLED
-        if folded(legs, state):
+        if folded(state):
             return FOLDED
         chain = chain_of(world.walker, state, LOOSE)
         gap, u = gaps(world.drive, state, chain), feet_velocities(world, state, chain)
@@ -374,7 +372,7 @@ def advance(world, state, duration, tally):
             return INSIDE
         closed = state[MODE_BACK] != OPEN or state[MODE_FRONT] != OPEN
         if closed:
-            length = longest_contact(legs, state, h)
+            length = longest_contact(state, h)
         else:
             clear = clear_time(world, state, chain, gap)
             length = min(max(clear, h), longest_flight(world.walker, state, world.options, clear))

@@ -46,14 +46,14 @@ def parameters(case: Case) -> Air:
 def verdict(case: Case) -> Effect:
     """Verdict: off unless forced. The number is drag over friction, for a fast walker.
 
-    Raises InputError for the relaxed model, whose flights are exact only without drag.
+    Raises InputError for models whose flights are exact only without drag.
     """
     scene, air = case.scene, parameters(case)
     wanted, speed = scene.effects.air_drag, scene.drive.peak_speed
-    if wanted and case.model == "relaxed":
+    if wanted and case.model in ("rigid", "relaxed"):
         raise InputError(
-            f"{SWITCH} = true: the relaxed model's flights are exact only without drag; "
-            "use legs.model 'compliant' or 'rigid'"
+            f"{SWITCH} = true: the {case.model} model's flights are exact only without drag; "
+            "use legs.model 'space'"
         )
     friction = max(scene.contact.friction, 1e-3) * float(case.mass.M) * GRAVITY
     number = math.hypot(air.ends * (FASTEST * speed) ** 2, air.sides * speed**2) / friction

@@ -1,5 +1,6 @@
 """Verdicts on effects: whether a scene calls for each, and the number that decides."""
 
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 from walkergen.errors import InputError
@@ -8,6 +9,11 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 ModelName = Literal["rigid", "relaxed", "compliant", "space"]
+
+METHODS: Mapping[str, str] = {
+    "rigid": "event", "relaxed": "event", "compliant": "step", "space": "step"
+}  # fmt: skip
+"""Method that each model implies: from event to event, or by time steps."""
 
 
 class Case(NamedTuple):

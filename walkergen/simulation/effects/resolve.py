@@ -1,24 +1,21 @@
-"""Model, method and effects that a scene calls for, decided from dimensionless numbers."""
+"""Model and effects that a scene calls for, decided from dimensionless numbers."""
 
-from typing import Literal, NamedTuple
+from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects import air_drag, compliance
+from walkergen.simulation.effects import compliance
 from walkergen.simulation.effects.acting import VERDICTS, Acting, acting
 from walkergen.simulation.effects.effect import Case, Effect, ModelName
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 from walkergen.walker.planar import in_plane
 
-MethodName = Literal["event", "step"]
-
 
 class Resolved(NamedTuple):
-    """Model, method and effects that will be simulated."""
+    """Model and effects that will be simulated."""
 
     model: ModelName
-    method: MethodName
     effects: tuple[Effect, ...]
     acting: Acting
 
@@ -28,7 +25,7 @@ class Resolved(NamedTuple):
 
 
 def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
-    """Decide the model, the method and every effect.
+    """Decide the model and every effect.
 
     Raises InputError where the scene's choices contradict each other or the design.
     """
@@ -38,7 +35,7 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     effects = tuple(verdict(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
-    return Resolved(case.model, _method(scene, case.model, on[air_drag.NAME]), effects, acts)
+    return Resolved(case.model, effects, acts)
 
 
 def _check_room(scene: Scene, design: Design) -> None:
@@ -75,8 +72,8 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
         return wanted
     if plane or problem or accepted < compliance.PLANAR_ERROR:
         return "space"
-    if design.braced:
-        return "rigid"
+    if design.braced:  # flights from event to event are exact without drag only
+        return "space" if scene.effects.air_drag else "rigid"
     return "compliant" if accepted < compliance.RELAXED_ERROR else "relaxed"
 
 
@@ -95,7 +92,7 @@ def _out_of_plane(design: Design, mass: MassProperties, model: str) -> str:
 
 
 def _check_elastic(scene: Scene, design: Design, model: ModelName) -> None:
-    """Refuse laws and instants of impact of elastic feet, which have none. Raises InputError."""
+    """Refuse laws of impact of elastic feet, which have none. Raises InputError."""
     planar = "rigid" if design.braced else "compliant"
     if model == "space" and scene.contact.law != "poisson":
         raise InputError(
@@ -103,27 +100,3 @@ def _check_elastic(scene: Scene, design: Design, model: ModelName) -> None:
             f"of impact (feet.damping); use legs.model {planar!r} for this law, or leave the law "
             "at 'poisson'"
         )
-    if model == "space" and scene.run.method == "event":
-        raise InputError(
-            "run.method = 'event': elastic feet have no instants of impact to go between; use "
-            f"method 'step', or model {planar!r}"
-        )
-
-
-def _method(scene: Scene, model: ModelName, drags: bool) -> MethodName:
-    wanted = scene.run.method
-    if model == "space":
-        return "step"
-    if wanted == "auto":
-        return "step" if model == "compliant" or drags else "event"
-    if wanted == "step" and model == "relaxed":
-        raise InputError(
-            "run.method = 'step': the relaxed model's cascades of impacts have no time step; "
-            "use method 'event', or model 'compliant'"
-        )
-    if wanted == "event" and model == "rigid" and drags:
-        raise InputError(
-            f"{air_drag.SWITCH} = true: the rigid model's flights from event to event are exact "
-            "only without drag; use method 'step'"
-        )
-    return wanted

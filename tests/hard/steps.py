@@ -5,8 +5,9 @@ from typing import Any
 
 import numpy as np
 
+from hard import COMPLIANT, drawn
 from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, drawn, shaken
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, shaken
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import ENDED_WELL, Outcome, simulate
 
@@ -35,10 +36,10 @@ DROPS = 8
 def _plan(shape: dict[str, float], body: dict[str, float], seconds: float, **tables: Any) -> Plan:
     run: dict[str, float] = {"seconds": seconds, "discard_seconds": 0.5}
     run |= tables.pop("run", {})
-    return drawn("compliant", "step", {"legs": shape, "body": body}, run=run, **tables)
+    return drawn("compliant", {"legs": shape, "body": body}, run=run, **tables)
 
 
-def _short_rebounds(model: str, method: str) -> Iterator[Check]:
+def _short_rebounds(model: str) -> Iterator[Check]:
     """Check the mean speed by the walker's own step against a tenth of it, over 8 runs each."""
     for shape, e in SWIFT:
         found = []
@@ -72,7 +73,7 @@ def _dropped(plan: Plan, rng: np.random.Generator) -> Array:
     return state
 
 
-def _sinking(model: str, method: str) -> Iterator[Check]:
+def _sinking(model: str) -> Iterator[Check]:
     """Check that no foot sinks on a plate at rest, by steps too long for the legs' dampers."""
     for tilt, thickness, length, spacing, body, e, mu, ratio in SINKING:
         shape = {
@@ -98,6 +99,6 @@ def _sinking(model: str, method: str) -> Iterator[Check]:
 
 
 CASES = [
-    Case("rebounds shorter than a step", "6.15", (("compliant", "step"),), _short_rebounds),
-    Case("feet do not sink", "6.15", (("compliant", "step"),), _sinking),
+    Case("rebounds shorter than a step", "6.15", COMPLIANT, _short_rebounds),
+    Case("feet do not sink", "6.15", COMPLIANT, _sinking),
 ]

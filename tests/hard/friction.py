@@ -6,28 +6,26 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import EVERY, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, advance, lift, plan_of, shaken, with_legs
-from walkergen.jobs.selftest.survival import survives
+from hard import EVERY, lift, with_legs
+from hard.survival import survives
+from walkergen.jobs.selftest.case import Case, Check, exactly
+from walkergen.jobs.selftest.scenes import STILL, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import MODE_BACK, MODE_FRONT, PITCH, STICK, V_X, V_Y, X
 
 
-def _friction(model: str, method: str) -> Iterator[Check]:
+def _friction(model: str) -> Iterator[Check]:
     for mu in (5.0, 1e3):
         for e in (0.0, 0.8):
-            plan = plan_of(
-                model, method, drive=shaken(1.8), contact={"restitution": e, "friction": mu}
-            )
-            yield from survives(plan, (model, method), 0.2, f"mu = {mu:g}, e = {e:g}")
+            plan = plan_of(model, drive=shaken(1.8), contact={"restitution": e, "friction": mu})
+            yield from survives(plan, 0.2, f"mu = {mu:g}, e = {e:g}")
 
 
-def _no_friction(model: str, method: str) -> Iterator[Check]:
+def _no_friction(model: str) -> Iterator[Check]:
     for e in (0.0, 0.8):
         plan = plan_of(
             model,
-            method,
             20.0,
             drive=shaken(1.8),
             run={"step_us": 10.0},
@@ -39,14 +37,8 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
         before = plan.model.momentum(plan.world, state)
         outcome, _ = advance(plan, state, 0.05)
         limit, reason = 0.0, "exact: nothing pushes along the plate"
-        if method == "step":
-            limit, reason = (
-                1e-14,
-                "rounding of a momentum of 30 g mm/s in the elimination of both feet",
-            )
         if model == "compliant":
-            limit = 1e-8 if method == "event" else 2e-3
-            reason = "rounding of the legs' momenta; by steps, their turn within a step"
+            limit, reason = 2e-3, "the legs' turn within a step"
         yield exactly(f"e = {e:g}: runs on", outcome is Outcome.OK)
         yield Check(
             f"e = {e:g}: horizontal momentum gained, g mm/s",
@@ -56,10 +48,10 @@ def _no_friction(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _jams(model: str, method: str) -> Iterator[Check]:
+def _jams(model: str) -> Iterator[Check]:
     """Check a foot whose sliding presses it ever harder down (H_yy < mu |H_xy|)."""
-    tilt = 0.0 if model in ("rigid", "relaxed") else 20.0
-    plan = plan_of(model, method, tilt, drive=STILL, contact={"restitution": 0.0, "friction": 5.0})
+    tilt = 20.0 if model == "compliant" else 0.0
+    plan = plan_of(model, tilt, drive=STILL, contact={"restitution": 0.0, "friction": 5.0})
     held = {}
     for way, fall in itertools.product((10.0, -10.0), (0.0, -1e-3)):
         state = plan.start(0.0, 0.0, 0.5 * math.pi)
@@ -81,12 +73,11 @@ def _jams(model: str, method: str) -> Iterator[Check]:
     )
 
 
-def _stops(model: str, method: str) -> Iterator[Check]:
+def _stops(model: str) -> Iterator[Check]:
     """Check sliding on a plate at rest: over v^2 / (2 mu g), then at rest for good."""
     mu, speed = 0.25, 60.0
     plan = plan_of(
         model,
-        method,
         10.0,
         drive=STILL,
         run={"step_us": 30.0},

@@ -6,13 +6,13 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import COMPLIANT, EVERY, THREE_COORDINATES, Case, Check
+from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
+from walkergen.jobs.selftest.case import Case, Check
 from walkergen.jobs.selftest.scenes import (
     STILL,
     Array,
     advance,
     design_of,
-    lift,
     plan_of,
     scene_of,
     shaken,
@@ -44,13 +44,13 @@ def _apart(one: Array, other: Array) -> float:
     return float(np.abs(one - other)[[X, Y, PITCH]].max())
 
 
-def _mirror(model: str, method: str) -> Iterator[Check]:
-    exact = (model, method) in THREE_COORDINATES
+def _mirror(model: str) -> Iterator[Check]:
+    exact = model in THREE_COORDINATES
     reason = "exact: only signs differ" if exact else GROWN
     for e, mu, law in ((0.9, 0.1, "poisson"), (0.5, 2.0, "stronge"), (0.0, 0.25, "newton")):
         contact = {"restitution": e, "friction": mu, "law": law}
-        right = plan_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
-        left = plan_of(model, method, -10.0, drive=shaken(1.8), contact=contact)
+        right = plan_of(model, 10.0, drive=shaken(1.8), contact=contact)
+        left = plan_of(model, -10.0, drive=shaken(1.8), contact=contact)
         one, other = _dropped(right), _dropped(left, -1.0)
         seconds = 0.4 if exact else SHORT
         advance(right, one, seconds)
@@ -63,14 +63,14 @@ def _mirror(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _upright(model: str, method: str) -> Iterator[Check]:
-    exact = (model, method) in THREE_COORDINATES
+def _upright(model: str) -> Iterator[Check]:
+    exact = model in THREE_COORDINATES
     seconds = 2.0 if exact else 0.05
     reason = "exact: no preference" if exact else "rounding, grown over four landings"
     for e in (0.0, 0.6):
         for mu in (0.25, 5.0):
             contact = {"restitution": e, "friction": mu}
-            plan = plan_of(model, method, 0.0, drive=shaken(1.8), contact=contact)
+            plan = plan_of(model, 0.0, drive=shaken(1.8), contact=contact)
             state = plan.start(0.03, 0.0, 1.0)
             advance(plan, state, seconds)
             drift = max(abs(state[X]), abs(state[PITCH]))
@@ -82,10 +82,10 @@ def _upright(model: str, method: str) -> Iterator[Check]:
             )
 
 
-def _almost_upright(model: str, method: str) -> Iterator[Check]:
+def _almost_upright(model: str) -> Iterator[Check]:
     ends = []
     for tilt in (0.0, 1e-12, -1e-12):
-        plan = plan_of(model, method, tilt, drive=shaken(1.8))
+        plan = plan_of(model, tilt, drive=shaken(1.8))
         state = _dropped(plan)
         advance(plan, state, SHORT)
         ends.append(state)
@@ -93,9 +93,9 @@ def _almost_upright(model: str, method: str) -> Iterator[Check]:
     yield Check("end of the run at +-1e-12 deg against 0, mm", apart, 1e-8, GROWN)
 
 
-def _shift(model: str, method: str) -> Iterator[Check]:
+def _shift(model: str) -> Iterator[Check]:
     for turns, limit in ((1, 1e-8), (1_000_000, 1e-4)):
-        plan = plan_of(model, method, 10.0, drive=shaken(1.8))
+        plan = plan_of(model, 10.0, drive=shaken(1.8))
         one, other = _dropped(plan), _dropped(plan)
         other[PHASE] += 2.0 * math.pi * turns
         advance(plan, one, SHORT)
@@ -108,14 +108,14 @@ def _shift(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _moving_plate(model: str, method: str) -> Iterator[Check]:
+def _moving_plate(model: str) -> Iterator[Check]:
     """Check landings at phase 0, where the plate moves at A omega: only relative speeds count."""
     instant = 1e-11
     contact = {"restitution": 0.5, "friction": 0.25}
     for both in (True, False):
         ends = []
         for drive in (STILL, shaken(1.8)):
-            plan = plan_of(model, method, 10.0, drive=drive, contact=contact)
+            plan = plan_of(model, 10.0, drive=drive, contact=contact)
             state = plan.start(0.0, 0.0, 0.0)
             if not both:
                 state[PITCH] += 0.01
@@ -133,7 +133,7 @@ def _moving_plate(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _scaled(model: str, method: str, scale: float) -> Plan:
+def _scaled(model: str, scale: float) -> Plan:
     """Lengths x s, times x sqrt(s); Young's modulus x s keeps the springs similar."""
     one = design_of(model, 10.0)
     tables = {
@@ -143,24 +143,23 @@ def _scaled(model: str, method: str, scale: float) -> Plan:
     design = type(one).model_validate(tables | {"material": {"youngs_modulus_gpa": 3.0 * scale}})
     scene = scene_of(
         model,
-        method,
         drive={"frequency_hz": 90.0 / math.sqrt(scale), "gamma": 1.8},
         run={"step_us": 10.0 * math.sqrt(scale)},
     )
     return prepare(scene, design, masses_of(design))
 
 
-def _scales(model: str, method: str) -> Iterator[Check]:
+def _scales(model: str) -> Iterator[Check]:
     ends = {}
     for scale in (1.0, 1e-3, 1e3):
-        plan = _scaled(model, method, scale)
+        plan = _scaled(model, scale)
         state = plan.start(0.05 * scale, 0.0, 1.0)
         state[PITCH] += 4e-3
         state[V_X] = 12.0 * math.sqrt(scale)
         lift(plan, state, 0.05 * scale)
         advance(plan, state, SHORT * math.sqrt(scale))
         ends[scale] = state[[X, Y, PITCH]] / (scale, scale, 1.0)
-    exact = (model, method) in THREE_COORDINATES
+    exact = model in THREE_COORDINATES
     limit, reason = 1e-8, GROWN
     if not exact:
         limit, reason = 1e-4, "contact tolerances of the hinged chain are in mm and do not scale"
@@ -169,11 +168,11 @@ def _scales(model: str, method: str) -> Iterator[Check]:
         yield Check(f"lengths x {scale:g}: end of the run, scaled", apart, limit, reason)
 
 
-def _tolerance(model: str, method: str) -> Iterator[Check]:
+def _tolerance(model: str) -> Iterator[Check]:
     """Check contact tolerances coarser by 16, and the snap speed that belongs to them by 4."""
     for mu in (0.0, 0.1, 5.0):
         contact = {"restitution": 0.8, "friction": mu}
-        plan = plan_of(model, method, 10.0, drive=shaken(1.8), contact=contact)
+        plan = plan_of(model, 10.0, drive=shaken(1.8), contact=contact)
         one, other = _dropped(plan), _dropped(plan)
         advance(plan, one, 2.0 * SHORT)
         coarse = plan._replace(world=plan.model.coarser(plan.world, 16.0))
@@ -186,13 +185,13 @@ def _tolerance(model: str, method: str) -> Iterator[Check]:
         )
 
 
-def _frozen_joints(model: str, method: str) -> Iterator[Check]:
+def _frozen_joints(model: str) -> Iterator[Check]:
     """Legs on springs without end stiffness: the braced walker's inverse mass at the feet."""
-    plan = plan_of(model, method, 20.0)
+    plan = plan_of(model, 20.0)
     walker, state = plan.world.walker, plan.start(1.0, 0.0, 0.0)
     stiffened = tuple(1e12 * leg.inertia for leg in walker.legs)
-    frozen: Any = chain_of(walker, state, stiffened)  # type: ignore[no-untyped-call]
-    stiff: Any = mobility_of(frozen)  # type: ignore[no-untyped-call]
+    frozen: Any = chain_of(walker, state, stiffened)
+    stiff: Any = mobility_of(frozen)
     whole = masses.as_rigid(masses_of(design_of(model, 20.0)))
     d = whole.legs[0].foot
     braced = 1.0 / whole.M + float(d[0]) ** 2 / whole.J
