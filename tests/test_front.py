@@ -395,20 +395,21 @@ def test_a_sweep_is_the_commands(run, tmp_path):
     found = wg.sweep(PAPER, LANE, values)
     lines = (tmp_path / "told" / "table.csv").read_text().splitlines()
     speed = lines[0].split(",").index("speed_mm_s")
-    assert found["speed_mm_s"].tolist() == [float(line.split(",")[speed]) for line in lines[1:]]
-    assert [row["legs.tilt_deg"] for row in found] == [5, 5, 10, 10]
-    assert found["speed_mm_s"][3] == wg.predict(PAPER, LANE, tilt=10).speed.value
+    speeds = found.table["speed_mm_s"].tolist()
+    assert speeds == [float(line.split(",")[speed]) for line in lines[1:]]
+    assert [row["legs.tilt_deg"] for row in found.table] == [5, 5, 10, 10]
+    assert speeds[3] == wg.predict(PAPER, LANE, tilt=10).speed.value
     assert found.plot()._repr_png_().startswith(b"\x89PNG")
     again = wg.sweep(PAPER, LANE, values, folder="found")
-    assert again["speed_mm_s"].tolist() == found["speed_mm_s"].tolist()
+    assert again.table["speed_mm_s"].tolist() == speeds
     assert (tmp_path / "found" / "table.csv").exists()
 
 
 def test_a_sweep_simulates_and_refuses():
     scene = LANE.variant(**{"run.seconds": 0.05, "run.runs": 4})
     found = wg.sweep(PAPER, scene, {"legs.tilt_deg": range(8, 11, 2)}, model="relaxed", error="50%")
-    assert found["status"].tolist() == ["ok", "ok"]
-    assert (found["se_mm_s"] >= 0).all()
+    assert found.table["status"].tolist() == ["ok", "ok"]
+    assert (found.table["se_mm_s"] >= 0).all()
     for values, told in (
         ({"legs.nope": [1]}, "legs.nope: unknown key"),
         ({"legs[x]": [1]}, r"'legs\[x\]': must be a key"),
@@ -503,9 +504,9 @@ def test_a_sweep_of_samples_is_the_commands(run, tmp_path, sample):
         PAPER, LANE, {"scene.drive.gamma": [1.5, 1.8]}, between={"legs.tilt_deg": (2, 40)},
         sample=sample, seed=7,
     )  # fmt: skip
-    assert len(found) == 2 * int(sample.partition(":")[2])
+    assert len(found.table) == 2 * int(sample.partition(":")[2])
     for name in ("scene.drive.gamma", "legs.tilt_deg", "speed_mm_s"):
-        assert found[name].tolist() == [float(row[name]) for row in told]
+        assert found.table[name].tolist() == [float(row[name]) for row in told]
 
 
 @pytest.mark.parametrize(

@@ -14,6 +14,7 @@ from typer.testing import CliRunner
 
 from walkergen import prediction
 from walkergen.cli import app
+from walkergen.errors import InputError
 from walkergen.exploring import axes, evaluate
 from walkergen.exploring.request import Request
 from walkergen.exploring.store import Store
@@ -75,7 +76,7 @@ def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(
     counted = []
     real = evaluate.evaluate
     monkeypatch.setattr("walkergen.exploring.run.evaluate", lambda p: counted.append(p) or real(p))
-    assert "all 10 points were there before" in swept("--set", TILTS, "--out", "one").output
+    assert "all 10 points were known before" in swept("--set", TILTS, "--out", "one").output
     swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")
     assert [one.design.tilt_deg for one in counted] == [22, 24, 26, 28, 30]
     assert (home / "one" / "table.csv").read_bytes()[: len(first)] == first
@@ -309,6 +310,29 @@ def test_memory_does_not_grow_with_the_points():
     rows = space.rows()
     assert space.points == 1001**3
     assert next(rows) == (0.0, 0.0, 0.0)
+
+
+@pytest.mark.parametrize("tilts", ["5", "80,81"])  # one point, and two without a speed
+def test_there_is_no_figure_where_nothing_can_be_compared(home, tilts):
+    job = Job(request_of(f"legs.tilt_deg={tilts}"), "title")
+    made = make.make(job, home / "one", Store(home / "points"), None, lambda *one: None)
+    assert len(made.table) == len(tilts.split(","))
+    assert not (home / "one" / "sweep.png").exists()
+    with pytest.raises(InputError, match="there is no figure"):
+        made.plot()
+
+
+def test_rows_are_kept_for_pictures_and_for_python_alone(home):
+    store, job = Store(home / "points"), Job(request_of(TILTS), "title", pictures=False)
+    bare = make.make(job, home / "one", store, None, lambda *one: None)
+    whole = make.make(job._replace(kept=True), home / "one", store, None, lambda *one: None)
+    found = make.find(job, store, None, lambda *one: None)
+    assert len(bare.table) == 0
+    assert bare.facts["points"] == len(whole.table) == 10
+    assert whole.table.rows == found.table.rows
+    assert list(whole["table"]) == list(found["table"])
+    assert whole.facts["files"] == [str(home / "one" / "table.csv"),
+                                    str(home / "one" / "table.parquet")]  # fmt: skip
 
 
 def test_a_job_reports_its_progress(home):

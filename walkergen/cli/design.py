@@ -2,16 +2,13 @@
 
 import sys
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
 from walkergen.cli.crews import Workers, crew_of
-
-if TYPE_CHECKING:
-    from walkergen.jobs.design.make import Result
 
 
 def design(
@@ -87,26 +84,7 @@ def design(
             result = make.make(job, Bench(store, crew, progress), folder, pictures)
     finally:
         store.close()
-    if json:
-        from walkergen.jobs.design import tables
-
-        show.as_json(tables.as_dict(result))
-    elif not quiet:
-        _show(result)
+    show.report(result, json, quiet)
     if result.stopped:
         print(f"{result.stopped}; the nearest are in {folder}/", file=sys.stderr)
         raise typer.Exit(1)
-
-
-def _show(result: "Result") -> None:
-    """Print the designs, what was done, and where they are."""
-    from rich import box
-
-    from walkergen.jobs.design import tables
-
-    show.table(tables.to_table(result.job, result.designs, box.SIMPLE, False))
-    show.text(tables.units(result.job))
-    for line in tables.notes(result):
-        show.text(line.removeprefix("- "))
-    names = "design-1.toml" if len(result.designs) == 1 else f"design-1 to {len(result.designs)}"
-    print(f"{names}, scenes, design.csv, design.md, design.png and .pdf in {result.folder}/")

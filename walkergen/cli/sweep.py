@@ -17,7 +17,6 @@ if TYPE_CHECKING:
     from walkergen.exploring.request import Request
     from walkergen.exploring.store import Store
     from walkergen.jobs.sweep.ask import Ask
-    from walkergen.jobs.sweep.make import Made
 
 FEW_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
@@ -113,13 +112,9 @@ def sweep(
         job = make.Job(request, asked.title(), pictures, seconds)
         with show.progress("sweep", wanted=not quiet) as progress:
             made = make.make(job, folder, store, crew, progress)
-    for line in made.told:
+    for line in made.warnings:
         print(f"warning: {line}", file=sys.stderr)
-    if json:
-        show.as_json({"points": made.points, "known": made.known, "bad": made.bad,
-                      "files": [str(path) for path in made.files]})  # fmt: skip
-    elif not quiet:
-        _show(made, folder)
+    show.report(made, json, quiet)
 
 
 def _ask(
@@ -153,16 +148,3 @@ def _check_cost(request: "Request", store: "Store", crew: "Crew | None", yes: bo
         return
     found = cost.estimate(request, store, 1 if crew is None else crew.workers)
     raise InputError(f"{cost.in_words(found)}; give --yes to begin, or take fewer points")
-
-
-def _show(made: "Made", folder: Path) -> None:
-    """Print what was made, and what is wrong with points."""
-    from walkergen.jobs.sweep import table
-
-    if made.finished:
-        print(f"all {made.points} points were there before: {folder / table.NAME}")
-    else:
-        known = f", {made.known} of them known before" if made.known else ""
-        print(f"{made.points} points{known}: " + ", ".join(str(path) for path in made.files))
-    for name, count in made.bad.items():
-        print(f"{count} of them: {name} (see the column status)")

@@ -167,9 +167,7 @@ def array_of(values: Sequence[Any]) -> "npt.NDArray[Any]":
         whole = all(isinstance(value, int) for value in values)
         return np.array([math.nan if value is None else value for value in values],
                         dtype=np.int64 if whole else np.float64)  # fmt: skip
-    objects = np.empty(len(values), dtype=object)
-    objects[:] = values
-    return objects
+    return np.fromiter(values, dtype=object, count=len(values))  # lists stay lists
 
 
 def _is_number(value: Any) -> bool:
@@ -225,13 +223,17 @@ class Report:
         for each in self.tables:
             folder.write(f"{each.name}.csv", each.csv().encode())
         folder.write(f"{self.name}.md", self.markdown().encode())
-        if pictures and self.figures:
-            from walkergen.files import figures
+        if pictures:
+            self.write_figures(folder)
 
-            for name, draw in self.figures.items():
-                figure = draw()
-                folder.write(f"{name}.png", figures.png(figure))
-                folder.write(f"{name}.pdf", figures.pdf(figure))
+    def write_figures(self, folder: Folder) -> None:
+        """Write the figures as PNG and PDF."""
+        for name, draw in self.figures.items():
+            from walkergen.files import figures  # brings matplotlib
+
+            figure = draw()
+            folder.write(f"{name}.png", figures.png(figure))
+            folder.write(f"{name}.pdf", figures.pdf(figure))
 
     def plot(self, name: str | None = None) -> "Figure":
         """Draw one of the figures, the first by default. Raises InputError that names them."""

@@ -5,51 +5,21 @@ import os
 from collections.abc import Iterable, Mapping, Sequence
 from contextlib import closing, nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
-from walkergen.errors import InputError, WalkergenError
-from walkergen.exploring import axes, crew, run, wanted
+from walkergen.errors import InputError
+from walkergen.exploring import axes, crew, wanted
 from walkergen.exploring.axes import Sample, Space, Span
-from walkergen.exploring.point import PREDICTION, STATUS
+from walkergen.exploring.point import PREDICTION
 from walkergen.exploring.store import Store
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.sweep import ask, make
-from walkergen.jobs.sweep import table as tables
 from walkergen.jobs.sweep.ask import Ask
+from walkergen.jobs.sweep.report import SweepReport
 from walkergen.notebook.loading import Ground, Machine, Walker, printer_of, scene_of, walker_of
 from walkergen.notebook.predicting import SCENE
-from walkergen.notebook.table import Table
-
-if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
-
-class Sweep(Table):
-    """Points of a sweep, a row each: the keys that vary, then speeds with their bounds."""
-
-    def __init__(self, columns: Mapping[str, Sequence[Any]], keys: Sequence[str], title: str):
-        super().__init__(columns, title)
-        self.keys = tuple(keys)
-        """Keys that vary."""
-
-    def plot(self) -> "Figure":
-        """Draw speed over the keys: lines, a map or clouds. Raises WalkergenError."""
-        from walkergen.files.figures import shown
-        from walkergen.jobs.sweep import figures
-        from walkergen.jobs.sweep.panels import Columns
-
-        unknown = np.full(len(self), np.nan)
-        low, high = (self.columns.get(f"{end}_95_mm_s", unknown) for end in ("low", "high"))
-        status = self[STATUS].tolist()
-        columns = Columns(
-            {key: self[key].tolist() for key in self.keys}, self["speed_mm_s"], low, high, status
-        )
-        drawn = figures.figure(columns, self.keys, self.title)
-        if drawn is None:
-            raise WalkergenError("plot: no key has two values, or no point a speed")
-        return shown(drawn)
 
 
 def sweep(
@@ -58,7 +28,7 @@ def sweep(
     seed: int = 1, model: str = PREDICTION, error: str | None = None,
     keep: Sequence[str] = ("speed",), printer: Machine | None = None, workers: int | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
-) -> Sweep:  # fmt: skip
+) -> SweepReport:  # fmt: skip
     """Map speeds over all combinations of the `values` of any keys, the last key fastest.
 
     Keys are dotted, those of the scene begin with "scene.": {"legs.tilt_deg": [5, 10],
@@ -80,20 +50,11 @@ def sweep(
     asked = Ask(walker_of(design), None, scene_of(scene), machine, space, (), model, told, keep)
     request, tell = asked.request(), progress or silent
     hired = nullcontext() if workers is None else crew.local(workers)
+    job = make.Job(request, asked.title(), kept=True)
     with closing(Store()) as store, hired as hands:
-        if folder is not None:
-            job = make.Job(request, asked.title())
-            make.make(job, Path(folder), store, hands, tell)
-        names = tables.columns(request.model, request.keep)
-        columns: dict[str, list[Any]] = {name: [] for name in (*space.keys, *names)}
-        points = run.each(request.asked(), store, hands)
-        for number, (row, done) in enumerate(zip(space.rows(), points, strict=True), start=1):
-            for key, value in zip(space.keys, row, strict=True):
-                columns[key].append(value)
-            for name in names:
-                columns[name].append(done.record.get(name))
-            tell("points", number, space.points)
-    return Sweep(columns, space.keys, asked.title())
+        if folder is None:
+            return make.find(job, store, hands, tell)
+        return make.make(job, Path(folder), store, hands, tell)
 
 
 def _sample(between: Mapping[str, Any], sample: str | None, seed: int) -> Sample | None:

@@ -1,17 +1,18 @@
 """Figure of the trade-off: what was surveyed and tried against every key that varies."""
 
-from typing import TYPE_CHECKING
+from collections.abc import Sequence
 
+from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.exploring.point import PREDICTION
 from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.files.key_names import label
-from walkergen.jobs.design.tables import title
-from walkergen.jobs.design.wish import UNITS
-
-if TYPE_CHECKING:
-    from walkergen.jobs.design.make import Result
+from walkergen.jobs.design.lab import Job
+from walkergen.jobs.design.report import title
+from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.verify import Verified
+from walkergen.jobs.design.wish import UNITS, Wish
 
 ACROSS = 3
 """Largest number of panels side by side."""
@@ -23,9 +24,8 @@ BESIDE = ((8, 5), (-13, -13), (8, -13))
 
 
 @style()
-def trade_off(result: "Result") -> Figure:
+def trade_off(job: Job, found: Found, designs: Sequence[Verified]) -> Figure:
     """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
-    job, found = result.job, result.found
     count = len(job.box.spans)
     wide, high = min(count, ACROSS), -(-count // ACROSS)
     width = COLUMN if wide == 1 else PAGE
@@ -44,8 +44,8 @@ def trade_off(result: "Result") -> Figure:
         if job.model != PREDICTION or job.wish.of != "speed":
             axes.plot([trial.values[span.key] for trial in tried], levels, "o", color="0.25",
                       markersize=3.5, label=f"tried, model {job.model}")  # fmt: skip
-        _wish(axes, result)
-        for number, one in enumerate(result.designs, start=1):
+        _wish(axes, job.wish)
+        for number, one in enumerate(designs, start=1):
             shown = one.verified or one.chosen
             bars = [[0.0], [0.0]]
             if one.bounds is not None and job.simulated:
@@ -70,8 +70,7 @@ def trade_off(result: "Result") -> Figure:
     return figure
 
 
-def _wish(axes, result: "Result") -> None:  # type: ignore[no-untyped-def]
-    wish = result.job.wish
+def _wish(axes: Axes, wish: Wish) -> None:
     if wish.target is None:
         return
     error = wish.allowed(0.0)

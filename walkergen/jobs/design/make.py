@@ -1,32 +1,20 @@
 """The job `design`: search, verify, write."""
 
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from walkergen.errors import InputError
 from walkergen.exploring.point import MODELS, PREDICTION
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
-from walkergen.jobs.design import limits, search, tables, verify
+from walkergen.jobs.design import limits, report, search, verify
 from walkergen.jobs.design.lab import FRICTION, Bench, Job
-from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.report import DesignReport
 from walkergen.jobs.design.verify import Verified
 from walkergen.scene import Scene
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-
-
-class Result(NamedTuple):
-    """Designs that were found for a wish."""
-
-    job: Job
-    found: Found
-    designs: list[Verified]
-    """Best distinct ones, best first."""
-    stopped: str
-    """Reason why none meets the wish; "" when one does."""
-    folder: Path
 
 
 def model_of(design: Design, scene: Scene, asked: str | None, turns: bool) -> str:
@@ -65,7 +53,7 @@ def check(job: Job) -> None:
             raise InputError(f"--vary {wrong[0]}: is no property of a walker or a plate")
 
 
-def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> Result:
+def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> DesignReport:
     """Search for designs, verify them and write them into a folder, last of all.
 
     Raises InputError when nothing can be made within the ranges.
@@ -74,47 +62,30 @@ def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> Result:
     found = search.search(job, bench, search.survey(job, bench))
     designs = verify.verify(job, bench, found)
     stopped = "" if any(one.met for one in designs) else limits.stopped(job, found, designs)
-    result = Result(job, found, designs, stopped, folder)
-    _write(result, pictures)
-    return result
+    made = report.of(job, found, designs, stopped, folder)
+    with Folder(folder) as target:
+        made.write(target, pictures)
+        for number, design in enumerate(designs, start=1):
+            target.write(f"design-{number}.toml", design.text.encode())
+            target.write(f"scene-{number}.toml", _scene(job, design, number).encode())
+        target.finish(_facts(job))
+    return made
 
 
-def _scene(result: Result, number: int) -> str:
+def _scene(job: Job, design: Verified, number: int) -> str:
     """Scene of a design, with the model that it was verified with."""
-    job, scene = result.job, result.designs[number].scene
-    if job.simulated:
-        scene = _with_model(scene, job.model)
+    scene = _with_model(design.scene, job.model) if job.simulated else design.scene
     data = scene.model_dump(exclude_unset=True)
     data["description"] = f"As {scene.name}, of a design for {job.wish.words}"[:2000]
-    return templates.dump(
-        Scene.model_validate(data), f"Scene of design-{number + 1}.toml", every=False
-    )
+    return templates.dump(Scene.model_validate(data), f"Scene of design-{number}.toml", every=False)
 
 
-def _write(result: Result, pictures: bool) -> None:
-    job = result.job
-    contents = {"design.csv": tables.to_csv(job, result.designs),
-                "design.md": tables.to_markdown(result)}  # fmt: skip
-    for number, one in enumerate(result.designs):
-        contents[f"design-{number + 1}.toml"] = one.text
-        contents[f"scene-{number + 1}.toml"] = _scene(result, number)
-    drawn: dict[str, bytes] = {}
-    if pictures:
-        from walkergen.files import figures as files
-        from walkergen.jobs.design import figures
-
-        figure = figures.trade_off(result)
-        drawn = {"design.png": files.png(figure), "design.pdf": files.pdf(figure)}
-    facts: dict[str, Any] = {
+def _facts(job: Job) -> dict[str, Any]:
+    """What was asked, for the manifest."""
+    return {
         **output.versions(), "wish": job.wish.words, "error": str(job.wish.error),
         "model": job.model, "seed": job.seed,
         "vary": {span.key: [span.low, span.high] for span in job.box.spans},
         "design": job.design.model_dump(mode="json"), "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),
     }  # fmt: skip
-    with Folder(result.folder) as target:
-        for name, content in contents.items():
-            target.write(name, content.encode())
-        for name, data in drawn.items():
-            target.write(name, data)
-        target.finish(facts)

@@ -33,17 +33,13 @@ BARS: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 """What differs from other figures: points are many."""
 
 
-def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure | None:
+def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
     """Draw speed over the keys, of which those with one value are left out.
 
-    None where no key has two values, or no point a speed: there is nothing to compare.
+    One key at least has two values, and one point a speed.
     """
-    if columns.missing.all():
-        return None
     scales = [scale_of(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
-    if not scales:
-        return None
     combinations = math.prod(len(scale.values) for scale in scales)
     gridded = FILLED * combinations < len(columns.speed) and len(scales) <= 3
     with style(), matplotlib.rc_context(BARS):

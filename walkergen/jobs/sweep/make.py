@@ -6,23 +6,20 @@ import time
 from collections.abc import Iterator, Sequence
 from itertools import islice
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import Any, NamedTuple
 
-from walkergen.errors import InputError
 from walkergen.exploring import run
 from walkergen.exploring.crew import Crew
-from walkergen.exploring.point import OK, STATUS, digest
+from walkergen.exploring.point import digest
 from walkergen.exploring.request import Request
-from walkergen.exploring.run import BLOCK, Done
+from walkergen.exploring.run import BLOCK, Asked, Done
 from walkergen.exploring.store import Store
 from walkergen.files import output
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
-from walkergen.jobs.sweep import budget, table
+from walkergen.jobs.sweep import budget, report, table
+from walkergen.jobs.sweep.report import Points, SweepReport
 from walkergen.jobs.sweep.table import Row, Table
-
-if TYPE_CHECKING:
-    from walkergen.jobs.sweep.panels import Columns
 
 MOST_DRAWN = 200_000
 """Number of points up to which pictures are drawn; their memory grows with it."""
@@ -36,25 +33,16 @@ class Job(NamedTuple):
     pictures: bool = True
     budget_s: float | None = None
     """Time for more runs where the error bars are worst, s; None for none."""
+    kept: bool = False
+    """True for a report that holds every row."""
+
+    @property
+    def drawn(self) -> bool:
+        """True when pictures are drawn."""
+        return self.pictures and self.request.space.points <= MOST_DRAWN
 
 
-class Made(NamedTuple):
-    """What a sweep made."""
-
-    points: int
-    """Number of points in the table."""
-    known: int
-    """Number of those that an earlier run, or another sweep, had evaluated."""
-    bad: dict[str, int]
-    """Number of points by what their status says, for all but "ok"."""
-    files: tuple[Path, ...]
-    told: tuple[str, ...]
-    """Messages on an earlier table in the folder."""
-    finished: bool = False
-    """True when an earlier run had finished the same sweep, so that nothing was to do."""
-
-
-def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progress) -> Made:
+def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, sweep.png and .pdf.
 
     Points that the store, or a table in the folder, already has are not evaluated again; the table
@@ -70,61 +58,59 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         folder.claim()
         if earlier := _finished(job, folder):
             return earlier
-        told = _taken_up(job, folder, store)
-        counts = _Counts()
+        warnings = _taken_up(job, folder, store)
         asked = job.request.asked()
         if job.budget_s is not None:
             asked = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
-        with _table(job, path) as rows:
-            points = run.each(asked, store, crew)
-            for number, (values, done) in enumerate(zip(_rows(job), points, strict=True), start=1):
+        points = Points(_names(job), job.kept or job.drawn)
+        with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
+            for values, done in _each(job, asked, store, crew, progress):
                 rows.add(values, done.record, done.key)
-                counts.add(done)
-                progress("points", number, job.request.space.points)
-        files = _write_rest(job, folder, counts, time.perf_counter() - started)
-    known = counts.known if job.budget_s is None else 0  # just now, by the budget
-    return Made(counts.points, known, counts.bad, files, tuple(told))
+                points.add(values, done)
+        if job.budget_s is not None:
+            points.known = 0  # they are known by what the budget has just bought
+        made = report.of(job.request, job.title, points, warnings)
+        _write_rest(job, folder, made, time.perf_counter() - started)
+    return report.written(made, path, list(folder.hashes))
 
 
-class _Counts:
-    """Numbers of points by how they went."""
-
-    def __init__(self) -> None:
-        self.points = self.known = 0
-        self.bad: dict[str, int] = {}
-
-    def add(self, done: Done) -> None:
-        """Count a point."""
-        self.points += 1
-        self.known += done.known
-        if done.record[STATUS] != OK:
-            name = str(done.record[STATUS]).partition(":")[0].partition(" of ")[0]
-            name = "error not met" if name.startswith("error ") else name
-            self.bad[name] = self.bad.get(name, 0) + 1
+def find(job: Job, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
+    """Evaluate all points of a request, without a folder. Raises as `make` does."""
+    points = Points(_names(job), kept=True)
+    for values, done in _each(job, job.request.asked(), store, crew, progress):
+        points.add(values, done)
+    return report.of(job.request, job.title, points)
 
 
-def _rows(job: Job) -> Iterator[tuple[Any, ...]]:
-    return job.request.space.rows()
-
-
-def _table(job: Job, path: Path) -> Table:
-    return Table(path / table.NAME, job.request.space.keys, _names(job))
+def _each(
+    job: Job, asked: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
+) -> Iterator[tuple[tuple[Any, ...], Done]]:
+    """Values of the keys at each point, and the evaluated point."""
+    space = job.request.space
+    points = zip(space.rows(), run.each(asked, store, crew), strict=True)
+    for number, (values, done) in enumerate(points, start=1):
+        yield values, done
+        progress("points", number, space.points)
 
 
 def _names(job: Job) -> tuple[str, ...]:
     return table.columns(job.request.model, job.request.keep)
 
 
-def _finished(job: Job, folder: Folder) -> Made | None:
-    """Result of an earlier run of the same request, when all of its files are as it left them."""
-    facts = folder.earlier()
-    if job.budget_s is not None or facts.get("request") != _hash_of(job.request):
+def _finished(job: Job, folder: Folder) -> SweepReport | None:
+    """Report of an earlier run of the same request, when all of its files are as it left them.
+
+    None where the rows are wanted, which the manifest has not.
+    """
+    facts, again = folder.earlier(), job.kept or job.budget_s is not None
+    if again or facts.get("request") != _hash_of(job.request):
         return None
     if not folder.untouched() or (job.pictures and "sweep.png" not in facts["files"]):
         return None
-    files = tuple(folder.path / name for name in facts["files"])
-    points = job.request.space.points
-    return Made(points, points, facts["bad"], files, (), finished=True)
+    count = job.request.space.points
+    points = Points(_names(job), False, count, count, facts["bad"])
+    made = report.of(job.request, job.title, points)
+    return report.written(made, folder.path, list(facts["files"]))
 
 
 def _hash_of(request: Request) -> str:
@@ -198,63 +184,23 @@ def _free(path: Path) -> Path:
     return found
 
 
-def _write_rest(job: Job, folder: Folder, counts: _Counts, seconds: float) -> tuple[Path, ...]:
+def _write_rest(job: Job, folder: Folder, made: SweepReport, seconds: float) -> None:
     """Write Parquet, pictures and the manifest of a finished table."""
-    request, path = job.request, folder.path
+    request = job.request
     folder.add(table.NAME)
     numeric = {axis.key: all(map(_is_number, axis.values)) for axis in request.space.axes}
     keys = {key: numeric.get(key, True) for key in request.space.keys}
-    if (data := table.to_parquet(path / table.NAME, keys, _names(job))) is not None:
+    if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:
         folder.write("table.parquet", data)
-    if job.pictures and counts.points <= MOST_DRAWN:
-        _draw(job, folder)
-    facts = _facts(request) | {
-        "request": "" if job.budget_s is not None else _hash_of(request), "sources": digest(),
-        "points": counts.points, "known": counts.known, "bad": counts.bad,
+    if job.drawn:
+        made.write_figures(folder)
+    facts = {
+        **_facts(request), "request": "" if job.budget_s is not None else _hash_of(request),
+        "sources": digest(), **{name: made.facts[name] for name in ("points", "known", "bad")},
         "seconds": round(seconds, 3), "versions": versions(),
     }  # fmt: skip
     folder.finish(facts)
-    return tuple(path / name for name in folder.hashes)
 
 
 def _is_number(value: Any) -> bool:
     return isinstance(value, (int, float)) and not isinstance(value, bool)
-
-
-def _draw(job: Job, folder: Folder) -> None:
-    from walkergen.files.figures import pdf, png
-    from walkergen.jobs.sweep import figures  # brings matplotlib
-
-    keys = job.request.space.keys
-    drawn = figures.figure(columns_of(folder.path / table.NAME, keys), keys, job.title)
-    if drawn is not None:
-        folder.write("sweep.png", png(drawn))
-        folder.write("sweep.pdf", pdf(drawn))
-
-
-def columns_of(path: Path, keys: Sequence[str]) -> "Columns":
-    """Columns of a table for its pictures. Raises InputError for rows that were changed."""
-    import numpy as np
-
-    from walkergen.jobs.sweep.panels import Columns
-
-    values: dict[str, list[Any]] = {key: [] for key in keys}
-    numbers: dict[str, list[float]] = {"speed_mm_s": [], "low_95_mm_s": [], "high_95_mm_s": []}
-    status = []
-    for row in table.read(path):
-        if isinstance(row, int):
-            raise InputError(f"{path}:{row}: was changed by hand; run the sweep again")
-        for key in keys:
-            values[key].append(_as_value(row.values[key]))
-        for name, found in numbers.items():
-            found.append(float(row.values.get(name) or np.nan))
-        status.append(row.values[STATUS])
-    speed, low, high = (np.array(found) for found in numbers.values())
-    return Columns(values, speed, low, high, status)
-
-
-def _as_value(text: str) -> Any:
-    try:
-        return float(text)
-    except ValueError:
-        return text
