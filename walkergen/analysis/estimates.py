@@ -49,7 +49,8 @@ the standard deviations of speeds and turning rates between walkers, `rotational
 headings about each walker's own mean turning. `diffusivity` is that of long times, of all that
 moves a walker; `translational_diffusion` the part of it that is no run. `persistence_rate` is the
 decay of the correlation of headings about the same mean turning; without headings, of
-displacements, which also lose direction where walkers turn apart.
+displacements, which also lose direction where walkers turn apart. Its error, and that of the
+time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
 """
 
 FITS = (
@@ -121,6 +122,8 @@ class Frame(NamedTuple):
     each walker, s; infinite where nothing is."""
     memory: bool
     """Whether rates of turning last for a while, so that headings are lost late."""
+    memory_open: bool
+    """Whether the data neither show such a memory nor exclude it: `memory` is then False."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
