@@ -49,23 +49,20 @@ def _shorter(memory: Estimate, seconds: float) -> bool:
     """Whether a memory is shorter than `seconds` beyond what chance makes of it."""
     if memory.value is None or memory.se is None:
         return False
-    return memory.value + float(special.stdtrit(memory.freedom, 1.0 - EXCLUDED)) * memory.se < (
-        seconds
-    )
+    errors = float(special.stdtrit(memory.freedom, 1.0 - EXCLUDED))
+    return memory.value + errors * memory.se < seconds
 
 
 def _joined(
     at_once: Sequence[Mapping[str, float]], lasting: Sequence[Mapping[str, float]]
 ) -> list[dict[str, float]]:
-    """Numbers of walkers without memory, but for the persistence, which is that with one."""
-    return [_with_rate(one, late) for one, late in zip(at_once, lasting, strict=True)]
+    """Numbers of walkers without memory, but for the persistence, which is that with one.
 
-
-def _with_rate(values: Mapping[str, float], late: Mapping[str, float]) -> dict[str, float]:
-    """Numbers with the persistence of `late`; its length is at the speed of `values`."""
-    time = late["persistence_time"]
-    return dict(values) | {
-        "persistence_rate": late["persistence_rate"],
-        "persistence_time": time,
-        "persistence_length": abs(values["speed"]) * time,
-    }
+    The memory itself is there to name a bound.
+    """
+    names = "persistence_rate", "persistence_time", "turning_memory"
+    return [
+        {**plain, **{name: late[name] for name in names},
+         "persistence_length": abs(plain["speed"]) * late["persistence_time"]}
+        for plain, late in zip(at_once, lasting, strict=True)
+    ]  # fmt: skip
