@@ -46,7 +46,8 @@ the standard deviations of speeds and turning rates between walkers, `rotational
 headings about each walker's own mean turning. `diffusivity` is that of long times, of all that
 moves a walker; `translational_diffusion` the part of it that is no run. `persistence_rate` is the
 decay of the correlation of headings about the same mean turning; without headings, of
-displacements, which also lose direction where walkers turn apart.
+displacements, which also lose direction where walkers turn apart. Its error, and that of the
+time and length, allows for a `turning_memory` wherever headings do not exclude one (see `memory`).
 """
 
 FITS = (
@@ -118,6 +119,8 @@ class Frame(NamedTuple):
     each walker, s; infinite where nothing is."""
     memory: bool
     """Whether rates of turning last for a while, so that headings are lost late."""
+    memory_open: bool
+    """Whether the data neither show such a memory nor exclude it: `memory` is then False."""
     square_errors: Array
     """Errors of the mean squared displacement by lag, mm^2; NaN at lags that are not fitted."""
     turn_errors: Array
@@ -173,18 +176,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if use.sum() < 4:
         return
     lag, values, errors = lag[use], values[use], errors[use]
-
-    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
-        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
-        return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
-
-    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
-        return model(walks.late(at, abs(memory)), amplitude, rate, turn)
-
-    start: tuple[float, ...] = _start(lag, values, errors)
-    if frame.memory:
-        start = _late_start(lag, values, errors)
-    fitted = walks.fit(late if frame.memory else model, lag, values, errors, start)
+    fitted = _fit(lag, values, errors, frame, window)
     if fitted is None:
         return
     amplitude, rate, turn, *memory = map(float, fitted)
@@ -193,7 +185,7 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if frame.headed:
         found["turning_bias"] = _ratio(sums.turned) / frame.interval
         variance = -_at_once(lag, values)
-        lasting = abs(memory[0]) if memory else 0.0
+        lasting = memory[0] if memory else 0.0
         if lasting:
             variance = -math.log(max(amplitude, 1e-300))
             found["turning_memory"] = lasting
@@ -215,6 +207,22 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
         first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
         found["shortened"] = window * math.sqrt(abs(first[0]))
     found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
+
+
+def _fit(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
+    """Amplitude, rate (1/s), turn (rad/s) and with a memory this (s); None when none fit."""
+
+    def model(at: Array, amplitude: float, rate: float, turn: float) -> Complex:
+        # A mean over T takes the share at / T of the diffusion off (a Brownian bridge).
+        return walks.decay(at * (1.0 - at / frame.own_s), amplitude, rate, turn, window)
+
+    def late(at: Array, amplitude: float, rate: float, turn: float, memory: float) -> Complex:
+        return model(walks.late(at, memory), amplitude, rate, turn)
+
+    if not frame.memory:
+        return walks.fit(model, lag, values, errors, _start(lag, values, errors))
+    lowest = (*[-math.inf] * 3, 0.0)
+    return walks.fit(late, lag, values, errors, _late_start(lag, values, errors), lowest)
 
 
 def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, float, float, float]:

@@ -139,16 +139,11 @@ def _unresolved(
     if frame.lane or fitted is None:
         told = "the spread about the mean run is too small to tell"
         return {} if numbers.positive("diffusivity") else {"crossover_time": told}
-    refused: dict[str, str] = {}
-    rate = numbers.values["persistence_rate"]
-    if not (numbers.positive("persistence_rate") and rate * longest_s > DECAYED):
-        told = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
-        at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
-        if math.isfinite(at_least) and at_least > 0:
-            told += f"; more than {1.0 / at_least:.3g} s (95 %)"
-        refused |= dict.fromkeys(("persistence_time", "persistence_length"), told)
+    refused = _unresolved_persistence(numbers, frame, longest_s)
     if frame.headed:
-        if math.isnan(numbers.values["turning_memory"]):
+        if frame.memory_open:
+            refused["turning_memory"] = numbers.below("turning_memory", "s")
+        elif math.isnan(numbers.values["turning_memory"]):
             refused["turning_memory"] = "not resolved: headings lose direction from the first on"
         if not numbers.positive("heading_variance"):
             refused["heading_noise"] = numbers.below("heading_variance", "rad", root=True)
@@ -159,6 +154,24 @@ def _unresolved(
         told = numbers.below("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
         refused |= dict.fromkeys(("speed", "motion_speed", *TURNING), told)
     return refused | _unresolved_spread(numbers, frame.interval, fitted, longest_s)
+
+
+def _unresolved_persistence(numbers: _Numbers, frame: Frame, longest_s: float) -> dict[str, str]:
+    """Refuse what is divided by a rate of persistence that is too small, or too uncertain."""
+    rate = numbers.values["persistence_rate"]
+    lost = rate * longest_s > DECAYED
+    if lost and numbers.positive("persistence_rate"):
+        return {}
+    reason = f"hardly a loss of direction within {longest_s:.3g} s: film for longer"
+    if lost and frame.memory_open:
+        reason = (
+            f"{longest_s:.3g} s do not tell how fast direction is lost where rates of turning may "
+            "last for a while: film for longer"
+        )
+    at_least = max(rate, 0.0) + 2.0 * numbers.errors["persistence_rate"]
+    if math.isfinite(at_least) and at_least > 0:
+        reason += f"; more than {1.0 / at_least:.3g} s (95 %)"
+    return dict.fromkeys(("persistence_time", "persistence_length"), reason)
 
 
 def _unresolved_spread(

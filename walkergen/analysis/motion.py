@@ -20,6 +20,7 @@ from walkergen.analysis import (
     estimates,
     judgement,
     lagged,
+    memory,
     moments,
     spreads,
     turning,
@@ -160,18 +161,11 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
     own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
-        grid, tracks.interval, tracks.lane, headed, own_s, False,
+        grid, tracks.interval, tracks.lane, headed, own_s, False, False,
         np.where(fitted, msd.se, np.nan),
         _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
     )  # fmt: skip
-    numbers = [estimates.evaluate(one, frame) for one in both]
-    if on_plane:
-        late = frame._replace(memory=True)
-        lasting = [estimates.evaluate(one, late) for one in both]
-        memory = judgement.measured(lasting, "turning_memory")
-        # Within a sample it cannot be told from less noise of the headings.
-        if judgement.resolved(memory) and lasting[0]["turning_memory"] > tracks.interval:
-            frame, numbers = late, lasting
+    frame, numbers = memory.choose(both, frame)
     longest = length // FITTED
     numbers, fit = _with_fit(numbers, both, frame, longest)
     alone = between.each(tracks, frame, numbers[0]["shortened"], own)
@@ -185,7 +179,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
     without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
-    unlike = [estimates.evaluate(one, frame) for one in without_one]
+    unlike = memory.numbers(without_one, frame)
     judged = judgement.judge(
         numbers[0], numbers[1:], frame, fit,
         _with_fit(unlike, without_one, frame, longest)[0][1:], longest * tracks.interval,

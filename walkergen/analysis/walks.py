@@ -5,6 +5,7 @@ gamma has velocity correlation <conj(v(t)) v(t + tau)> = v^2 exp((-gamma + i ome
 v = v_x + i v_y (active Brownian motion with a turning bias: van Teeffelen and Loewen 2008).
 """
 
+import math
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
@@ -98,10 +99,12 @@ def fit(
     values: npt.NDArray[Any],
     errors: Array,
     start: Sequence[float],
+    lowest: Sequence[float] | float = -math.inf,
 ) -> Array | None:
     """Fit model(lag, *parameters) by weighted least squares; None when no parameters fit.
 
-    `values` and the model may be complex, with the same error for both parts.
+    `values` and the model may be complex, with the same error for both parts. No parameter falls
+    below its `lowest` value.
     """
     from scipy.optimize import least_squares
 
@@ -112,7 +115,8 @@ def fit(
         return np.asarray(difference, dtype=float)
 
     scale = np.where(np.asarray(start) == 0.0, 1.0 / lag[-1], np.abs(start))
+    limits = lowest, math.inf
     # Far trial points may overflow: they are rejected.
     with np.errstate(over="ignore", invalid="ignore"):
-        found = least_squares(residuals, start, x_scale=scale, max_nfev=200)
+        found = least_squares(residuals, start, x_scale=scale, bounds=limits, max_nfev=200)
     return np.asarray(found.x) if found.success else None
