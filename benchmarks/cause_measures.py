@@ -7,11 +7,11 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen.exploring import drops, still
 from walkergen.files import templates
 from walkergen.jobs.paper import plane
 from walkergen.jobs.validate.ensembles import landings, mean
 from walkergen.numerics import kernels
+from walkergen.points import drops, still
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.model import Plan

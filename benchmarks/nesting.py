@@ -17,9 +17,9 @@ import spyrrow
 from walkergen.files import templates
 from walkergen.printing import packing as plate
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 MOST, STEP = 1.5, 0.05
 """Most copies tried, and the steps down from them, over those in rows."""

@@ -26,11 +26,11 @@ from typing import Any
 import numpy as np
 from parts import machine
 
-from walkergen.files import meshes, output, stl
-from walkergen.numerics import crossings
+from walkergen.files import output
 from walkergen.printing import export
-from walkergen.walker import faults, joining, mass, own_mesh
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import crossings, faults, joining, meshes, stl
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import mass, own_mesh
 
 DENSITY = 1.24e-3
 LIMIT = 0.3

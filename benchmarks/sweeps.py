@@ -13,14 +13,14 @@ import tempfile
 import time
 from pathlib import Path
 
-from walkergen.exploring import axes, run
-from walkergen.exploring.crew import local
-from walkergen.exploring.evaluate import with_runs
-from walkergen.exploring.point import Point
-from walkergen.exploring.request import Request
-from walkergen.exploring.store import Store
 from walkergen.files import templates
 from walkergen.jobs.sweep.make import Job, make
+from walkergen.points import axes, run
+from walkergen.points.crew import local
+from walkergen.points.evaluate import with_runs
+from walkergen.points.point import Point
+from walkergen.points.request import Request
+from walkergen.points.store import Store
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.simulation.points import Asked

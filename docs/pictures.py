@@ -40,7 +40,7 @@ PREDICTION = (
     "walkergen/theory/*.py", "walkergen/prediction.py", "walkergen/uncertain.py",
     "walkergen/discrepancy.*", *SCENES,
 )  # fmt: skip
-WALKER = ("walkergen/walker/*.py", "templates/walkers/*.toml")
+WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
 
 FAMILY = "walkergen family koumakis2016"
 MOVIE = (

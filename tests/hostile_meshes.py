@@ -3,9 +3,8 @@
 import manifold3d
 import numpy as np
 
-from walkergen.files import stl
-from walkergen.walker import joining, modeller
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import joining, modeller, stl
+from walkergen.shapes.mesh import Mesh
 
 UP = np.array([0.0, 1.0, 0.0])
 

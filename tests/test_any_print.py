@@ -29,9 +29,11 @@ from walkergen.printing import (
 )
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
-from walkergen.walker import outlines, solids, weights
+from walkergen.shapes import outlines
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import solids, weights
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh, weigh
+from walkergen.walker.mass import weigh
 
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
 PAPER = templates.load("koumakis2016", "walkers", Design)

@@ -6,11 +6,11 @@ import pytest
 from walkergen import uncertain
 from walkergen.analysis import landings
 from walkergen.errors import InputError
-from walkergen.exploring import still
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.jobs.bench import pluck
 from walkergen.jobs.movie import shot
 from walkergen.jobs.simulate import tables
+from walkergen.points import still
 from walkergen.scene import Scene
 from walkergen.simulation import points, poses
 from walkergen.simulation.effects import compliance

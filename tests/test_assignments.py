@@ -5,9 +5,9 @@ import math
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.exploring import request
 from walkergen.files import assignments, templates
 from walkergen.files.config import validate
+from walkergen.points import request
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 

@@ -8,8 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes
-from walkergen.exploring.axes import Axis, Sample, Space, Span
+from walkergen.points import axes
+from walkergen.points.axes import Axis, Sample, Space, Span
 
 
 @pytest.mark.parametrize(

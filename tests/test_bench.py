@@ -7,10 +7,10 @@ import pytest
 
 from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Curve, Measured
-from walkergen.exploring import drops, still
-from walkergen.exploring.drops import Let
 from walkergen.files import templates
 from walkergen.jobs.bench import pluck, slide
+from walkergen.points import drops, still
+from walkergen.points.drops import Let
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance, feet

@@ -10,8 +10,8 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.exploring import drops
 from walkergen.jobs.bench import drop, slide
+from walkergen.points import drops
 
 
 @pytest.fixture

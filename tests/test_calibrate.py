@@ -17,12 +17,12 @@ from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.exploring import drops
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.jobs.calibration import contact, form, make, modulus, parts, specimens
 from walkergen.jobs.calibration.modulus import Density
 from walkergen.jobs.calibration.specimens import BENDS, RINGS
+from walkergen.points import drops
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

@@ -15,9 +15,9 @@ from walkergen.printing import checks, slicer, walls
 from walkergen.printing import packing as plate
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 MK3S = templates.load("prusa-mk3s", "printers", Printer)
 ENDER = templates.load("ender3", "printers", Printer)

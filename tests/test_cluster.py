@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.exploring import crew
+from walkergen.points import crew
 
 POINTS = ["sweep", "koumakis2016", "--set", "legs.tilt_deg=1:40:1",
           "--set", "scene.contact.friction=0.1:0.34:0.01", "--no-pictures",

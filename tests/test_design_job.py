@@ -8,17 +8,17 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.exploring import crew
-from walkergen.exploring.axes import Span
-from walkergen.exploring.evaluate import evaluate
-from walkergen.exploring.point import Point
-from walkergen.exploring.store import Store
-from walkergen.exploring.wanted import Wanted
 from walkergen.files import templates
 from walkergen.jobs.design import box, lab, make, search, verify, wish
 from walkergen.jobs.design.box import Box
 from walkergen.jobs.design.lab import Bench, Job
 from walkergen.jobs.design.wish import Wish
+from walkergen.points import crew
+from walkergen.points.axes import Span
+from walkergen.points.evaluate import evaluate
+from walkergen.points.point import Point
+from walkergen.points.store import Store
+from walkergen.points.wanted import Wanted
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

@@ -10,9 +10,9 @@ import pytest
 
 from walkergen import discrepancy, uncertain
 from walkergen.discrepancy import Place, UnknownError
-from walkergen.exploring.evaluate import evaluate
-from walkergen.exploring.point import Point
 from walkergen.jobs.discrepancies import cases, fit, make
+from walkergen.points.evaluate import evaluate
+from walkergen.points.point import Point
 from walkergen.scene import Drive, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design

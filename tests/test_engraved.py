@@ -7,9 +7,10 @@ import pytest
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.config import validate
-from walkergen.walker import mass, outlines, solids
+from walkergen.shapes import outlines
+from walkergen.shapes.lettering import letters
+from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
-from walkergen.walker.lettering import letters
 
 DISC = {"body": {"outline": "disc", "length_mm": 24.0}, "legs": {"width_mm": 4.0}}
 

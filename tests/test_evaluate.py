@@ -7,20 +7,13 @@ import pytest
 
 from walkergen import discrepancy, prediction
 from walkergen.errors import InputError
-from walkergen.exploring import point as points
-from walkergen.exploring import wanted
-from walkergen.exploring.axes import Space
-from walkergen.exploring.evaluate import (
-    FEWEST_AT_ALL,
-    SLACK,
-    _refined,
-    allowed,
-    evaluate,
-    with_runs,
-)
-from walkergen.exploring.point import key
-from walkergen.exploring.request import Request
 from walkergen.files import templates
+from walkergen.points import point as points
+from walkergen.points import wanted
+from walkergen.points.axes import Space
+from walkergen.points.evaluate import FEWEST_AT_ALL, SLACK, _refined, allowed, evaluate, with_runs
+from walkergen.points.point import key
+from walkergen.points.request import Request
 from walkergen.printing import checks
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene

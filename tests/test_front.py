@@ -14,10 +14,10 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
+from walkergen.api.table import Table
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.notebook.table import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

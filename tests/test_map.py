@@ -1,11 +1,13 @@
 """docs/map.md is true of the tree: it names every room, and nothing that is not there."""
 
+import ast
 import re
 from pathlib import Path
 
 ROOT = Path(__file__).parent.parent
 MAP = (ROOT / "docs" / "map.md").read_text(encoding="utf-8")
 PATHS = [path.rstrip("/") for path in re.findall(r"`((?:walkergen|templates|tests)/[^`*]*)`", MAP)]
+SHARED = ("files", "numerics", "shapes", "walker", "theory")
 
 
 def test_every_path_of_the_map_exists():
@@ -18,7 +20,36 @@ def test_every_room_and_every_file_outside_jobs_and_commands_is_on_the_map():
     rooms = {path.parent for path in package.rglob("*.py")} - {package}
     assert {str(room.relative_to(ROOT)) for room in rooms} <= set(PATHS)
     named = set(re.findall(r"`(\w+)`", MAP)) | {Path(path).stem for path in PATHS}
-    shared = [room for room in rooms if room.name in ("files", "numerics", "walker", "theory")]
+    shared = [room for room in rooms if room.name in SHARED]
     files = {path.stem for room in shared for path in room.glob("[!_]*.py")}
     files |= {path.stem for path in (package / "simulation").glob("[!_]*.py")}
     assert files <= named
+
+
+ARROWS = set(re.findall(r"^ {4}(\w+)(?:\[.*?\])? --> (\w+)", MAP, re.MULTILINE))
+
+
+def imports():
+    """Pairs of rooms of the flowchart, the first of which imports something of the second."""
+    package, drawn = ROOT / "walkergen", {room for arrow in ARROWS for room in arrow}
+    for path in package.rglob("*.py"):
+        room = path.relative_to(package).parts[0].removesuffix(".py")
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            module = getattr(node, "module", None) or ""
+            if isinstance(node, ast.ImportFrom) and module.split(".")[0] == "walkergen":
+                names = module.split(".")[1:2] or [alias.name for alias in node.names]
+                yield from ((room, name) for name in names if {room, name} <= drawn)
+
+
+def below(room):
+    """Rooms that arrows lead to from a room."""
+    ways = {end for start, end in ARROWS if start == room}
+    return ways.union(*map(below, ways))
+
+
+def test_the_flowchart_draws_the_imports():
+    folders = {path.parent.name for path in ROOT.glob("walkergen/*/__init__.py")}
+    assert folders <= {room for arrow in ARROWS for room in arrow}
+    real = {(start, end) for start, end in imports() if start != end}
+    assert set() == ARROWS - real  # each arrow is an import
+    assert [pair for pair in sorted(real) if pair[1] not in below(pair[0])] == []

@@ -6,9 +6,9 @@ import mpmath as mp
 import numpy as np
 import pytest
 
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass, names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 mp.mp.dps = 50
 DENSITY = 1.24e-3

@@ -16,12 +16,12 @@ from walkergen.files import templates
 from walkergen.jobs.movie import above, footage, impacts, perspective, raster, shot
 from walkergen.jobs.movie import make as movie
 from walkergen.scene import Scene
+from walkergen.shapes.mesh import Mesh
 from walkergen.simulation import poses
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import simulate
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 PAPER = templates.load("koumakis2016", "walkers", Design)
 PLANE = templates.load("plane-90hz", "scenes", Scene)

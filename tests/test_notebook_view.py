@@ -19,9 +19,10 @@ from test_page_browser import BROWSER, DRIVER, WANTED, browser_at
 
 import walkergen as wg
 from walkergen.errors import InputError
-from walkergen.files import output, stl, viewer
+from walkergen.files import output, viewer
 from walkergen.jobs.page import contents, members, play
 from walkergen.jobs.page import make as page
+from walkergen.shapes import stl
 from walkergen.walker import solids
 
 HOSTILE = "</script></iframe>\"'><script>alert(1)</script><img src=//x.org/x onerror=alert(1)>"

@@ -9,9 +9,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files.contours import FLATNESS, MOST_POINTS
-from walkergen.walker.lettering import letters
-from walkergen.walker.outlines import SEGMENTS, area, disc, ellipse, from_file, polygon
+from walkergen.shapes.contours import FLATNESS, MOST_POINTS
+from walkergen.shapes.lettering import letters
+from walkergen.shapes.outlines import SEGMENTS, area, disc, ellipse, from_file, polygon
 
 PAGE = 'width="100mm" height="100mm" viewBox="0 0 100 100"'
 SQUARE = [(0, 0), (10, 0), (10, 10), (0, 10)]

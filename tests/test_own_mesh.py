@@ -10,10 +10,9 @@ import pytest
 import trimesh
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import stl
-from walkergen.numerics import crossings
-from walkergen.walker import faults, joining, mass, modeller, own_mesh, solids
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import crossings, faults, joining, modeller, stl
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import mass, own_mesh, solids
 
 DUCK = hostile.duck()
 BOX = hostile.box()

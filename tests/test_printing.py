@@ -12,13 +12,14 @@ import threemf
 import trimesh
 
 from walkergen.errors import SolidError
-from walkergen.files import stl
 from walkergen.printing import export
 from walkergen.printing import packing as plate
 from walkergen.printing.export import Item, Solid
 from walkergen.printing.packing import Part
 from walkergen.printing.printers import Printer
-from walkergen.walker.mass import Mesh, weigh
+from walkergen.shapes import stl
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker.mass import weigh
 
 MK3S = Printer(name="mk3s", bed_width_mm=250.0, bed_depth_mm=210.0, height_mm=210.0)
 

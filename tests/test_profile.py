@@ -5,9 +5,9 @@ import pytest
 
 from walkergen.errors import OutputError
 from walkergen.printing.profile import profile_of, write_dxf, write_svg
+from walkergen.shapes.outlines import area, from_file
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.outlines import area, from_file
 
 WRITERS = {"dxf": write_dxf, "svg": write_svg}
 

@@ -10,14 +10,14 @@ from concurrent.futures import Executor, Future
 import pytest
 
 from walkergen.errors import WalkergenError
-from walkergen.exploring import axes, crew, run
-from walkergen.exploring.axes import Space
-from walkergen.exploring.crew import Crew
-from walkergen.exploring.evaluate import evaluate
-from walkergen.exploring.point import digest
-from walkergen.exploring.request import Request
-from walkergen.exploring.store import Store
 from walkergen.files import templates
+from walkergen.points import axes, crew, run
+from walkergen.points.axes import Space
+from walkergen.points.crew import Crew
+from walkergen.points.evaluate import evaluate
+from walkergen.points.point import digest
+from walkergen.points.request import Request
+from walkergen.points.store import Store
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -200,8 +200,8 @@ import sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
 sys.path.insert(0, {tests!r})
 from pathlib import Path
-from walkergen.exploring import crew, run
-from walkergen.exploring.store import Store
+from walkergen.points import crew, run
+from walkergen.points.store import Store
 import test_run
 
 if __name__ == "__main__":

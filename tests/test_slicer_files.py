@@ -16,9 +16,9 @@ from walkergen.files import templates
 from walkergen.printing import estimate, export, layout, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 PRINTERS = [templates.load(name, "printers", Printer) for name in templates.names("printers")]
 MK3S = templates.load("prusa-mk3s", "printers", Printer)

@@ -11,7 +11,7 @@ import time
 import pytest
 
 from walkergen.errors import OutputError
-from walkergen.exploring.store import Store
+from walkergen.points.store import Store
 
 RECORD = {"status": "ok", "speed_mm_s": 0.1 + 0.2, "runs": 7, "model": "é", "low_95_mm_s": None}
 
@@ -19,9 +19,9 @@ WRITER = """
 import sqlite3, sys
 from pathlib import Path
 sys.modules["walkergen.numerics.kernels"] = type(sys)("kernels")  # numba takes seconds to import
-sys.modules["walkergen.exploring.point"] = point = type(sys)("point")
+sys.modules["walkergen.points.point"] = point = type(sys)("point")
 point.Record = dict
-from walkergen.exploring.store import Store
+from walkergen.points.store import Store
 store, first = Store(Path(sys.argv[1])), int(sys.argv[2])
 print("ready", flush=True)
 for number in range(first, first + 1_000_000, 3):

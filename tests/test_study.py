@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.exploring import wanted
-from walkergen.exploring.wanted import Wanted
 from walkergen.jobs.accuracy import choose, elastic, kept, shape, statistics, steps
 from walkergen.jobs.accuracy.ladder import order
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.points import wanted
+from walkergen.points.wanted import Wanted
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Outcome, RunResult

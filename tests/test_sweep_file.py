@@ -3,9 +3,9 @@
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.exploring.axes import Axis, Sample, Span
-from walkergen.exploring.wanted import Wanted
 from walkergen.jobs.sweep import sweep_file
+from walkergen.points.axes import Axis, Sample, Span
+from walkergen.points.wanted import Wanted
 
 QUOTED = """
 design = "koumakis2016"

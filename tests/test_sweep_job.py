@@ -15,13 +15,13 @@ from typer.testing import CliRunner
 from walkergen import prediction
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.exploring import axes, evaluate
-from walkergen.exploring.request import Request
-from walkergen.exploring.store import Store
 from walkergen.files import ledger, templates
 from walkergen.files.output import Folder
 from walkergen.jobs.sweep import budget, make, table
 from walkergen.jobs.sweep.make import Job
+from walkergen.points import axes, evaluate
+from walkergen.points.request import Request
+from walkergen.points.store import Store
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -75,7 +75,7 @@ def test_a_finished_sweep_is_not_run_again_and_an_extended_one_runs_what_is_new(
     first = (home / "one" / "table.csv").read_bytes()
     counted = []
     real = evaluate.evaluate
-    monkeypatch.setattr("walkergen.exploring.run.evaluate", lambda p: counted.append(p) or real(p))
+    monkeypatch.setattr("walkergen.points.run.evaluate", lambda p: counted.append(p) or real(p))
     assert "all 10 points were known before" in swept("--set", TILTS, "--out", "one").output
     swept("--set", "legs.tilt_deg=2:30:2", "--out", "one")
     assert [one.design.tilt_deg for one in counted] == [22, 24, 26, 28, 30]
@@ -94,7 +94,7 @@ def test_a_table_alone_is_enough_to_go_on(home, monkeypatch):
     (home / "one" / "manifest.json").unlink()
     counted = []
     real = evaluate.evaluate
-    monkeypatch.setattr("walkergen.exploring.run.evaluate", lambda p: counted.append(p) or real(p))
+    monkeypatch.setattr("walkergen.points.run.evaluate", lambda p: counted.append(p) or real(p))
     swept("--set", TILTS, "--out", "one")
     assert (home / "one" / "table.csv").read_bytes() == first
     assert len(counted) == 2
@@ -287,7 +287,7 @@ def test_a_budget_goes_where_the_bars_are_widest(home, monkeypatch):
                 "high_95_mm_s": 10.0 + half, "runs": one.scene.run.runs}  # fmt: skip
 
     clock = iter(np.arange(0.0, 100.0))
-    monkeypatch.setattr("walkergen.exploring.run.evaluate", measured)
+    monkeypatch.setattr("walkergen.points.run.evaluate", measured)
     monkeypatch.setattr(budget.time, "monotonic", lambda: float(next(clock)))
     monkeypatch.setattr(budget, "BATCH", 1)
     request = request_of("legs.tilt_deg=4,8,12", model="compliant")

@@ -14,9 +14,10 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.jobs.weigh import make
 from walkergen.printing import export
-from walkergen.walker import modeller, solids
+from walkergen.shapes import modeller
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 DUCK = hostile.duck()
 EXACT = 1e-6  # relative: STL keeps 24 bits of a coordinate
@@ -129,7 +130,7 @@ def test_a_plate_weighs_each_item_and_the_total(tmp_path):
     np.testing.assert_allclose(found.parts[1].centre_mm - found.parts[0].centre_mm, (45.0, 0, 0),
                                atol=1e-4)  # fmt: skip
     # Rival for Steiner's theorem: all the surfaces weighed as one mesh about one origin
-    from walkergen.files import meshes
+    from walkergen.shapes import meshes
     from walkergen.walker import mass
 
     parts = meshes.load(path, "plate").parts

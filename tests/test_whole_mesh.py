@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 from walkergen.errors import GeometryError
-from walkergen.walker import faults, mass, own_mesh, solids, whole_mesh
+from walkergen.shapes import faults
+from walkergen.walker import mass, own_mesh, solids, whole_mesh
 from walkergen.walker.design import Design
 
 DENSITY = 1.24e-3
@@ -87,7 +88,7 @@ def test_a_table_has_four_legs_in_order():
     tops = hostile.box(20.0, 2.0, 12.0)
     spots = [(x, -3.0, z) for x in (-8.0, 8.0) for z in (-4.0, 4.0)]
     legs = [hostile.box(1.0, 5.0, 2.0, spot) for spot in spots]
-    from walkergen.walker import joining
+    from walkergen.shapes import joining
 
     found = whole_mesh.cut_legs(joining.union_with_legs(joining.ready(tops), legs), 4.0)
     places = [(round(leg.foot[0], 9), round(leg.z, 9)) for leg in found.legs]

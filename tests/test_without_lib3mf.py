@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.files import meshes, templates, threemf
+from walkergen.files import templates
 from walkergen.jobs.orders import make as orders
 from walkergen.printing import layout, packing
 from walkergen.printing.printers import Printer
+from walkergen.shapes import meshes, threemf
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

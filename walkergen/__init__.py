@@ -1,7 +1,7 @@
 """walkergen: from a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted.
 
 Units inside are mm, g, s and radians. From Python, start with `import walkergen as wg` and
-`wg.load("koumakis2016")`; what wg offers is in `walkergen.notebook`, loaded when it is first used.
+`wg.load("koumakis2016")`; what wg offers is in `walkergen.api`, loaded when it is first used.
 """
 
 __version__ = "0.1.0"
@@ -11,19 +11,19 @@ _HOMES = {
     "Printer": "printing.printers",
     "Scene": "scene",
     "WalkergenError": "errors",
-    "analyse": "notebook.analysing",
-    "bench": "notebook.measuring",
-    "calibrate": "notebook.measuring",
-    "export": "notebook.making",
-    "family": "notebook.making",
-    "fit": "notebook.measuring",
-    "load": "notebook.loading",
-    "predict": "notebook.predicting",
-    "simulate": "notebook.simulating",
-    "sweep": "notebook.sweeping",
-    "templates": "notebook.loading",
-    "track": "notebook.tracking",
-    "weigh": "notebook.measuring",
+    "analyse": "api.analysing",
+    "bench": "api.measuring",
+    "calibrate": "api.measuring",
+    "export": "api.making",
+    "family": "api.making",
+    "fit": "api.measuring",
+    "load": "api.loading",
+    "predict": "api.predicting",
+    "simulate": "api.simulating",
+    "sweep": "api.sweeping",
+    "templates": "api.loading",
+    "track": "api.tracking",
+    "weigh": "api.measuring",
 }
 """Modules of the names that are offered here; __init__.pyi has their types."""
 

@@ -1,12 +1,12 @@
+from walkergen.api.analysing import analyse
+from walkergen.api.loading import load, templates
+from walkergen.api.making import export, family
+from walkergen.api.measuring import bench, calibrate, fit, weigh
+from walkergen.api.predicting import predict
+from walkergen.api.simulating import simulate
+from walkergen.api.sweeping import sweep
+from walkergen.api.tracking import track
 from walkergen.errors import WalkergenError
-from walkergen.notebook.analysing import analyse
-from walkergen.notebook.loading import load, templates
-from walkergen.notebook.making import export, family
-from walkergen.notebook.measuring import bench, calibrate, fit, weigh
-from walkergen.notebook.predicting import predict
-from walkergen.notebook.simulating import simulate
-from walkergen.notebook.sweeping import sweep
-from walkergen.notebook.tracking import track
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

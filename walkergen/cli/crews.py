@@ -9,7 +9,7 @@ import typer
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.exploring.crew import Crew
+    from walkergen.points.crew import Crew
 
 Workers = Annotated[
     int | None,
@@ -23,7 +23,7 @@ def crew_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterato
 
     Raises InputError for a number of processes of a cluster, and for one that does not answer.
     """
-    from walkergen.exploring import crew
+    from walkergen.points import crew
 
     if dask is not None:
         if workers is not None:

@@ -60,11 +60,11 @@ def design(
     quiet: opt.Quiet = False,
 ) -> None:
     """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
-    from walkergen.exploring import wanted
-    from walkergen.exploring.store import Store
     from walkergen.jobs.design import box, make
     from walkergen.jobs.design import wish as wishes
     from walkergen.jobs.design.lab import Bench, Job
+    from walkergen.points import wanted
+    from walkergen.points.store import Store
 
     wish = wishes.of_options(speed, persistence, radius, fastest, calm, wanted.parse(error))
     asked = loading.asked(values, "design scene printer", seed=seed)

@@ -147,8 +147,8 @@ def _met(
     error: str, of: str, scene: "Scene", design: "Design", mass: "MassProperties",
     progress: "Progress",
 ) -> "Met":  # fmt: skip
-    from walkergen.exploring import wanted
     from walkergen.jobs.accuracy import choose
+    from walkergen.points import wanted
 
     return choose.meet(scene, design, mass, wanted.parse(error), progress, of)
 

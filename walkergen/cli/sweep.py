@@ -13,10 +13,10 @@ from walkergen.cli.times import parse_time
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.exploring.crew import Crew
-    from walkergen.exploring.request import Request
-    from walkergen.exploring.store import Store
     from walkergen.jobs.sweep.ask import Ask
+    from walkergen.points.crew import Crew
+    from walkergen.points.request import Request
+    from walkergen.points.store import Store
 
 FEW_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
@@ -88,9 +88,9 @@ def sweep(
     quiet: opt.Quiet = False,
 ) -> None:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
-    from walkergen.exploring.point import PREDICTION
-    from walkergen.exploring.store import Store
     from walkergen.jobs.sweep import ask, make
+    from walkergen.points.point import PREDICTION
+    from walkergen.points.store import Store
 
     if file is None:
         asked = _ask(design, values or [], scene, printer, model, error, sample, seed, keep)
@@ -122,8 +122,8 @@ def _ask(
     error: str | None, sample: str | None, seed: int, keep: str,
 ) -> "Ask":  # fmt: skip
     """Sweep that a command line asks for. Raises InputError."""
-    from walkergen.exploring.wanted import parse
     from walkergen.jobs.sweep import ask
+    from walkergen.points.wanted import parse
 
     space, constants = ask.space_of(values, sample, seed)
     groups = [word.strip() for word in keep.split(",")]

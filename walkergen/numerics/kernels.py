@@ -15,7 +15,7 @@ from typing import Any, TypeVar
 
 from walkergen import caches
 
-SOURCES = ("numerics/*.py", "theory/*.py", "simulation/**/*.py")
+SOURCES = ("numerics/*.py", "shapes/crossings.py", "theory/*.py", "simulation/**/*.py")
 """Patterns of the files that kernels, their constants and their arguments' types come from."""
 
 

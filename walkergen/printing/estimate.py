@@ -10,7 +10,7 @@ from walkergen.printing import slicer, walls
 from walkergen.printing.findings import NOISE_MM
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
-from walkergen.walker.mass import Mesh
+from walkergen.shapes.mesh import Mesh
 
 OUTLINE_MM_S, LINE_MM_S = 20.0, 43.0
 """Time of a layer: its outline at the first speed, all its lines at the second, mm/s. Fitted to

@@ -17,8 +17,8 @@ from xml.sax.saxutils import quoteattr
 import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.files import stl, threemf
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import stl, threemf
+from walkergen.shapes.mesh import Mesh
 
 APPLICATION = "walkergen"
 

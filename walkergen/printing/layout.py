@@ -8,9 +8,9 @@ from walkergen.printing import checks, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 from walkergen.walker.solids import Solids
 
 COMMON_FILES = 4

@@ -12,10 +12,10 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import PlateError
-from walkergen.files import threemf
 from walkergen.printing import export
 from walkergen.printing.printers import Printer
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import threemf
+from walkergen.shapes.mesh import Mesh
 
 MOST_PARTS = 5000
 

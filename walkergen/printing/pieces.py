@@ -10,8 +10,8 @@ from walkergen.printing.checks import Finding
 from walkergen.printing.estimate import Load
 from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass
-from walkergen.walker.mass import Mesh
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -115,7 +115,7 @@ def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
     from matplotlib.collections import PolyCollection
 
     from walkergen.printing import plate_map
-    from walkergen.walker import modeller
+    from walkergen.shapes import modeller
 
     for placed in plate.placements:
         mesh = laid.pieces[placed.part].mesh

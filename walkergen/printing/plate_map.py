@@ -16,9 +16,10 @@ from matplotlib.transforms import Bbox
 from walkergen.files import figures
 from walkergen.printing.packing import Plate
 from walkergen.printing.printers import Printer
-from walkergen.walker import modeller, names, solids
+from walkergen.shapes import modeller
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import names, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 Array = npt.NDArray[np.float64]
 

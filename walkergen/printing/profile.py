@@ -10,11 +10,12 @@ from pathlib import Path
 import numpy as np
 
 from walkergen.errors import InputError, SolidError
-from walkergen.files import dxf, output, svg
+from walkergen.files import output
+from walkergen.shapes import dxf, svg
+from walkergen.shapes.extrusion import NARROWEST_WINDOW
+from walkergen.shapes.outlines import Polygon
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.extrusion import NARROWEST_WINDOW
-from walkergen.walker.outlines import Polygon
 
 FORMATS: dict[str, Callable[[Sequence[Polygon]], bytes]] = {"dxf": dxf.pack, "svg": svg.pack}
 """Formats of drawings."""

@@ -17,11 +17,11 @@ from pydantic import Field, model_validator
 from walkergen.errors import GeometryError
 from walkergen.files import reading
 from walkergen.files.config import Section
-from walkergen.files.contours import MOST_BYTES
-from walkergen.walker import outlines
+from walkergen.shapes import outlines
+from walkergen.shapes.contours import MOST_BYTES
+from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.outlines import Polygon
 from walkergen.walker.limbs import Length
-from walkergen.walker.mass import Mesh
-from walkergen.walker.outlines import Polygon
 
 if TYPE_CHECKING:
     from walkergen.walker.whole_mesh import CutWalker
@@ -201,7 +201,7 @@ def _size_of(mesh: Mesh) -> Size:
 
 def _plan(body: Body) -> list[Polygon]:
     if body.text is not None:
-        from walkergen.walker.lettering import letters
+        from walkergen.shapes.lettering import letters
 
         return letters(body.text, body.depth_mm)
     if body.outline == "disc":

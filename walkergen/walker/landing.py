@@ -9,11 +9,11 @@ from functools import lru_cache
 
 import numpy as np
 
-from walkergen.walker import joining
+from walkergen.shapes import joining
+from walkergen.shapes.extrusion import extruded
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker.body import Body, Shape, Size
-from walkergen.walker.extrusion import extruded
 from walkergen.walker.limbs import Limb
-from walkergen.walker.mass import Mesh
 
 MARGIN_MM = 0.05
 """Depth by which a leg reaches into the body beyond where its section is covered, mm."""

@@ -11,20 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.shapes.mesh import Mesh
+
 if TYPE_CHECKING:
     from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 Values = float | Array
-
-
-class Mesh(NamedTuple):
-    """Closed triangle mesh, with triangles counter-clockwise seen from outside."""
-
-    vertices: Array
-    """Coordinates of the corners, shape (n, 3), mm."""
-    triangles: npt.NDArray[np.int64]
-    """Corners of the triangles as indices into the vertices, shape (k, 3)."""
 
 
 class SolidMass(NamedTuple):

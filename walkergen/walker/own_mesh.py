@@ -10,10 +10,10 @@ from typing import NamedTuple, get_args
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.files import meshes
-from walkergen.walker import faults, repairs
+from walkergen.shapes import faults, meshes, repairs
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker.body import Axis
-from walkergen.walker.mass import Array, Mesh
+from walkergen.walker.mass import Array
 
 SMALLEST, LARGEST = 0.5, 500.0
 """Least and greatest length of the longest side of a body's bounding box, mm."""

@@ -14,12 +14,14 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.walker import joining, landing, marks, modeller, profiles, stance
+from walkergen.shapes import joining, modeller
+from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
+from walkergen.shapes.extrusion import Engraving, extruded
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import landing, marks, profiles, stance
 from walkergen.walker.design import Design
-from walkergen.walker.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
-from walkergen.walker.extrusion import Engraving, extruded
 from walkergen.walker.limbs import Limb
-from walkergen.walker.mass import MassProperties, Mesh, assemble
+from walkergen.walker.mass import MassProperties, assemble
 from walkergen.walker.whole_mesh import CutWalker
 
 if TYPE_CHECKING:
@@ -127,7 +129,7 @@ def _lettered(ground: Mesh, design: Design) -> Mesh:
 
 def _lettering(design: Design, length: float, height: float) -> list[Polygon]:
     """Text of the marks, which fits into a face of length and height, mm. Raises GeometryError."""
-    from walkergen.walker.lettering import letters
+    from walkergen.shapes.lettering import letters
 
     marks, source = design.marks, _key(design).partition(" ")[0]
     polygons = letters(design.letters, marks.text_height_mm or 0.5 * height, False, source)

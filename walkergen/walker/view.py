@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 from walkergen.errors import WalkergenError
 from walkergen.files import viewer
 from walkergen.files.tables import as_html
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids
-from walkergen.walker.mass import Mesh
 
 if TYPE_CHECKING:
     from walkergen.walker.design import Design

@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring.wanted import Wanted
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import elastic, kept, observed
@@ -13,6 +12,7 @@ from walkergen.jobs.accuracy.purse import RUNS, SHORTEST, Purse
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey, complete
 from walkergen.numerics.statistics import Mean
+from walkergen.points.wanted import Wanted
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.observables import SPEED

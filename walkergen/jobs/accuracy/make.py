@@ -5,7 +5,6 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring import wanted as asked_error
 from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
@@ -24,6 +23,7 @@ from walkergen.jobs.accuracy import tables as ladders
 from walkergen.jobs.accuracy.ladder import Ladder, machine
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.jobs.accuracy.tables import Answer
+from walkergen.points import wanted as asked_error
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -14,10 +14,11 @@ from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.printing.export import stl_bytes
 from walkergen.scene import Scene
+from walkergen.shapes.mesh import Mesh
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Mesh, assemble
+from walkergen.walker.mass import MassProperties, assemble
 
 SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
 EXACT_SEGMENTS = 4096

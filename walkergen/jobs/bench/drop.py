@@ -5,9 +5,9 @@ from collections.abc import Sequence
 from typing import NamedTuple
 
 from walkergen.analysis.inverse import Curve
-from walkergen.exploring import drops, still
-from walkergen.exploring.drops import Let, Rebounds, rebound, rebounds
 from walkergen.files.progress import Progress
+from walkergen.points import drops, still
+from walkergen.points.drops import Let, Rebounds, rebound, rebounds
 from walkergen.scene import Scene
 from walkergen.simulation.model import Plan
 from walkergen.walker.design import Design

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen.analysis.beams import FIRST_MODE, decrement_of
 from walkergen.errors import InputError
-from walkergen.exploring import still
+from walkergen.points import still
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance

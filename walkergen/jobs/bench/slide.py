@@ -18,8 +18,8 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.analysis.inverse import Curve
-from walkergen.exploring import still
 from walkergen.files.progress import Progress
+from walkergen.points import still
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import slope

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 
 from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Branch, Inverse, Measured
-from walkergen.exploring import drops, still
-from walkergen.exploring.drops import Rebounds
 from walkergen.jobs.bench import pluck, report
 from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.report import Answer, BenchReport, Value
 from walkergen.jobs.bench.slide import Incline
+from walkergen.points import drops, still
+from walkergen.points.drops import Rebounds
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 

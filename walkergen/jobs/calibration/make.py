@@ -8,7 +8,6 @@ import numpy as np
 
 from walkergen.analysis import inverse
 from walkergen.errors import InputError
-from walkergen.exploring import drops, still
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
@@ -18,6 +17,7 @@ from walkergen.jobs.calibration.form import Readings
 from walkergen.jobs.calibration.modulus import Density
 from walkergen.jobs.calibration.report import CalibrationReport
 from walkergen.jobs.calibration.result import Bent, Bounced, Calibrated
+from walkergen.points import drops, still
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 

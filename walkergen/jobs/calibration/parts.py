@@ -16,11 +16,11 @@ from walkergen.printing import walls
 from walkergen.printing.packing import border
 from walkergen.printing.printers import Printer
 from walkergen.scene import GRAVITY
-from walkergen.walker import modeller
+from walkergen.shapes import modeller
+from walkergen.shapes.extrusion import Engraving, extruded
+from walkergen.shapes.lettering import letters
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker.design import Design
-from walkergen.walker.extrusion import Engraving, extruded
-from walkergen.walker.lettering import letters
-from walkergen.walker.mass import Mesh
 
 STRIPS = (1, 2, 3, 4)
 """Numbers of the strips, which are about as many lines thick."""

@@ -12,7 +12,7 @@ from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class CalibrationReport(Report):
     """Material and contact that a calibration plate tells; design and scene go on with them."""
 

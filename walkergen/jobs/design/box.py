@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes, request
-from walkergen.exploring.axes import Axis, Sample, Space, Span
+from walkergen.points import axes, request
+from walkergen.points.axes import Axis, Sample, Space, Span
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]

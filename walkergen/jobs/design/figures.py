@@ -5,7 +5,6 @@ from collections.abc import Sequence
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.exploring.point import PREDICTION
 from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.files.key_names import label
 from walkergen.jobs.design.lab import Job
@@ -13,6 +12,7 @@ from walkergen.jobs.design.report import title
 from walkergen.jobs.design.search import Found
 from walkergen.jobs.design.verify import Verified
 from walkergen.jobs.design.wish import UNITS, Wish
+from walkergen.points.point import PREDICTION
 
 ACROSS = 3
 """Largest number of panels side by side."""

@@ -7,18 +7,18 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import WalkergenError
-from walkergen.exploring.crew import Crew
-from walkergen.exploring.evaluate import refused
-from walkergen.exploring.point import PREDICTION, STATUS, Point, Record
-from walkergen.exploring.request import changed
-from walkergen.exploring.run import Asked, each
-from walkergen.exploring.store import Store
-from walkergen.exploring.wanted import Wanted
 from walkergen.files.config import validate
 from walkergen.files.progress import Progress
 from walkergen.jobs.design import wish as wishes
 from walkergen.jobs.design.box import Box
 from walkergen.jobs.design.wish import Seen, Wish
+from walkergen.points.crew import Crew
+from walkergen.points.evaluate import refused
+from walkergen.points.point import PREDICTION, STATUS, Point, Record
+from walkergen.points.request import changed
+from walkergen.points.run import Asked, each
+from walkergen.points.store import Store
+from walkergen.points.wanted import Wanted
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

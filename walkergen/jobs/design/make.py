@@ -4,13 +4,13 @@ from pathlib import Path
 from typing import Any
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import MODELS, PREDICTION
 from walkergen.files import output, templates
 from walkergen.files.output import Folder
 from walkergen.jobs.design import limits, report, search, verify
 from walkergen.jobs.design.lab import FRICTION, Bench, Job
 from walkergen.jobs.design.report import DesignReport
 from walkergen.jobs.design.verify import Verified
+from walkergen.points.point import MODELS, PREDICTION
 from walkergen.scene import Scene
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.walker import solids

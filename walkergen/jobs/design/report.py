@@ -5,13 +5,13 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from walkergen.exploring.point import PREDICTION
 from walkergen.files import templates, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.design.lab import FRICTION_STEP, Job
 from walkergen.jobs.design.search import Found
 from walkergen.jobs.design.verify import Verified
 from walkergen.jobs.design.wish import UNITS
+from walkergen.points.point import PREDICTION
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

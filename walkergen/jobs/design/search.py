@@ -9,11 +9,11 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import STATUS
 from walkergen.jobs.design import lab
 from walkergen.jobs.design.lab import Bench, Job, Trial
 from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
+from walkergen.points.point import STATUS
 
 Array = npt.NDArray[np.float64]
 

@@ -5,8 +5,6 @@ import tomllib
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen.exploring.point import PREDICTION, Point
-from walkergen.exploring.wanted import Wanted
 from walkergen.files import templates
 from walkergen.files.config import validate
 from walkergen.jobs.design import lab
@@ -14,6 +12,8 @@ from walkergen.jobs.design import wish as wishes
 from walkergen.jobs.design.lab import Bench, Job, Trial
 from walkergen.jobs.design.search import Found
 from walkergen.jobs.design.wish import NORMAL_95, Seen
+from walkergen.points.point import PREDICTION, Point
+from walkergen.points.wanted import Wanted
 from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
 from walkergen.walker.design import Design

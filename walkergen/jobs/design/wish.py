@@ -4,8 +4,8 @@ import math
 from typing import Literal, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import OK, STATUS, Record
-from walkergen.exploring.wanted import Wanted
+from walkergen.points.point import OK, STATUS, Record
+from walkergen.points.wanted import Wanted
 
 Quantity = Literal["speed", "persistence length", "turning radius"]
 

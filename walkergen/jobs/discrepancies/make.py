@@ -20,12 +20,12 @@ import numpy.typing as npt
 
 from walkergen import discrepancy
 from walkergen.discrepancy import Place
-from walkergen.exploring import crew, run
-from walkergen.exploring.point import Point, Record
-from walkergen.exploring.store import Store
 from walkergen.files import output
 from walkergen.jobs.discrepancies import fit
 from walkergen.jobs.discrepancies.cases import COUNT, Case, cases
+from walkergen.points import crew, run
+from walkergen.points.point import Point, Record
+from walkergen.points.store import Store
 from walkergen.walker import solids
 
 Array = npt.NDArray[np.float64]

@@ -22,12 +22,13 @@ from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
+from walkergen.shapes.mesh import Mesh
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
 from walkergen.walker.body import Body
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind, Legs
-from walkergen.walker.mass import MassProperties, Mesh
+from walkergen.walker.mass import MassProperties
 from walkergen.walker.solids import Solids
 from walkergen.walker.weights import Weighings
 

@@ -12,8 +12,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import COLOURS, style
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 Array = npt.NDArray[np.float64]
 

@@ -25,7 +25,7 @@ DRAWS = 512
 """Draws of the posterior that are written."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class FitReport(Report):
     """Contact, and more, that measured speeds tell; design and scene go on with it."""
 

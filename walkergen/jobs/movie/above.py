@@ -16,7 +16,7 @@ from walkergen.jobs.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Ca
 from walkergen.jobs.movie.footage import pace, strongest
 from walkergen.jobs.movie.impacts import largest_impulse, legend, style_of
 from walkergen.jobs.movie.shot import Array, Shot, feet, outline, turned
-from walkergen.walker.outlines import area
+from walkergen.shapes.outlines import area
 
 WIDTH, TALLEST = 900, 760
 """Width of the picture, and largest height of all its arenas, pixels."""

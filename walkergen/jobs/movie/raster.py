@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.walker.mass import Mesh
+from walkergen.shapes.mesh import Mesh
 
 Array = npt.NDArray[np.float64]
 

@@ -6,12 +6,13 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.movie.footage import Impact
+from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory.impact import Kind
 from walkergen.walker import landing, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import MassProperties, Mesh, from_centre
+from walkergen.walker.mass import MassProperties, from_centre
 
 Array = npt.NDArray[np.float64]
 

@@ -14,9 +14,9 @@ from walkergen.printing import layout as plates
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 SOLID: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf": export.part_3mf}
 """Formats of meshes as they lie on the bed."""

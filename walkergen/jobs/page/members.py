@@ -4,10 +4,11 @@ import re
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.files import stl, words
-from walkergen.files.stl import Corners
+from walkergen.files import words
 from walkergen.jobs.page.beside import LARGEST
 from walkergen.jobs.page.contents import Contents
+from walkergen.shapes import stl
+from walkergen.shapes.stl import Corners
 
 TABLE = "family.csv"
 NUMBERS = ("tilt_deg", "speed_mm_s")

@@ -10,9 +10,9 @@ import numpy as np
 from walkergen.errors import GeometryError
 from walkergen.jobs.selftest import closed_forms
 from walkergen.jobs.selftest.case import GEOMETRY, Case, Check
+from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass, solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import Mesh
 
 KINDS, FEET = ("flexible", "braced"), ("flat", "square", "round")
 

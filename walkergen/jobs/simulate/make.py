@@ -8,10 +8,10 @@ import numpy as np
 from walkergen.analysis import landings
 from walkergen.analysis.landings import Landings
 from walkergen.analysis.motion import Motion
-from walkergen.exploring.runs import motion_of
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.simulate import orbit
 from walkergen.jobs.simulate.orbit import Orbit
+from walkergen.points.runs import motion_of
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve

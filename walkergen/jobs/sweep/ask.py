@@ -5,14 +5,14 @@ from pathlib import Path
 from typing import Any, NamedTuple, get_args
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes, request
-from walkergen.exploring.axes import Axis, Method, Sample, Space, Span
-from walkergen.exploring.point import PREDICTION
-from walkergen.exploring.request import SCENE as SCENES
-from walkergen.exploring.request import Request
-from walkergen.exploring.wanted import Wanted, parse
 from walkergen.files import assignments, columns, templates
 from walkergen.jobs.sweep import sweep_file
+from walkergen.points import axes, request
+from walkergen.points.axes import Axis, Method, Sample, Space, Span
+from walkergen.points.point import PREDICTION
+from walkergen.points.request import SCENE as SCENES
+from walkergen.points.request import Request
+from walkergen.points.wanted import Wanted, parse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

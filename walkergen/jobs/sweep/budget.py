@@ -4,15 +4,15 @@ import math
 import time
 
 from walkergen.errors import InputError
-from walkergen.exploring import run
-from walkergen.exploring.crew import Crew
-from walkergen.exploring.evaluate import FIRST_RUNS, LONGEST_S, with_runs
-from walkergen.exploring.point import PREDICTION, Point, Record, key
-from walkergen.exploring.request import Request
-from walkergen.exploring.run import Asked
-from walkergen.exploring.store import Store
 from walkergen.files import words
 from walkergen.files.progress import Progress
+from walkergen.points import run
+from walkergen.points.crew import Crew
+from walkergen.points.evaluate import FIRST_RUNS, LONGEST_S, with_runs
+from walkergen.points.point import PREDICTION, Point, Record, key
+from walkergen.points.request import Request
+from walkergen.points.run import Asked
+from walkergen.points.store import Store
 
 BATCH = 4
 """Points for each worker that get more runs together."""

@@ -4,10 +4,10 @@ import time
 from itertools import islice
 from typing import NamedTuple
 
-from walkergen.exploring import run
-from walkergen.exploring.request import Request
-from walkergen.exploring.store import Store
 from walkergen.files import words
+from walkergen.points import run
+from walkergen.points.request import Request
+from walkergen.points.store import Store
 
 UNASKED = 100_000
 """Number of points up to which a sweep begins without being asked for its cost."""

@@ -8,18 +8,18 @@ from itertools import islice
 from pathlib import Path
 from typing import Any, NamedTuple
 
-from walkergen.exploring import run
-from walkergen.exploring.crew import Crew
-from walkergen.exploring.point import digest
-from walkergen.exploring.request import Request
-from walkergen.exploring.run import BLOCK, Asked, Done
-from walkergen.exploring.store import Store
 from walkergen.files import output
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.jobs.sweep import budget, report, table
 from walkergen.jobs.sweep.report import Points, SweepReport
 from walkergen.jobs.sweep.table import Row, Table
+from walkergen.points import run
+from walkergen.points.crew import Crew
+from walkergen.points.point import digest
+from walkergen.points.request import Request
+from walkergen.points.run import BLOCK, Asked, Done
+from walkergen.points.store import Store
 
 MOST_DRAWN = 200_000
 """Number of points up to which pictures are drawn; their memory grows with it."""

@@ -13,8 +13,8 @@ from matplotlib.collections import PolyCollection
 from matplotlib.colors import Normalize
 from matplotlib.ticker import MaxNLocator
 
-from walkergen.exploring.point import OK
 from walkergen.jobs.sweep.scales import Array, Scale, dress, edges
+from walkergen.points.point import OK
 
 Mask = npt.NDArray[np.bool_]
 

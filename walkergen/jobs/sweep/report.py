@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from walkergen.exploring.point import OK, STATUS
-from walkergen.exploring.request import Request
-from walkergen.exploring.run import Done
 from walkergen.files.report import Report, Table
+from walkergen.points.point import OK, STATUS
+from walkergen.points.request import Request
+from walkergen.points.run import Done
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

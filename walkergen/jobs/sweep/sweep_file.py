@@ -12,12 +12,12 @@ from typing import Annotated, Any, NamedTuple
 from pydantic import Field, field_validator
 
 from walkergen.errors import InputError
-from walkergen.exploring import axes, request, wanted
-from walkergen.exploring.axes import Axis, Method, Sample, Space, Span
-from walkergen.exploring.point import KEPT, MODELS
-from walkergen.exploring.wanted import Wanted
 from walkergen.files import config, plain
 from walkergen.files.config import Section
+from walkergen.points import axes, request, wanted
+from walkergen.points.axes import Axis, Method, Sample, Space, Span
+from walkergen.points.point import KEPT, MODELS
+from walkergen.points.wanted import Wanted
 
 Table = dict[str, Any]
 """Table of keys of designs and scenes, dotted."""

@@ -11,11 +11,11 @@ from pathlib import Path
 from typing import Any, NamedTuple, Self
 
 from walkergen.errors import InputError, OutputError
-from walkergen.exploring.point import PREDICTION, STATUS, Record, Value
 from walkergen.files import reading
 from walkergen.files.columns import cells as cells_of
 from walkergen.files.ledger import flags
 from walkergen.files.tables import csv_text
+from walkergen.points.point import PREDICTION, STATUS, Record, Value
 
 NAME = "table.csv"
 POINT, CHECK = "point", "check"

@@ -7,9 +7,10 @@ from typing import NamedTuple
 import numpy as np
 
 from walkergen.errors import InputError
-from walkergen.files import meshes
-from walkergen.walker import faults, mass
-from walkergen.walker.mass import Array, Mesh, SolidMass
+from walkergen.shapes import faults, meshes
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import mass
+from walkergen.walker.mass import Array, SolidMass
 
 DENSITY = 1.24
 """Density of PLA, g/cm3."""

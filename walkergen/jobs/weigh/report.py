@@ -13,7 +13,7 @@ from walkergen.jobs.weigh.make import Weighed, Weighing
 from walkergen.walker.mass import Array
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class WeighReport(Report):
     """Mass properties of a mesh file, in its own axes."""
 

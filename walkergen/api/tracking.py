@@ -4,12 +4,12 @@ import os
 from collections.abc import Iterator
 from pathlib import Path
 
+from walkergen.api.analysing import Analysis, analyse
+from walkergen.api.table import Result, Table
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.track import make, tables
-from walkergen.notebook.analysing import Analysis, analyse
-from walkergen.notebook.table import Result, Table
 
 
 class Tracking(Result):

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, overload
 
+from walkergen.api.table import Table, table_of
 from walkergen.errors import InputError
 from walkergen.files import config
 from walkergen.files import templates as shipped
 from walkergen.files.config import Section
-from walkergen.notebook.table import Table, table_of
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

@@ -6,9 +6,9 @@ from collections.abc import Sequence
 from walkergen import prediction
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import WalkergenError
-from walkergen.exploring.point import OK, STATUS, Point, Record
-from walkergen.exploring.runs import motion_of
-from walkergen.exploring.wanted import Wanted
+from walkergen.points.point import OK, STATUS, Point, Record
+from walkergen.points.runs import motion_of
+from walkergen.points.wanted import Wanted
 from walkergen.printing import checks
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, observables, resolution

@@ -7,12 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from walkergen.analysis import speeds
-from walkergen.errors import InputError
-from walkergen.files import viewer
-from walkergen.files.progress import Progress, silent
-from walkergen.jobs.family import make as families
-from walkergen.jobs.orders import make as batch
-from walkergen.notebook.loading import (
+from walkergen.api.loading import (
     Ground,
     Machine,
     Walker,
@@ -21,8 +16,13 @@ from walkergen.notebook.loading import (
     scene_of,
     walker_of,
 )
-from walkergen.notebook.predicting import SCENE
-from walkergen.notebook.table import Result, Table
+from walkergen.api.predicting import SCENE
+from walkergen.api.table import Result, Table
+from walkergen.errors import InputError
+from walkergen.files import viewer
+from walkergen.files.progress import Progress, silent
+from walkergen.jobs.family import make as families
+from walkergen.jobs.orders import make as batch
 from walkergen.printing import checks
 from walkergen.printing.checks import Finding
 from walkergen.printing.packing import MOST_PARTS

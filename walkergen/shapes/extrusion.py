@@ -9,8 +9,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import SolidError
-from walkergen.walker import modeller
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import modeller
+from walkergen.shapes.mesh import Mesh
 
 NARROWEST_WINDOW = 1e-9
 """Width of a window between leg and brace, over the leg's length, below which it does not count:

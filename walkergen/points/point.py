@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 from walkergen import discrepancy
 from walkergen.errors import InputError
-from walkergen.exploring.wanted import Wanted
+from walkergen.points.wanted import Wanted
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import points
@@ -88,8 +88,8 @@ def digest() -> str:
     Pictures, commands and jobs do not count: they change no number of a point.
     """
     package, found = Path(__file__).parent.parent, hashlib.sha256()
-    counted = ("*.py", "analysis/*.py", "exploring/*.py", "numerics/*.py", "printing/*.py",
-               "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
+    counted = ("*.py", "analysis/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
+               "shapes/*.py", "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
         found.update(source.read_bytes())
     return found.hexdigest()[:16]

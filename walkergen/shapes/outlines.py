@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import GeometryError, InputError
-from walkergen.files import dxf, svg
-from walkergen.files.contours import MOST_POINTS, Shape
+from walkergen.shapes import dxf, svg
+from walkergen.shapes.contours import MOST_POINTS, Shape
 
 Polygon = npt.NDArray[np.float64]
 

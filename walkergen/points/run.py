@@ -7,10 +7,10 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.errors import WalkergenError
-from walkergen.exploring.crew import Crew
-from walkergen.exploring.evaluate import evaluate
-from walkergen.exploring.point import Point, Record, digest, key
-from walkergen.exploring.store import Store
+from walkergen.points.crew import Crew
+from walkergen.points.evaluate import evaluate
+from walkergen.points.point import Point, Record, digest, key
+from walkergen.points.store import Store
 
 AHEAD = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""

@@ -6,6 +6,8 @@ from pathlib import Path
 from typing import Literal
 
 from walkergen.analysis import inverse
+from walkergen.api.loading import Ground, Walker, one_of, scene_of, walker_of
+from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress, silent
@@ -18,8 +20,6 @@ from walkergen.jobs.fit.report import FitReport
 from walkergen.jobs.weigh import make as weighing
 from walkergen.jobs.weigh import report as weigh_report
 from walkergen.jobs.weigh.report import WeighReport
-from walkergen.notebook.loading import Ground, Walker, one_of, scene_of, walker_of
-from walkergen.notebook.predicting import SCENE
 from walkergen.theory.speed import Mode
 from walkergen.walker.limbs import Kind
 

@@ -14,8 +14,8 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError
-from walkergen.files.contours import FLATNESS, Shape, flatten
-from walkergen.walker.outlines import Polygon, area, sound
+from walkergen.shapes.contours import FLATNESS, Shape, flatten
+from walkergen.shapes.outlines import Polygon, area, sound
 
 MOST_CHARACTERS = 40
 

@@ -15,8 +15,9 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import reading, stl, threemf
-from walkergen.files.threemf import Part
+from walkergen.files import reading
+from walkergen.shapes import stl, threemf
+from walkergen.shapes.threemf import Part
 
 FORMATS = ("stl", "obj", "ply", "off", "3mf", "glb")
 

@@ -11,8 +11,8 @@ from collections.abc import Callable
 import manifold3d
 import numpy as np
 
-from walkergen.walker import faults, modeller
-from walkergen.walker.mass import Mesh
+from walkergen.shapes import faults, modeller
+from walkergen.shapes.mesh import Mesh
 
 LARGEST_HOLE = 200
 """Most open edges that are filled: a larger hole is a missing side, not a flaw."""

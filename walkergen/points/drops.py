@@ -14,8 +14,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.inverse import Curve
-from walkergen.exploring import still
 from walkergen.files.progress import Progress
+from walkergen.points import still
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan

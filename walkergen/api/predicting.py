@@ -3,11 +3,11 @@
 from collections.abc import Iterable, Iterator
 from typing import overload
 
+from walkergen.api.loading import Ground, Walker, members_of, scene_of
+from walkergen.api.speed import Speed, speed_of
+from walkergen.api.table import Result, Table, table_of
 from walkergen.errors import InputError
 from walkergen.jobs.family import make as families
-from walkergen.notebook.loading import Ground, Walker, members_of, scene_of
-from walkergen.notebook.speed import Speed, speed_of
-from walkergen.notebook.table import Result, Table, table_of
 from walkergen.prediction import Prediction
 from walkergen.scene import Scene
 from walkergen.theory.speed import MODES, Mode

@@ -16,7 +16,7 @@ from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.exploring.point import digest
+from walkergen.points.point import digest
 
 MOST_WORKERS = 1024
 ANSWER_S = 10.0

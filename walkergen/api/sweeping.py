@@ -9,17 +9,17 @@ from typing import Any
 
 import numpy as np
 
+from walkergen.api.loading import Ground, Machine, Walker, printer_of, scene_of, walker_of
+from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
-from walkergen.exploring import axes, crew, wanted
-from walkergen.exploring.axes import Sample, Space, Span
-from walkergen.exploring.point import PREDICTION
-from walkergen.exploring.store import Store
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.sweep import ask, make
 from walkergen.jobs.sweep.ask import Ask
 from walkergen.jobs.sweep.report import SweepReport
-from walkergen.notebook.loading import Ground, Machine, Walker, printer_of, scene_of, walker_of
-from walkergen.notebook.predicting import SCENE
+from walkergen.points import axes, crew, wanted
+from walkergen.points.axes import Sample, Space, Span
+from walkergen.points.point import PREDICTION
+from walkergen.points.store import Store
 
 
 def sweep(

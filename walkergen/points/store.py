@@ -10,7 +10,7 @@ from pathlib import Path
 
 from walkergen import caches
 from walkergen.errors import OutputError
-from walkergen.exploring.point import Record
+from walkergen.points.point import Record
 
 WAIT_S = 60.0
 """Time for which a store waits until another program has written, s."""

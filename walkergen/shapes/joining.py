@@ -10,8 +10,8 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import GeometryError, SolidError
-from walkergen.walker import modeller
-from walkergen.walker.mass import Array, Mesh
+from walkergen.shapes import modeller
+from walkergen.shapes.mesh import Array, Mesh
 
 CRUMB = 1e-9
 """Volume of a piece, over that of the leg, below which it is the modeller's rounding."""

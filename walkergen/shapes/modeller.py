@@ -8,7 +8,7 @@ import manifold3d
 import numpy as np
 
 from walkergen.errors import SolidError
-from walkergen.walker.mass import Mesh
+from walkergen.shapes.mesh import Mesh
 
 
 def solid(mesh: Mesh) -> manifold3d.Manifold:

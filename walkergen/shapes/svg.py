@@ -21,7 +21,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.files.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, flatten, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, flatten, meet
 
 if TYPE_CHECKING:
     import svgelements

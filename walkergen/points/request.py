@@ -5,13 +5,13 @@ from collections.abc import Iterator, Mapping
 from typing import Any, NamedTuple
 
 from walkergen.errors import InputError, WalkergenError
-from walkergen.exploring import point as points
-from walkergen.exploring.axes import Space
-from walkergen.exploring.evaluate import refused
-from walkergen.exploring.point import PREDICTION, Point
-from walkergen.exploring.run import Asked
-from walkergen.exploring.wanted import Wanted
 from walkergen.files import assignments
+from walkergen.points import point as points
+from walkergen.points.axes import Space
+from walkergen.points.evaluate import refused
+from walkergen.points.point import PREDICTION, Point
+from walkergen.points.run import Asked
+from walkergen.points.wanted import Wanted
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

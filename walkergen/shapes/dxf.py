@@ -17,7 +17,7 @@ import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files import reading
-from walkergen.files.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, meet
+from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, meet
 
 if TYPE_CHECKING:
     from ezdxf.document import Drawing

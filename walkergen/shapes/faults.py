@@ -12,8 +12,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.numerics import crossings
-from walkergen.walker.mass import Array, Mesh
+from walkergen.shapes import crossings
+from walkergen.shapes.mesh import Array, Mesh
 
 TOLERANCE = 1e-6
 """Depth of a crossing, over the largest coordinate from the box's middle, below which it is not

@@ -4,18 +4,18 @@ from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
 from walkergen.analysis.motion import Motion
+from walkergen.api.loading import Ground, Walker, one_of, scene_of
+from walkergen.api.predicting import SCENE
+from walkergen.api.speed import Speed, speed_of
+from walkergen.api.table import Result, Table
 from walkergen.errors import InputError, WalkergenError
-from walkergen.exploring import wanted
-from walkergen.exploring.runs import tracks_of
 from walkergen.files import words
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.accuracy import choose
 from walkergen.jobs.accuracy.choose import Met
 from walkergen.jobs.simulate import make, tables, trajectories
-from walkergen.notebook.loading import Ground, Walker, one_of, scene_of
-from walkergen.notebook.predicting import SCENE
-from walkergen.notebook.speed import Speed, speed_of
-from walkergen.notebook.table import Result, Table
+from walkergen.points import wanted
+from walkergen.points.runs import tracks_of
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.points import Asked

@@ -11,12 +11,12 @@ import numpy as np
 from walkergen.analysis.estimates import UNITS, Estimate
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Units
+from walkergen.api.table import Result, Table
 from walkergen.errors import InputError
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
 from walkergen.files.tables import csv_text
 from walkergen.jobs.analyse import make, tables
-from walkergen.notebook.table import Result, Table
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
