@@ -19,7 +19,7 @@ class Answer(NamedTuple):
     inverse: Inverse
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class BenchReport(Report):
     """What a bench test shows and says."""
 

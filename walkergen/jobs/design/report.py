@@ -20,7 +20,7 @@ TREND = "dv_dmu_mm_s"
 """Key of the change of speed with friction."""
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class DesignReport(Report):
     """Designs that were found for a wish."""
 

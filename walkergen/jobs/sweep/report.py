@@ -43,7 +43,7 @@ class Points:
             self.rows.append((*values, *map(done.record.get, self.names)))
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class SweepReport(Report):
     """Points of a sweep, a row each: the keys that vary, then speeds with their bounds."""
 
