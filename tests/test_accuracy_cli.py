@@ -39,7 +39,7 @@ def run(tmp_path, monkeypatch):
 @pytest.mark.slow
 def test_study_then_one_command_meets_the_error(run, tmp_path):
     words = ("--scene", "short.toml", "--tilt", "10")
-    result = run("accuracy", *words, "--only", "models,steps", "--budget", "1s", "--json")
+    result = run("accuracy", *words, "--only", "models,steps", "--budget", "3s", "--json")
     assert result.exit_code == 0, result.exception
     found = json.loads(result.stdout)
     assert set(found["ladders"]) == {

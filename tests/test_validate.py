@@ -103,7 +103,9 @@ def test_everything_is_claimed_and_said_by_a_quick_run(tmp_path):
     }
     assert {name for name in recorded if name in found} == set(found)
     pairs = {name: {word, recorded[name]} for name, word in found.items() if name not in NARROW}
-    changed = {name for name, words in pairs.items() if len(words) > 1 and "not run" not in words}
+    # Wider errors leave more undecided
+    told = {name: words - {"undecided"} for name, words in pairs.items()}
+    changed = {name for name, words in told.items() if len(words) > 1 and "not run" not in words}
     assert changed == set(), "recorded in docs/validation.md with another verdict: run it again"
     for row in rows:
         assert row["source"]

@@ -51,6 +51,7 @@ def _claims_as_json(claims: "Sequence[Claim]", paths: Sequence[Path]) -> None:
     rows = []
     for one in claims:
         row = one._asdict() | {"z": one.z, "allowed": one.allowed, "verdict": one.verdict}
+        del row["fact"]  # quantity, number, margin and source stand beside it
         # JSON has no NaN and no infinity; the verdict tells of them.
         rows.append({name: _finite(value) for name, value in row.items()})
     show.as_json({"rows": rows, "files": [str(path) for path in paths]})
