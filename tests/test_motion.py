@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from synthetic_tracks import Walker, film, lane
 
-from walkergen.analysis import motion, walks
+from walkergen.analysis import facts, motion, walks
 from walkergen.analysis.tracks import Track
 from walkergen.analysis.walks import Spread
 from walkergen.errors import InputError
@@ -244,10 +244,8 @@ def test_the_walks_limits():
 
 
 def test_the_summary_is_plain_json():
-    from walkergen.jobs.analyse import tables as motion_tables
-
     for tracks in (film(8, 3, 3.0), lane(1, [60.0] * 2, 100), film(8, 1, 0.1)):
-        data = motion_tables.as_dict(motion.analyse(tracks))
+        data = facts.of(motion.analyse(tracks))
         assert json.loads(json.dumps(data, allow_nan=False)) == data
         assert data["particles"] == len(tracks.tracks)
         for name, unit in (("speed", "mm_s"), ("persistence_time", "s")):

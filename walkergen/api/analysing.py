@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from walkergen.analysis import facts
 from walkergen.analysis.estimates import UNITS, Estimate
 from walkergen.analysis.motion import Motion
 from walkergen.analysis.tracks import Units
@@ -60,7 +61,7 @@ class Analysis(Result):
                 "plate_speed_mm_s": plates, "speed_mm_s": [one.value for one in speeds],
                 "speed_se_mm_s": [one.se for one in speeds],
                 "speed_scale_se_mm_s": [
-                    tables.scale_se(one.value, "mm_s", self.motion) for one in speeds
+                    facts.scale_se(one.value, "mm_s", self.motion) for one in speeds
                 ],
             }, self.title, self.notes)  # fmt: skip
         known = [self.estimates[name] for name in UNITS]
@@ -69,7 +70,7 @@ class Analysis(Result):
             "name": list(UNITS), "unit": [tables.SHOWN.get(one, one) for one in UNITS.values()],
             "value": [one.value for one in known], "se": [one.se for one in known],
             "scale_se": [
-                tables.scale_se(one.value, unit, self.motion)
+                facts.scale_se(one.value, unit, self.motion)
                 for one, unit in zip(known, UNITS.values(), strict=True)
             ],
             "low_95": low, "high_95": high, "reason": [one.reason for one in known],
@@ -78,7 +79,7 @@ class Analysis(Result):
     @property
     def walkers(self) -> Table:
         """A row for each walker: its speed and turning, with the errors within its track."""
-        rows = tables.as_dict(self.motion)["walkers"]
+        rows = facts.of(self.motion)["walkers"]
         return Table({
             name: [row.get(name) for row in rows] for name in rows[0] if name != "refused"
         }, self.title)  # fmt: skip

@@ -9,11 +9,10 @@ from walkergen.api.predicting import SCENE
 from walkergen.api.speed import Speed, speed_of
 from walkergen.api.table import Result, Table
 from walkergen.errors import InputError, WalkergenError
-from walkergen.files import words
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.accuracy import choose
 from walkergen.jobs.accuracy.choose import Met
-from walkergen.jobs.simulate import make, tables, trajectories
+from walkergen.jobs.simulate import make, report, trajectories
 from walkergen.points import wanted
 from walkergen.points.runs import tracks_of
 from walkergen.scene import Scene
@@ -84,29 +83,11 @@ class Simulation(Result):
         )
 
     def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        drive, one = self.scene.drive, self.summary
-        yield "walker", f"{self.design.name}, {self.design.kind} legs, {self.design.tilt_deg:g} deg"
-        yield (
-            "plate",
-            f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s",
-        )
-        yield "model", tables.model_in_words(self.found, self.scene)
-        yield "mean speed", str(self.speed)
-        if self.found.orbit is not None:
-            yield "prints", tables.over_prints(self.found.orbit)
-        yield from tables.motion_rows(self.found)
-        if self.met is not None:
-            choice = self.met.choice
-            yield "chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"
-            verdict = "within" if self.met.error <= self.met.allowed else "NOT within"
-            got, limit = (words.number(x, 2) for x in (self.met.error, self.met.allowed))
-            yield "error, 95 %", f"{got} mm/s, {verdict} the {limit} asked"
-        yield "runs", f"{one.runs} of {self.scene.run.runs}, {one.simulated_s:.1f} s in all"
-        yield from tables.statistic_rows(self.found)
-        yield "outcomes", ", ".join(f"{count} x {name}" for name, count in one.outcomes.items())
-        for warning in self.found.warnings:
-            yield "warning", warning
+        """Names and values in words, as the command prints them, and warnings."""
+        chosen = None if self.met is None else self.met.chosen()
+        made = report.of(self.found, self.scene, self.design, chosen)
+        yield from ((line["name"], line["value"]) for line in made.table)
+        yield from (("warning", warning) for warning in self.found.warnings)
 
     def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
         """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.

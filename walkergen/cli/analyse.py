@@ -64,9 +64,9 @@ def analyse(
 
 def _motion_as_json(found: "Analysed") -> None:
     """Print everything measured, and the notes made while reading, as JSON."""
-    from walkergen.jobs.analyse import tables as motion_tables
+    from walkergen.analysis import facts
 
-    data = motion_tables.as_dict(found.motion)
+    data = facts.of(found.motion)
     data |= {"bad_rows": found.bad_rows, "notes": found.notes, "folder": str(found.folder)}
     show.as_json(data)
 

@@ -1,10 +1,9 @@
 """The command `simulate`."""
 
-import math
 import sys
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -16,7 +15,6 @@ from walkergen.errors import InputError
 if TYPE_CHECKING:
     from walkergen.files.progress import Progress
     from walkergen.jobs.accuracy.choose import Met
-    from walkergen.jobs.simulate.make import Simulated
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
     from walkergen.walker.mass import MassProperties
@@ -78,7 +76,7 @@ def simulate(
 
     Several tilts, or both kinds of legs, make a table.
     """
-    from walkergen.jobs.simulate import make, trajectories
+    from walkergen.jobs.simulate import make, report, trajectories
     from walkergen.simulation import points
     from walkergen.walker import solids
 
@@ -131,12 +129,9 @@ def simulate(
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
     for warning in found.warnings:
         print(f"warning: {warning}", file=sys.stderr)
-    if json:
-        show.as_json(_summary_as_dict(found, resolved_scene, met))
-    elif not quiet:
-        _show_summary(found, resolved_scene, chosen, met)
-        if trajectory is not None and done == wished:
-            print(trajectory)
+    show.report(report.of(found, resolved_scene, chosen, met and met.chosen()), json, quiet)
+    if trajectory is not None and done == wished and not (json or quiet):
+        print(trajectory)
     if done < wished:
         if trajectory is not None:
             print(f"{trajectory}: not written", file=sys.stderr)
@@ -190,95 +185,3 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
         told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
         print(f"missing: {told}", file=sys.stderr)
         raise typer.Exit(130)
-
-
-def _summary_as_dict(found: "Simulated", scene: "Scene", met: "Met | None") -> dict[str, Any]:
-    """An ensemble's summary with what was simulated, and for which error, for JSON.
-
-    It is partial when Ctrl-C left runs out.
-    """
-    from walkergen.jobs.analyse import tables as motion_tables
-    from walkergen.jobs.simulate import tables
-
-    data = tables.model_as_dict(found, scene) | found.point.summary._asdict()
-    data["partial"] = found.point.summary.runs < scene.run.runs
-    if found.motion is not None:
-        data["motion"] = motion_tables.as_dict(found.motion)
-    if found.untold:
-        data["motion"] = {"refused": found.untold}
-    if found.landings:
-        data["landings"] = tables.landings_as_dict(found)
-    data["step"] = tables.step_as_dict(found)
-    data["orbit"] = None if found.orbit is None else tables.orbit_as_dict(found.orbit)
-    if met is not None:
-        obtained = None if math.isinf(met.error) else met.error
-        data["chosen"] = met.choice._asdict() | {
-            "setting": met.choice.setting.flags,
-            "of": met.of,
-            "error": obtained,
-            "allowed": met.allowed,
-        }
-    return data
-
-
-def _met_rows(met: "Met") -> list[tuple[str, str]]:
-    """Rows of the summary on what --error chose, the reason, and the error obtained."""
-    from walkergen.files import words
-
-    choice, unit = met.choice, "mm/s" if met.of == "speed_mm_s" else f"of {met.of}"
-    source = "on record" if met.on_record else "measured just now"
-    verdict = "within" if met.error <= met.allowed else "NOT within"
-    bars = math.nan if met.se is None else met.se
-    return [
-        ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
-        ("because", f"cheapest of the ladders {source} with a margin of two in the step; its bias "
-                    f"is at most {words.number(choice.bias_bound, 2)} {unit} (95 %)"),
-        ("error, 95 %", f"{words.number(met.error, 2)} {unit}, {verdict} the "
-                        f"{words.number(met.allowed, 2)} asked (bias, and by Student's t the "
-                        f"{words.number(bars, 2)} of the runs)"),
-    ]  # fmt: skip
-
-
-def _show_summary(
-    measured: "Simulated", scene: "Scene", design: "Design", met: "Met | None"
-) -> None:
-    """Print the mean speed and everything measured beside it."""
-    from rich import box
-    from rich.table import Table
-
-    from walkergen.files import words
-    from walkergen.jobs.simulate import tables
-
-    table = Table(box=box.SIMPLE, show_header=False, padding=(0, 1))
-    found, drive = measured.point.summary, scene.drive
-    bars = found.speed_se_mm_s
-    speed = "none: no run ended well"
-    if found.speed_mm_s is not None:
-        error = "" if bars is None else f" ± {words.number(bars, 2)}"
-        speed = f"{found.speed_mm_s:.2f}{error} mm/s"
-        if measured.point.model == "space":
-            speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
-        speed += tables.speed_by_step(measured)
-        if measured.orbit is not None:
-            speed += f"; {measured.orbit.kind}: all runs end so, and tell no error"
-        elif bars is None:
-            speed += "; standard error unknown: needs 4 runs"
-    correlation = found.correlation_time_s
-    rate = found.simulated_s / found.cpu_s if found.cpu_s else 0.0
-    for name, value in (
-        ("walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"),
-        ("plate", f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"),
-        ("model", tables.model_in_words(measured, scene)),
-        ("mean speed", speed),
-        *tables.bound_rows(measured),
-        *(_met_rows(met) if met is not None else ()),
-        *tables.motion_rows(measured),
-        ("runs", f"{found.runs}, {found.simulated_s:.1f} s simulated in all"),
-        ("correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"),
-        *tables.statistic_rows(measured),
-        ("largest pitch", f"{found.max_pitch_deg:.2f} deg, an extreme: the more, the longer"),
-        ("outcomes", ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())),
-        ("time", f"{found.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"),
-    ):
-        table.add_row(name, value)
-    show.table(table)

@@ -12,7 +12,7 @@ from walkergen.jobs.accuracy.purse import RUNS, SHORTEST, Purse
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey, complete
 from walkergen.numerics.statistics import Mean
-from walkergen.points.wanted import Wanted
+from walkergen.points.wanted import Chosen, Wanted
 from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.observables import SPEED
@@ -69,6 +69,28 @@ class Met(NamedTuple):
     """Standard error of the observable in the ensemble."""
     of: str
     """Name of the observable."""
+
+    def chosen(self) -> Chosen:
+        """What was chosen, why, and the error obtained."""
+        choice, unit = self.choice, "mm/s" if self.of == SPEED else f"of {self.of}"
+        source = "on record" if self.on_record else "measured just now"
+        verdict = "within" if self.error <= self.allowed else "NOT within"
+        se = math.nan if self.se is None else self.se
+        lines = [
+            ("chosen", f"{choice.setting.label}, {choice.runs} x {choice.seconds:g} s"),
+            ("because", f"cheapest of the ladders {source} with a margin of two in the step; its "
+                        f"bias is at most {words.number(choice.bias_bound, 2)} {unit} (95 %)"),
+            ("error, 95 %", f"{words.number(self.error, 2)} {unit}, {verdict} the "
+                            f"{words.number(self.allowed, 2)} asked (bias, and by Student's t the "
+                            f"{words.number(se, 2)} of the runs)"),
+        ]  # fmt: skip
+        facts = choice._asdict() | {
+            "setting": choice.setting.flags,
+            "of": self.of,
+            "error": None if math.isinf(self.error) else self.error,
+            "allowed": self.allowed,
+        }
+        return Chosen(lines, facts)
 
 
 class UncertainError(InputError):

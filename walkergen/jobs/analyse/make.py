@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from walkergen.analysis import motion, tracks
+from walkergen.analysis.facts import scale_errors
 from walkergen.analysis.motion import Array, Motion
 from walkergen.analysis.tracks import Tracks, Units
 from walkergen.files.output import Folder
@@ -75,7 +76,7 @@ def write(
 
 
 def _write_curves(result: Motion, target: Folder) -> None:
-    msd = (*result.msd, motion_tables.scale_errors(result), *result.exponent[1:])
+    msd = (*result.msd, scale_errors(result), *result.exponent[1:])
     tables: dict[str, tuple[Sequence[str], Sequence[tuple[str, Sequence[Array]]]]] = {
         "msd.csv": (MSD, [("", msd)]),
         "correlation.csv": (("lag_s", "value", "se"), [("", result.correlation)]),

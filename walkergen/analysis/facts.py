@@ -1,0 +1,121 @@
+"""Facts of a motion: all results by keys that carry their unit, as JSON holds them."""
+
+import math
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from walkergen.analysis.estimates import UNITS, Estimate
+from walkergen.analysis.motion import Array, Motion
+
+OF_WALKERS = ("speed", "turning_bias")
+"""Estimates of each walker by itself, by the names of UNITS."""
+
+
+def of(motion: Motion) -> dict[str, Any]:
+    """All results for JSON: values, errors and reasons by keys that carry their unit."""
+    facts: dict[str, Any] = {}
+    for name, unit in UNITS.items():
+        one = motion.estimates[name]
+        facts |= _keyed(name, one)
+        facts[f"{name}_scale_se_{unit}"] = scale_se(one.value, unit, motion)
+    facts |= {
+        "refused": {
+            f"{name}_{unit}": motion.estimates[name].reason
+            for name, unit in UNITS.items()
+            if motion.estimates[name].reason
+        },
+        "walkers": [
+            {"particle": one.particle, "seen_s": one.seconds}
+            | {
+                key: value
+                for name in OF_WALKERS
+                for key, value in _keyed(name, one.of(name)).items()
+            }
+            | ({"refused": one.estimates["speed"].reason} if one.estimates["speed"].reason else {})
+            for one in motion.walkers
+        ],
+        "particles": motion.particles,
+        "samples": motion.samples,
+        "scale_se_share": motion.scale_se,
+        "tracked_s": motion.tracked_s,
+        "lag_s": motion.lag_s,
+        "method": motion.method,
+        "msd_fit": _fit(motion),
+        "msd": _points(
+            (*motion.msd, scale_errors(motion), *motion.exponent[1:]),
+            "lag_s",
+            "msd_mm2",
+            "msd_se_mm2",
+            "msd_scale_se_mm2",
+            "exponent",
+            "exponent_se",
+        ),
+        "correlation": _points(motion.correlation, "lag_s", "value", "se"),
+        "parallel": _points(motion.parallel, "mm", "density_per_mm", "density_se_per_mm"),
+        "orthogonal": _points(motion.orthogonal, "mm", "density_per_mm", "density_se_per_mm"),
+    }
+    if motion.by_plate_speed:
+        facts["by_plate_speed"] = [
+            {
+                "plate_speed_mm_s": plate,
+                "speed_mm_s": one.value,
+                "speed_se_mm_s": one.se,
+                "speed_scale_se_mm_s": scale_se(one.value, "mm_s", motion),
+            }
+            | ({"refused": one.reason} if one.reason else {})
+            for plate, one in motion.by_plate_speed
+        ]
+        facts["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
+    return facts
+
+
+def _keyed(name: str, one: Estimate) -> dict[str, float | None]:
+    """An estimate by keys that carry its unit."""
+    low, high = ends(one)
+    bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
+    return {f"{name}_{UNITS[name]}": one.value, f"{name}_se_{UNITS[name]}": one.se} | bounds
+
+
+def _fit(motion: Motion) -> dict[str, float | None] | None:
+    """Parameters of the fit of the squared displacement, and its goodness."""
+    fit = motion.msd_fit
+    if fit is None:
+        return None
+    units = ("mm2_s2", "per_s", "mm2_s", "mm2", "rad_s", "mm2_s2", "per_s")
+    spread = zip(fit.spreads[0]._asdict().items(), units, strict=True)
+    values = {f"{name}_{unit}": value for (name, value), unit in spread}
+    values |= {"misfit": fit.misfit, "p_value": fit.p_value}
+    return {name: None if math.isnan(value) else value for name, value in values.items()}
+
+
+def _points(curve: Sequence[Array], *names: str) -> list[dict[str, float | None]]:
+    return [
+        {name: None if math.isnan(value) else float(value)
+         for name, value in zip(names, point, strict=True)}
+        for point in zip(*curve, strict=True)
+    ]  # fmt: skip
+
+
+def scale_se(value: float | None, unit: str, motion: Motion) -> float | None:
+    """Error of a value by the scale of the film, which all lengths share; 0 without a length.
+
+    To first order: a length to a power is off by so many times the scale's share. None when value
+    or scale's error is not known.
+    """
+    power = 2 if unit.startswith("mm2") else 1 if unit.startswith("mm") else 0
+    if value is None or (power and motion.scale_se is None):
+        return None
+    return abs(value) * power * (motion.scale_se or 0.0)
+
+
+def scale_errors(motion: Motion) -> Array:
+    """Errors of the mean squared displacement by the scale, mm^2; NaN when it is not known."""
+    share = math.nan if motion.scale_se is None else motion.scale_se
+    return np.asarray(2.0 * share * np.abs(motion.msd.value))
+
+
+def ends(one: Estimate) -> tuple[float | None, float | None]:
+    """Bounds of 95 %; None for each that is not known."""
+    return one.interval(0.95) or (None, None)
