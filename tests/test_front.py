@@ -207,7 +207,8 @@ def test_a_simulation_is_the_commands(run, runs):
 
 def test_a_simulation_shows_itself(runs):
     page = runs._repr_html_()
-    assert f"<th>mean speed</th><td>{runs.speed}" in page
+    assert f"<th>mean speed</th><td>{runs.speed.value:.2f} mm/s" in page
+    assert runs.speed.orbit in page
     assert "relaxed, method event" in page
     assert runs.plot()._repr_png_().startswith(b"\x89PNG")
     assert len(runs.plot().axes[0].lines) == 4
