@@ -30,7 +30,6 @@ from typing import NamedTuple
 import numpy as np
 
 import walkergen
-from walkergen import prediction, uncertain
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
@@ -40,6 +39,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
+from walkergen.theory import prediction, uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

@@ -19,7 +19,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from walkergen import discrepancy, prediction
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
@@ -27,6 +26,7 @@ from walkergen.scene import Scene
 from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
+from walkergen.theory import discrepancy, prediction
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties

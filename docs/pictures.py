@@ -36,10 +36,7 @@ from walkergen.numerics import kernels  # noqa: E402
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
 SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
-PREDICTION = (
-    "walkergen/theory/*.py", "walkergen/prediction.py", "walkergen/uncertain.py",
-    "walkergen/discrepancy.*", *SCENES,
-)  # fmt: skip
+PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
 
 FAMILY = "walkergen family koumakis2016"

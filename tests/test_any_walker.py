@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from walkergen import uncertain
 from walkergen.analysis import landings
 from walkergen.errors import InputError
 from walkergen.jobs.accuracy.speeds import Survey
@@ -17,6 +16,7 @@ from walkergen.simulation.effects import compliance
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.points import MOST
+from walkergen.theory import uncertain
 from walkergen.theory.stationary import stationary
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design

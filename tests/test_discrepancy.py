@@ -8,12 +8,12 @@ import sys
 import numpy as np
 import pytest
 
-from walkergen import discrepancy, uncertain
-from walkergen.discrepancy import Place, UnknownError
 from walkergen.jobs.discrepancies import cases, fit, make
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.scene import Drive, Scene
+from walkergen.theory import discrepancy, uncertain
+from walkergen.theory.discrepancy import Place, UnknownError
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import scaled
@@ -131,7 +131,7 @@ def test_a_fit_knows_its_function_its_error_and_the_scatter_between_prints():
 def test_predictions_import_none_of_the_large_libraries():
     """A fresh `predict` is near its bare imports; each of these takes longer than many rows."""
     code = (
-        "import sys; from walkergen import prediction; from walkergen.scene import Scene; "
+        "import sys; from walkergen.theory import prediction; from walkergen.scene import Scene; "
         "from walkergen.walker import solids; from walkergen.walker.design import Design; "
         "d = Design(); prediction.predict(d, solids.mass_of(d), Scene()); "
         "print([m for m in ('scipy', 'sklearn', 'pandas', 'numba', 'threadpoolctl', 'matplotlib') "

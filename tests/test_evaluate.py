@@ -5,7 +5,6 @@ import math
 
 import pytest
 
-from walkergen import discrepancy, prediction
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.points import point as points
@@ -18,6 +17,7 @@ from walkergen.printing import checks
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import points as simulated
+from walkergen.theory import discrepancy, prediction
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -23,7 +23,7 @@ from walkergen.jobs.analyse import figures as analysed
 from walkergen.jobs.family import beside
 from walkergen.jobs.family import figures as family
 from walkergen.jobs.family.tables import Simulated
-from walkergen.prediction import Curve, Prediction
+from walkergen.theory.prediction import Curve, Prediction
 
 TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
 MM = 25.4

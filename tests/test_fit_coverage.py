@@ -5,12 +5,12 @@ from concurrent.futures import ThreadPoolExecutor
 import numpy as np
 import pytest
 
-from walkergen import uncertain
 from walkergen.files import templates
 from walkergen.jobs.fit import emulated, parameters, posterior
 from walkergen.jobs.fit.posterior import Observed
 from walkergen.scene import Scene
 from walkergen.simulation import points
+from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
 TILTS = (5.0, 8.0, 10.0, 12.0, 15.0, 20.0)

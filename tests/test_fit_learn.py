@@ -10,7 +10,7 @@ from walkergen.jobs.fit.emulated import Response
 from walkergen.jobs.fit.parameters import Parameter, values
 from walkergen.jobs.fit.posterior import Observed
 from walkergen.scene import PAPER_CONTACT, Scene
-from walkergen.uncertain import Input
+from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design
 
 THREE = (

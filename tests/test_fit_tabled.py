@@ -3,15 +3,15 @@
 import numpy as np
 import pytest
 
-from walkergen import prediction, uncertain
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.jobs.fit import emulated, parameters, posterior, request, tabled, weighed
 from walkergen.jobs.fit.posterior import Observed
-from walkergen.prediction import MODEL, PRINT
 from walkergen.scene import Scene
-from walkergen.uncertain import Drawn
+from walkergen.theory import prediction, uncertain
+from walkergen.theory.prediction import MODEL, PRINT
+from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

@@ -8,10 +8,10 @@ import soundness
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from walkergen import prediction
 from walkergen.errors import GeometryError
 from walkergen.files import config, templates
 from walkergen.scene import Scene
+from walkergen.theory import prediction
 from walkergen.walker import marks, mass, solids
 from walkergen.walker.design import Design
 

@@ -3,7 +3,6 @@
 import numpy as np
 import pytest
 
-from walkergen import prediction
 from walkergen.files import templates
 from walkergen.jobs.orders import make as orders
 from walkergen.jobs.paper import mechanisms
@@ -12,6 +11,7 @@ from walkergen.jobs.paper.sweeps import Point, Value
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import points
+from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Leg

@@ -5,8 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from walkergen import discrepancy, prediction, uncertain
 from walkergen.scene import Scene
+from walkergen.theory import discrepancy, prediction, uncertain
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen import prediction
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import ledger, templates
@@ -23,6 +22,7 @@ from walkergen.points import axes, evaluate
 from walkergen.points.request import Request
 from walkergen.points.store import Store
 from walkergen.scene import Scene
+from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

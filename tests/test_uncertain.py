@@ -4,9 +4,9 @@ import numpy as np
 import pytest
 from scipy.special import ndtri
 
-from walkergen import uncertain
 from walkergen.scene import Contact, Scene
-from walkergen.uncertain import Input
+from walkergen.theory import uncertain
+from walkergen.theory.uncertain import Input
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

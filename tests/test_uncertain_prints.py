@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.jobs.simulate import prints, uncertain
-from walkergen.uncertain import Input, draws
+from walkergen.theory.uncertain import Input, draws
 
 KNOWN = (Input("contact.restitution", 0.5, 0.1, 0.0, 1.0), Input("contact.friction", 0.25, 0.02))
 QUICK = ("simulate", "--model", "relaxed", "--uncertain", "--draws", "16", "--seconds", "0.3")
@@ -148,7 +148,7 @@ def test_a_folder_is_for_uncertain_prints_only(tmp_path):
 
 
 def test_predict_says_what_to_measure_next(monkeypatch):
-    monkeypatch.setattr("walkergen.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
+    monkeypatch.setattr("walkergen.theory.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
     result = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain", "--json"])
     (row,) = json.loads(result.stdout)["rows"]
     first = row["shares"][0]

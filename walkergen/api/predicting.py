@@ -8,8 +8,8 @@ from walkergen.api.speed import Speed, speed_of
 from walkergen.api.table import Result, Table, table_of
 from walkergen.errors import InputError
 from walkergen.jobs.family import make as families
-from walkergen.prediction import Prediction
 from walkergen.scene import Scene
+from walkergen.theory.prediction import Prediction
 from walkergen.theory.speed import MODES, Mode
 from walkergen.walker import solids
 from walkergen.walker.design import Design

@@ -33,8 +33,8 @@ def predict(
 
     With --uncertain it says, for each, which input to measure next to narrow the bounds.
     """
-    from walkergen import prediction
     from walkergen.jobs.family import make as families
+    from walkergen.theory import prediction
     from walkergen.walker import solids
 
     asked = loading.asked(

@@ -15,8 +15,8 @@ if TYPE_CHECKING:
     from walkergen.files.report import Report
     from walkergen.files.templates import Entry
     from walkergen.jobs.family.tables import Simulated, Weighing
-    from walkergen.prediction import Prediction
     from walkergen.printing.checks import Finding
+    from walkergen.theory.prediction import Prediction
     from walkergen.walker.design import Design
 
 

@@ -9,7 +9,7 @@ from walkergen.cli import show
 if TYPE_CHECKING:
     from walkergen.jobs.simulate.uncertain import Uncertain
     from walkergen.scene import Scene
-    from walkergen.uncertain import Share
+    from walkergen.theory.uncertain import Share
     from walkergen.walker.design import Design
 
 

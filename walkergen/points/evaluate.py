@@ -3,7 +3,6 @@
 import math
 from collections.abc import Sequence
 
-from walkergen import prediction
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import WalkergenError
 from walkergen.points.point import OK, STATUS, Point, Record
@@ -15,6 +14,7 @@ from walkergen.simulation import ensemble, observables, resolution
 from walkergen.simulation.ensemble import Summary, listed
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
+from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 

@@ -7,12 +7,12 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
-from walkergen import discrepancy
 from walkergen.errors import InputError
 from walkergen.points.wanted import Wanted
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import points
+from walkergen.theory import discrepancy
 from walkergen.walker.design import Design
 
 KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")

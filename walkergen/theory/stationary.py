@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from walkergen.theory.speed import Array, LawName, Mode, factor, factors
 from walkergen.theory.tensors import feet
-from walkergen.uncertain import in_proportion
+from walkergen.theory.uncertain import in_proportion
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 from walkergen.walker.planar import in_plane

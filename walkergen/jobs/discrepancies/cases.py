@@ -6,10 +6,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from walkergen import uncertain
-from walkergen.discrepancy import MOST_SLOPE_DEG
 from walkergen.errors import GeometryError
 from walkergen.scene import Arena, Contact, Drive, Effects, Feet, LegModel, Plate, Run, Scene
+from walkergen.theory import uncertain
+from walkergen.theory.discrepancy import MOST_SLOPE_DEG
 from walkergen.walker.body import Body
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind, Legs

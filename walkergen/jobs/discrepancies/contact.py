@@ -11,10 +11,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import prediction, uncertain
-from walkergen.prediction import PRINT
 from walkergen.published import FACTS
 from walkergen.scene import Contact, Prediction, Scene
+from walkergen.theory import prediction, uncertain
+from walkergen.theory.prediction import PRINT
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

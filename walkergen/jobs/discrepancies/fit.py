@@ -14,11 +14,11 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy
-from walkergen.discrepancy import Place
 from walkergen.files.output import versions
 from walkergen.numerics import network
 from walkergen.numerics.network import Layer, Values
+from walkergen.theory import discrepancy
+from walkergen.theory.discrepancy import Place
 
 Array = npt.NDArray[Any]
 

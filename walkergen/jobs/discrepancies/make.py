@@ -1,9 +1,9 @@
 """Table of speeds of the model in space over the range in which people build walkers.
 
-`make calibrate-models` simulates its rows and writes walkergen/discrepancy.npz, which predictions
-read, and rows.csv beside this file, from which the table can be fitted anew (`--refit`). Rows are
-points of the store that sweeps use: what was computed before, or by a run that was killed, is not
-computed again.
+`make calibrate-models` simulates its rows and writes the discrepancy.npz in walkergen/theory, which
+predictions read, and rows.csv beside this file, from which the table can be fitted anew
+(`--refit`). Rows are points of the store that sweeps use: what was computed before, or by a run
+that was killed, is not computed again.
 """
 
 import argparse
@@ -18,14 +18,14 @@ from pathlib import Path
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy
-from walkergen.discrepancy import Place
 from walkergen.files import output
 from walkergen.jobs.discrepancies import fit
 from walkergen.jobs.discrepancies.cases import COUNT, Case, cases
 from walkergen.points import crew, run
 from walkergen.points.point import Point, Record
 from walkergen.points.store import Store
+from walkergen.theory import discrepancy
+from walkergen.theory.discrepancy import Place
 from walkergen.walker import solids
 
 Array = npt.NDArray[np.float64]

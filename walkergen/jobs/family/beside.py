@@ -8,7 +8,7 @@ import numpy.typing as npt
 
 from walkergen.analysis.speeds import Measured
 from walkergen.files.tables import csv_text
-from walkergen.prediction import Curve
+from walkergen.theory.prediction import Curve
 from walkergen.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]

@@ -11,7 +11,7 @@ from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import COLUMN, STYLES, style, wrapped
 from walkergen.jobs.family.beside import Beside, ends
 from walkergen.jobs.family.tables import Simulated
-from walkergen.prediction import Curve, Prediction
+from walkergen.theory.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 
 BOUNDS = "68 and 95 %"

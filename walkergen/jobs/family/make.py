@@ -7,7 +7,6 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Any, NamedTuple
 
-from walkergen import discrepancy, prediction
 from walkergen.analysis.speeds import SAME_PLATE, Measured
 from walkergen.errors import GeometryError
 from walkergen.files.output import Folder, versions
@@ -15,7 +14,6 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.family import beside, tables
 from walkergen.jobs.family.beside import Beside
 from walkergen.jobs.family.tables import Simulated, Weighing
-from walkergen.prediction import Curve, Prediction
 from walkergen.printing import checks, export, sheet
 from walkergen.printing import layout as plates
 from walkergen.printing import packing as plate
@@ -23,6 +21,8 @@ from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.scene import Drive, Scene
 from walkergen.shapes.mesh import Mesh
+from walkergen.theory import discrepancy, prediction
+from walkergen.theory.prediction import Curve, Prediction
 from walkergen.theory.speed import Mode
 from walkergen.walker import names, solids, weights
 from walkergen.walker.body import Body

@@ -8,7 +8,7 @@ from rich.table import Table
 
 from walkergen.files import words
 from walkergen.files.tables import as_markdown, csv_text
-from walkergen.prediction import Prediction
+from walkergen.theory.prediction import Prediction
 
 if TYPE_CHECKING:
     from walkergen.simulation.ensemble import Summary

@@ -12,7 +12,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import uncertain
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.jobs.fit import kept
@@ -22,6 +21,7 @@ from walkergen.numerics.emulator import Emulator
 from walkergen.scene import Drive, Scene
 from walkergen.simulation import points
 from walkergen.simulation.points import Asked
+from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]

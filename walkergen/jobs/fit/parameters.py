@@ -6,11 +6,11 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import uncertain
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.uncertain import Input
+from walkergen.theory import uncertain
+from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]

@@ -10,13 +10,13 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy, prediction
-from walkergen.discrepancy import LINEAR_BELOW, Place, UnknownError
 from walkergen.errors import InputError
 from walkergen.jobs.fit.emulated import STILL, Ground, Setting, on_plate
 from walkergen.jobs.fit.parameters import SCATTER
 from walkergen.scene import Scene
-from walkergen.uncertain import Drawn
+from walkergen.theory import discrepancy, prediction
+from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
+from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 
 Array = npt.NDArray[np.float64]

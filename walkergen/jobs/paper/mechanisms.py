@@ -6,14 +6,14 @@ Rigid walkers come from templates, and are simulated as flexible ones are, by MO
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from walkergen import uncertain
 from walkergen.files import templates
 from walkergen.files.progress import Progress
 from walkergen.jobs.paper import sweeps
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
-from walkergen.prediction import DRAWS, SEED, theory_speeds
+from walkergen.theory import uncertain
+from walkergen.theory.prediction import DRAWS, SEED, theory_speeds
 from walkergen.theory.stationary import stationary
-from walkergen.uncertain import PREDICTION
+from walkergen.theory.uncertain import PREDICTION
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

@@ -5,9 +5,9 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import prediction, uncertain
-from walkergen.prediction import SEED
 from walkergen.scene import Scene
+from walkergen.theory import prediction, uncertain
+from walkergen.theory.prediction import SEED
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids

@@ -6,7 +6,6 @@ from typing import Any, NamedTuple
 from rich import box
 from rich.table import Table
 
-from walkergen import prediction
 from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.files.progress import Progress
 from walkergen.jobs.simulate import orbit, tables
@@ -15,6 +14,7 @@ from walkergen.simulation import points, resolution
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
+from walkergen.theory import prediction
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 

@@ -8,7 +8,6 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import uncertain
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.numerics import emulator, statistics
@@ -17,7 +16,8 @@ from walkergen.simulation import observables, points, resolution
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.uncertain import Input, Share
+from walkergen.theory import uncertain
+from walkergen.theory.uncertain import Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 

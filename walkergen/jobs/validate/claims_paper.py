@@ -5,7 +5,6 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen import prediction
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Bound, Claim, Effort
 from walkergen.jobs.validate.ensembles import (
@@ -20,6 +19,7 @@ from walkergen.jobs.validate.ensembles import (
 )
 from walkergen.published import FACTS
 from walkergen.scene import PAPER_CONTACT, Scene
+from walkergen.theory import prediction
 from walkergen.theory.speed import factors
 from walkergen.walker import solids
 

@@ -12,12 +12,12 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen import discrepancy, uncertain
-from walkergen.discrepancy import LINEAR_BELOW, Place, UnknownError
 from walkergen.scene import Scene
+from walkergen.theory import discrepancy, uncertain
+from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
-from walkergen.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
+from walkergen.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
