@@ -170,14 +170,14 @@ def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
     _, label = csgraph.connected_components(coo_matrix(links, size), directed=False)
     corners = mesh.vertices[lids]
     areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
-    found = []
+    struts = []
     for strut in np.unique(label[lids[:, 0]]):
         mine = label[lids[:, 0]] == strut
         area = float(areas[mine].sum())
         if area > 0.0:
             centroid = areas[mine] @ corners[mine].mean(axis=1) / area
-            found.append((area, corners[mine].reshape(-1, 3), centroid))
-    found.sort(key=lambda one: -one[0])
+            struts.append((area, corners[mine].reshape(-1, 3), centroid))
+    struts.sort(key=lambda strut: -strut[0])
     return [
-        (points, middle) for area, points, middle in found if area > SMALLEST_STRUT * found[0][0]
+        (points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]
     ]
