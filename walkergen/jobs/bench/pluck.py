@@ -219,5 +219,5 @@ def _modes(plan: Plan) -> tuple[float, ...]:
     squares, shapes = np.linalg.eig(walker.hinge_mobility * walker.stiffness)
     energy = walker.stiffness[:, None] * np.abs(shapes) ** 2
     bends = energy[:: walker.freedoms].sum(axis=0) > 0.5 * energy.sum(axis=0)
-    found = np.sqrt(np.sort(squares.real[bends])) / (2.0 * math.pi)
-    return tuple(float(one) for one in found)
+    frequencies = np.sqrt(np.sort(squares.real[bends])) / (2.0 * math.pi)
+    return tuple(float(hertz) for hertz in frequencies)
