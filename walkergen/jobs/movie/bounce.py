@@ -146,8 +146,8 @@ def _main(canvas: Canvas, footage: Footage, cameras: Array, bend: int) -> tuple[
     to_scale(axes, (0.5 * (left + right), 1.04 * top - 0.5 * height), scale)
     axes.set_axis_off()
     spacing = _nice(12.0 / scale)
-    told = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
-    words = f"{told}all else to scale" if told else "to scale"
+    bending = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
+    words = f"{bending}all else to scale" if bending else "to scale"
     canvas.text(788, 530, f"{words}; marks {spacing:g} mm", fontsize=SMALL, ha="right")
     return _view(canvas, axes, spacing, -0.85 * axes.get_ylim()[0], feet_shown=2), scale
 

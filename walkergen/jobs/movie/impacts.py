@@ -95,7 +95,7 @@ def strip(
     `feet`: in the order of their numbers in the impacts.
     """
     axes = canvas.axes(*place)
-    times, heights = 1e3 * footage.times, 1e3 * np.array([one.heights for one in feet])
+    times, heights = 1e3 * footage.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * footage.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)

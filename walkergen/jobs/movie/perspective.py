@@ -126,7 +126,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
 def _readout(shot: Shot, at: int) -> str:
     time, distance = float(shot.times[at]), float(shot.advance[at])
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
-    phase, heading = (np.degrees(one[at]) for one in (shot.poses.phase, shot.poses.heading))
+    phase, heading = (np.degrees(angle[at]) for angle in (shot.poses.phase, shot.poses.heading))
     return (
         f"{1e3 * time:6.1f} ms   phase {phase % 360.0:3.0f}°   ran {distance:6.2f} mm   "
         f"so far {speed}   heading {heading:+.1f}°"

@@ -5,7 +5,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.movie.footage import Impact
+from walkergen.jobs.movie.footage import Impact, Title
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
@@ -20,8 +20,7 @@ Array = npt.NDArray[np.float64]
 class Shot(NamedTuple):
     """One simulated run in space, with the walker that ran."""
 
-    name: str
-    """Name of the walker, as the picture shows it."""
+    title: Title
     mesh: Mesh
     """Printed part about the point O that the poses follow, mm."""
     base: Array
@@ -33,6 +32,11 @@ class Shot(NamedTuple):
     poses: Poses
     impacts: tuple[Impact, ...]
     """Landings in the order of their times; feet are the numbers of the corners."""
+
+    @property
+    def name(self) -> str:
+        """Name of the walker, as the picture shows it."""
+        return str(self.title)
 
     @property
     def model(self) -> str:
@@ -73,13 +77,13 @@ class Shot(NamedTuple):
         return float(self.advance[-1])
 
 
-def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """What a run in space shows, in the terms of the picture."""
     mesh = solids.build(design).walker
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return Shot(
-        name=name,
+        title=title,
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
