@@ -24,16 +24,19 @@ FIRST_RUNS, MOST_RUNS = 8, 512
 SLACK = 1.2
 """Factor by which more runs are made than the estimated error needs, since it fluctuates."""
 
-STEPS_PART, FINEST_US = 0.8, 0.05
-"""Part of the error that a step in space may take up, else it is halved, and step (us) at which
-that ends."""
+STEPS_PART = 0.8
+"""Largest share of the allowed error that the time step in space may cause; beyond it the step is
+halved."""
+
+FINEST_US = 0.05
+"""Shortest step, us: none is halved to less."""
 
 LONGEST_S = 4.0
 """Measured time of a run of such a point, at most: more runs tell more than longer ones."""
 
 FEWEST_AT_ALL = 0.2
-"""Speed over the plate's peak speed below which a share of error counts of this one: a walker that
-stands meets no share of its speed."""
+"""Least speed (over the plate's peak speed) of which a relative error is taken: a walker that stands
+still would never meet a share of its own."""
 
 MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
 """Estimates of the group "persistence", by the names of `estimates.UNITS`."""
@@ -55,20 +58,20 @@ def refused(error: WalkergenError) -> Record:
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    found: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
+    record: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
     if point.predicted:
         row = prediction.predict(design, mass, scene)
         if point.simulated:
-            found["predicted_mm_s"] = row.speed_mm_s
+            record["predicted_mm_s"] = row.speed_mm_s
         else:
-            found |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
-        found["theory_mm_s"] = row.theory_mm_s
+            record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
+        record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             ends = [f"speed_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")]
-            found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
+            record |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
     if "masses" in keep:
-        leg = next((one for one in mass.legs if one.m > 0.0), None)
-        found |= {
+        leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
+        record |= {
             "total_g": float(mass.total), "M_g": float(mass.M), "J_g_mm2": float(mass.J),
             "m_g": None if leg is None else float(leg.m),
             "j_g_mm2": None if leg is None else float(leg.j),
@@ -77,11 +80,11 @@ def _evaluated(point: Point) -> Record:
         assert point.printer is not None
         lying = solids.as_printed(design, solids.build(design).walker)
         findings = checks.of_part(design.name, design, lying, point.printer)
-        found |= {f"print_{level}s": sum(one.level == level for one in findings)
+        record |= {f"print_{level}s": sum(finding.level == level for finding in findings)
                   for level in ("error", "warning")}  # fmt: skip
-        worst = checks.grouped([one for one in findings if one.level != "advice"])
-        found["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
-    return found
+        worst = checks.grouped([finding for finding in findings if finding.level != "advice"])
+        record["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
+    return record
 
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
@@ -92,14 +95,14 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         scene = with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
     while True:
         plan = prepare(scene, design, mass)
-        found, results = ensemble.measure(plan, _silent, threads=1)
-        if found.runs < scene.run.runs:
+        summary, results = ensemble.measure(plan, _silent, threads=1)
+        if summary.runs < scene.run.runs:
             raise KeyboardInterrupt
-        step = resolution.judge(plan, found)[observables.SPEED].error
-        low, high = _bounds(found, step)
+        step = resolution.judge(plan, summary)[observables.SPEED].error
+        low, high = _bounds(summary, step)
         half = math.inf if low is None or high is None else 0.5 * (high - low)
-        most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
-        if half <= most or found.speed_mm_s is None or Outcome.ORBIT.value in found.outcomes:
+        most = math.inf if wanted is None else allowed(wanted, summary.speed_mm_s, scene)
+        if half <= most or summary.speed_mm_s is None or Outcome.ORBIT.value in summary.outcomes:
             break
         own = getattr(plan.world.options, "step", None)
         finer = _refined(scene, half, most, step or 0.0, own)
@@ -108,14 +111,14 @@ def _simulated(point: Point, mass: MassProperties) -> Record:
         scene = finer
     model = plan.resolved.model
     record: Record = {
-        STATUS: _status(found, half, most),
-        "speed_mm_s": found.speed_mm_s, "se_mm_s": found.speed_se_mm_s,
+        STATUS: _status(summary, half, most),
+        "speed_mm_s": summary.speed_mm_s, "se_mm_s": summary.speed_se_mm_s,
         "low_95_mm_s": low, "high_95_mm_s": high, "step_error_mm_s": step,
-        "runs": found.runs, "seconds": scene.run.seconds, "model": model,
+        "runs": summary.runs, "seconds": scene.run.seconds, "model": model,
     }  # fmt: skip
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
-            record |= {name: getattr(found, name), f"{name}_se": found.errors[name]}
+            record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
     if "persistence" in point.keep:
         record |= _motion(results, model, scene)
     return record
@@ -149,9 +152,9 @@ def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
         moved, _ = motion_of(good, scene.arena.kind == "lane")
     record: Record = {}
     for name in MOTION:
-        one = None if moved is None else moved.estimates.get(name)
-        record[f"{name}_{UNITS[name]}"] = None if one is None else one.value
-        record[f"{name}_se_{UNITS[name]}"] = None if one is None else one.se
+        estimate = None if moved is None else moved.estimates.get(name)
+        record[f"{name}_{UNITS[name]}"] = None if estimate is None else estimate.value
+        record[f"{name}_se_{UNITS[name]}"] = None if estimate is None else estimate.se
     return record
 
 
@@ -162,26 +165,26 @@ def allowed(wanted: Wanted, speed: float | None, scene: Scene) -> float:
     return wanted.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
 
 
-def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | None]:
+def _bounds(summary: Summary, step: float | None) -> tuple[float | None, float | None]:
     """Bounds of 95 % of the runs, and of the step where its error is known (mm/s)."""
-    speed, low, high = found.speed_mm_s, found.speed_low_95_mm_s, found.speed_high_95_mm_s
+    speed, low, high = summary.speed_mm_s, summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
     if speed is None or low is None or high is None:
         return None, None
     half = math.hypot(0.5 * (high - low), step or 0.0)
     return speed - half, speed + half
 
 
-def _status(found: Summary, half: float, most: float) -> str:
+def _status(summary: Summary, half: float, most: float) -> str:
     """How the runs of a point went."""
-    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
-    bad = {name: count for name, count in found.outcomes.items() if name not in fine}
-    if found.speed_mm_s is None:
-        return f"no speed: {listed(found.outcomes)}"
+    fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
+    bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
+    if summary.speed_mm_s is None:
+        return f"no speed: {listed(summary.outcomes)}"
     if bad:
         return f"some runs ended badly: {listed(bad)}"
-    if Outcome.TOO_FEW.value in found.outcomes:
+    if Outcome.TOO_FEW.value in summary.outcomes:
         return "error unknown: too few data; take more runs, or longer ones"
-    if Outcome.ORBIT.value in found.outcomes:
+    if Outcome.ORBIT.value in summary.outcomes:
         return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
     if half > most:
         return f"error {half:.3g} mm/s, not within the {most:.3g} asked"

@@ -74,11 +74,11 @@ def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), discrepancy.digest()] if point.predicted else []
-    asked = [
+    facts = [
         *points.facts(point.scene, point.design), *table,
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
     ]  # fmt: skip
-    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:32]
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
 
 @functools.cache
@@ -87,9 +87,9 @@ def digest() -> str:
 
     Pictures, commands and jobs do not count: they change no number of a point.
     """
-    package, found = Path(__file__).parent.parent, hashlib.sha256()
+    package, hasher = Path(__file__).parent.parent, hashlib.sha256()
     counted = ("*.py", "analysis/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
                "shapes/*.py", "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
-        found.update(source.read_bytes())
-    return found.hexdigest()[:16]
+        hasher.update(source.read_bytes())
+    return hasher.hexdigest()[:16]

@@ -43,7 +43,7 @@ def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
     progress = Progress(len(points))
     with crew.local(cores) as workers:
         for case, done in zip(every, run.each(points, Store(), workers), strict=True):
-            progress.add(0.0 if done.known else _seconds(case))
+            progress.add(0.0 if done.stored else _seconds(case))
             numbers = row(case, done.record)
             if numbers is not None:
                 yield numbers
