@@ -90,8 +90,8 @@ class Trial(NamedTuple):
     @property
     def runs(self) -> int:
         """Number of runs behind it; 0 if predicted."""
-        found = self.record.get("runs")
-        return found if isinstance(found, int) else 0
+        runs = self.record.get("runs")
+        return runs if isinstance(runs, int) else 0
 
     @property
     def buildable(self) -> bool:
@@ -109,7 +109,7 @@ class Trial(NamedTuple):
         return self.printable and wishes.ended_well(self.record) and self.seen is not None
 
 
-def made(job: Job, values: Mapping[str, float]) -> tuple[Design, Scene]:
+def built(job: Job, values: Mapping[str, float]) -> tuple[Design, Scene]:
     """Design and scene at values of the keys; the design's family is itself alone.
 
     Raises InputError and GeometryError for what cannot be built.
@@ -132,25 +132,25 @@ def tried(
 
     Runs have the seed of the job, the same for all, unless another is given.
     """
-    asked: list[Asked] = []
+    requests: list[Asked] = []
     for row in rows:
         try:
-            design, scene = made(job, row)
+            design, scene = built(job, row)
         except WalkergenError as error:
-            asked += [refused(error)] * parts(job, effort)
+            requests += [refused(error)] * parts(job, effort)
             continue
-        asked += points(job, design, scene, effort, None, job.seed if seed is None else seed)
-    return read(job, bench, rows, asked, effort, what)
+        requests += points(job, design, scene, effort, None, job.seed if seed is None else seed)
+    return read(job, bench, rows, requests, effort, what)
 
 
 def read(
-    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], asked: Sequence[Asked],
+    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], requests: Sequence[Asked],
     effort: Effort | None, what: str,
 ) -> list[Trial]:  # fmt: skip
     """Trials of values whose points are already made, `parts` of them a row."""
     records, size = [], parts(job, effort)
     bench.progress(what, 0, len(rows))
-    for number, done in enumerate(each(asked, bench.store, bench.crew), start=1):
+    for number, done in enumerate(each(requests, bench.store, bench.crew), start=1):
         records.append(done.record)
         bench.progress(what, number // size, len(rows))
     return [
@@ -203,7 +203,7 @@ def _trial(job: Job, values: dict[str, float], records: Sequence[Record]) -> Tri
     seen = wishes.seen(record, "speed" if predicted else job.wish.of)
     if len(records) == 1:
         return Trial(values, record, seen, None)
-    low, high = (wishes.seen(one, "speed") for one in records[1:])
+    low, high = (wishes.seen(other, "speed") for other in records[1:])
     if low is None or high is None:
         return Trial(values, record, None, None)
     below, above = _factors(job)
