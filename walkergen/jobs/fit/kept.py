@@ -26,7 +26,7 @@ def remember(path: Path, speeds: dict[str, float | None]) -> None:
 def recall(path: Path) -> dict[str, float | None]:
     """Load what was saved; nothing where there is no file, or one cut short."""
     try:
-        found = reading.json_of(path)
-        return {str(key): None if one is None else float(one) for key, one in found.items()}
+        data = reading.json_of(path)
+        return {str(key): None if speed is None else float(speed) for key, speed in data.items()}
     except (InputError, ValueError, TypeError, AttributeError):
         return {}
