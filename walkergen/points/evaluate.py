@@ -35,8 +35,8 @@ LONGEST_S = 4.0
 """Measured time of a run of such a point, at most: more runs tell more than longer ones."""
 
 FEWEST_AT_ALL = 0.2
-"""Least speed (over the plate's peak speed) of which a relative error is taken: a walker that stands
-still would never meet a share of its own."""
+"""Least speed (over the plate's peak speed) of which a relative error is taken: a walker that
+stands still would never meet a share of its own."""
 
 MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
 """Estimates of the group "persistence", by the names of `estimates.UNITS`."""
