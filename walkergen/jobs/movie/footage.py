@@ -38,6 +38,12 @@ class Impact(NamedTuple):
     kind: Kind
 
 
+def impact_of(event: Array) -> Impact:
+    """Impact of a row of the simulation's events (see `record.Events`)."""
+    time, foot, along, upward, _, _, kind = event
+    return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
+
+
 class Title(NamedTuple):
     """Words by which a picture tells its walker from others."""
 

@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
-from walkergen.jobs.movie.footage import Footage, Impact, Shape, Title, pace
+from walkergen.jobs.movie.footage import Footage, Shape, Title, impact_of, pace
 from walkergen.jobs.movie.shot import Shot, shot_of
 from walkergen.scene import Scene
 from walkergen.simulation import poses
@@ -20,7 +20,6 @@ from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
-from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
@@ -284,9 +283,7 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
         ),
         plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
         phase=column["phase_rad"],
-        impacts=tuple(
-            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in impacts_of(result)
-        ),
+        impacts=tuple(map(impact_of, impacts_of(result))),
         ended="" if result.outcome is Outcome.OK else result.outcome.value,
     )
 

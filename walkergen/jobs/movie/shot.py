@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.movie.footage import Impact, Title
+from walkergen.jobs.movie.footage import Impact, Title, impact_of
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.theory.impact import Kind
 from walkergen.walker import landing, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
@@ -89,9 +88,7 @@ def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) ->
         size=np.array([design.size.length, design.size.depth]),
         contours=_from_above(design),
         poses=poses,
-        impacts=tuple(
-            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in poses.landings
-        ),
+        impacts=tuple(map(impact_of, poses.landings)),
     )
 
 

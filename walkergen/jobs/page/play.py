@@ -83,10 +83,9 @@ def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]: 
     R = motion.rotations
     shift = motion.places - R @ O
     rows = np.column_stack([shift, motion.turns[:, [1, 2, 3, 0]]])
-    impulse = np.hypot(motion.landings[:, 2], motion.landings[:, 3])
-    landings = np.column_stack(
-        [motion.landings[:, :2], impulse / max(impulse.max(initial=0), 1e-9)]
-    )
+    times, corner, along, upward = motion.landings[:, :4].T
+    impulse = np.hypot(along, upward)
+    landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
     corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
     return {
         "interval": float(motion.times[1]),
