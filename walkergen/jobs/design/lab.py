@@ -30,18 +30,33 @@ FRICTION_STEP = {True: 0.2, False: 0.05}
 """Relative step to either side by which a speed is differentiated by friction: with runs, whose
 errors a small step would magnify, and of predictions."""
 
-Effort = tuple[int, float]
-"""Number of runs, and the measured time of each, s."""
 
-IN_A_PLANE = (8, 2.0), (24, 4.0), (48, 4.0)
-"""Runs of points that are spread, of those near the wish, and of a verification that no error
-stops."""
+class Effort(NamedTuple):
+    """Runs of a trial."""
 
-IN_SPACE = (8, 1.0), (12, 3.0), (16, 4.0)
-"""As these, of the model in space, a fifth as fast, whose step is a larger error than its runs."""
+    runs: int
+    seconds: float
+    """Measured time of each, s."""
 
-TURNING = (16, 6.0), (24, 12.0), (32, 16.0)
-"""As these, for what only longer runs tell: persistence and turning."""
+
+class Efforts(NamedTuple):
+    """Efforts of a search."""
+
+    spread: Effort
+    """That of trials spread over the box."""
+    close: Effort
+    """That of trials near the wish."""
+    verification: Effort
+    """That of a verification that no error stops."""
+
+
+IN_A_PLANE = Efforts(Effort(8, 2.0), Effort(24, 4.0), Effort(48, 4.0))
+
+IN_SPACE = Efforts(Effort(8, 1.0), Effort(12, 3.0), Effort(16, 4.0))
+"""Efforts of the model in space, a fifth as fast, whose step is a larger error than its runs."""
+
+TURNING = Efforts(Effort(16, 6.0), Effort(24, 12.0), Effort(32, 16.0))
+"""Efforts for what only longer runs tell: persistence and turning."""
 
 
 class Job(NamedTuple):
@@ -53,7 +68,7 @@ class Job(NamedTuple):
     box: Box
     printer: Printer
     model: str
-    """One of `exploring.point.MODELS`, but not "auto"."""
+    """One of `points.point.MODELS`, but not "auto"."""
     seed: int
 
     @property
@@ -62,8 +77,8 @@ class Job(NamedTuple):
         return self.model != PREDICTION
 
     @property
-    def effort(self) -> tuple[Effort, Effort, Effort]:
-        """Runs of points that are spread, near the wish, and of the verification."""
+    def efforts(self) -> Efforts:
+        """Efforts of the search, by what is wished and the model."""
         if self.wish.asks_space:
             return TURNING
         return IN_SPACE if self.model == "space" else IN_A_PLANE
@@ -171,9 +186,8 @@ def points(
     simulated = effort is not None
     keep: tuple[str, ...] = ("speed", "printability")
     if effort is not None:
-        runs, seconds = effort
-        seconds = min(seconds, scene.run.seconds)
-        run = scene.run.model_copy(update={"runs": runs, "seconds": seconds, "seed": seed})
+        seconds = min(effort.seconds, scene.run.seconds)
+        run = scene.run.model_copy(update={"runs": effort.runs, "seconds": seconds, "seed": seed})
         legs = scene.legs.model_copy(update={"model": job.model})
         scene = scene.model_copy(update={"run": run, "legs": legs})
     if simulated and job.wish.asks_space:

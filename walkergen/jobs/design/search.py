@@ -119,8 +119,8 @@ def search(job: Job, bench: Bench, seen: Survey) -> Search:
     """Search what the survey found to be makeable. Raises InputError when too little of it has the
     wish's quantity.
     """
-    spread, close, _ = job.effort
-    first, second = (spread, close) if job.simulated else (None, None)
+    efforts = job.efforts
+    first, second = (efforts.spread, efforts.close) if job.simulated else (None, None)
     trials = lab.tried(job, bench, _first(job, seen), first, "first designs")
     view = _view(job, seen, trials)
     for number in range(ROUNDS):
@@ -262,7 +262,7 @@ def _proposed(view: View, seed: int) -> list[dict[str, float]]:
     ends the search.
     """
     job = view.job
-    least = job.effort[1][0] if job.simulated else 0
+    least = job.efforts.close.runs if job.simulated else 0
     tried = [trial.values for trial in view.usable if trial.runs >= least]
     chosen: list[Array] = []
     rows = []

@@ -55,7 +55,7 @@ def verify(job: Job, bench: Bench, result: Search) -> list[Verified]:
     texts = [_text(job, design) for design in designs]
     read = [_read(text) for text in texts]
     scenes = [lab.built(job, trial.values)[1] for trial in result.chosen]
-    effort = job.effort[2] if job.simulated else None
+    effort = job.efforts.verification if job.simulated else None
     requests: list[Point] = []
     for trial, design, scene in zip(result.chosen, read, scenes, strict=True):
         points = lab.points(job, design, scene, effort, None, lab.fresh_seed(job.seed))
@@ -108,7 +108,7 @@ def _text(job: Job, design: Design) -> str:
 
 def _read(text: str) -> Design:
     """Design of a TOML text, as a file with it is read."""
-    return validate(Design.beside(tomllib.loads(text), Path()), Design, "design", text)
+    return validate(Design.located(tomllib.loads(text), Path()), Design, "design", text)
 
 
 def _verified(
