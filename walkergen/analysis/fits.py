@@ -266,13 +266,13 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
     inverse = (vectors[:, resolved] / levels[resolved]) @ vectors[:, resolved].T
     covariance = inverse / np.outer(norm, norm)
     widths = np.sqrt(np.diag(covariance))
-    lost = unseen | (np.abs(vectors[:, ~resolved]) > 0.1).any(axis=1)
+    undetermined = unseen | (np.abs(vectors[:, ~resolved]) > 0.1).any(axis=1)
     width = np.where(widths > 0, widths, 1.0)
     least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
     return _Knowledge(
         {
             name: None if gone else float(error)
-            for name, gone, error in zip(free, lost, widths, strict=True)
+            for name, gone, error in zip(free, undetermined, widths, strict=True)
         },
         covariance,
         covariance / np.outer(width, width),

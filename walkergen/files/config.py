@@ -64,7 +64,7 @@ class Section(BaseModel):
         return sound(value)
 
     @classmethod
-    def beside(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    def located(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         """Data of a file in `folder`, in which tables that name other files say where they are."""
         return data
 
@@ -96,7 +96,7 @@ def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
         )
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
-    return dict(model.beside(data, path.parent)), text
+    return dict(model.located(data, path.parent)), text
 
 
 def load(path: Path) -> tuple[dict[str, Any], str]:

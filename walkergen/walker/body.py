@@ -146,16 +146,16 @@ class Shape(NamedTuple):
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
 
-def beside(table: Any, folder: Path) -> Any:
+def located(table: Any, folder: Path) -> Any:
     """Table [body] as in a file, its drawing or mesh found from the folder of that file."""
     if not isinstance(table, Mapping):
         return table
-    located = dict(table)
+    own = dict(table)
     for key in ("outline", "mesh"):
-        name = located.get(key)
+        name = own.get(key)
         if isinstance(name, str) and name and name not in DRAWN:
-            located[key] = str(folder / name)
-    return located
+            own[key] = str(folder / name)
+    return own
 
 
 @lru_cache(maxsize=64)

@@ -32,9 +32,9 @@ def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
     """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
     problems = []
     for number, limb in enumerate(limbs, start=1):
-        texts = [*_too_short(limb), *_off_body(limb, size[0]), *_off_side(limb, size[2])]
+        texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
         if limb.braced:
-            texts += [*_thick_brace(limb), *_brace_off_body([limb], size[0])]
+            texts += [*_thick_brace(limb), *_brace_off_body([limb], size.length)]
         problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
     return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
 

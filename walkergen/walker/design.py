@@ -26,7 +26,7 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
 from walkergen.walker import buildable
-from walkergen.walker.body import Body, Size, beside
+from walkergen.walker.body import Body, Size, located
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 
@@ -91,13 +91,13 @@ class Design(Section):
         return stance.level(data, FOLLOWED if follow is None else follow)
 
     @classmethod
-    def beside(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    def located(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         """Data of a file, the files that it names found from its folder."""
-        located = dict(data)
+        own = dict(data)
         for table in ("body", "walker"):
-            if table in located:
-                located[table] = beside(located[table], folder)
-        return located
+            if table in own:
+                own[table] = located(own[table], folder)
+        return own
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""

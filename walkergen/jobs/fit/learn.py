@@ -238,10 +238,10 @@ def _bands(
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
         speeds = posterior.speeds(sampled.draws, response, rng)
-        scatter = float(np.median(response(sampled.draws[:: posterior.KEPT // 64])[2]))
+        _, _, scatter = response(sampled.draws[:: posterior.KEPT // 64])
         ends = [float(end) for end in np.quantile(speeds, LEVELS)]
         place = (setting.tilt, setting.plate_speed, int(is_measured))
-        bands.append(Band._make((*place, *ends, scatter)))
+        bands.append(Band._make((*place, *ends, float(np.median(scatter)))))
     return bands
 
 

@@ -165,7 +165,7 @@ def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
         if isinstance(value, Mapping):
             groups[key] = dict(_flat(value))
         else:
-            groups["run"][key] = _told(value)
+            groups["run"][key] = _in_words(value)
     return groups
 
 
@@ -255,15 +255,15 @@ def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")
         else:
-            yield f"{prefix}{key}", _told(value)
+            yield f"{prefix}{key}", _in_words(value)
 
 
-def _told(value: Any) -> str:
+def _in_words(value: Any) -> str:
     if value is None:
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return ", ".join(map(_told, value)) if isinstance(value, list) else str(value)
+    return ", ".join(map(_in_words, value)) if isinstance(value, list) else str(value)
 
 
 def _asset(name: str) -> str:
