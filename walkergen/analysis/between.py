@@ -23,7 +23,7 @@ CHANCE = 0.01
 """Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
 
 CORRECTED = ("speed", "body_speed", "sideways_speed")
-"""Means that share the correction of what displacements show of a speed."""
+"""Speeds that are corrected alike, by the share of a speed that displacements show."""
 
 COUNTED = 0.25
 """Share of the longest time seen from which a walker is compared with others."""

@@ -1,4 +1,4 @@
-"""Axes of an exploration: the values of a key, as lists or ranges, and samples between bounds."""
+"""Axes of points: the values of a key, as lists or ranges, and samples between bounds."""
 
 import itertools
 import math

@@ -19,7 +19,7 @@ from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
 
 FIRST_RUNS, MOST_RUNS = 8, 512
-"""Numbers of runs with which a point that shall meet an error begins, and ends."""
+"""Numbers of runs of a point that must meet an error: at first, and at most."""
 
 SLACK = 1.2
 """Factor by which more runs are made than the estimated error needs, since it fluctuates."""
@@ -129,8 +129,8 @@ def _refined(
 ) -> Scene | None:
     """Scene with more runs, or half the step, for half-widths (mm/s) that exceed `most`.
 
-    `step` is the step's own part (mm/s), `own` a step that may be halved (s). None where neither
-    would help.
+    `step` is the error that the time step causes (mm/s), `own` that time step (s), None where it
+    cannot be set. None is returned where neither would help.
     """
     run = scene.run
     if step > STEPS_PART * most:

@@ -1,4 +1,4 @@
-"""A point of an exploration: a design in a scene, what shall be known of it, and its key."""
+"""A point: a design in a scene, what shall be known of it, and its key."""
 
 import functools
 import hashlib
@@ -41,8 +41,8 @@ class Point(NamedTuple):
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Some of KEPT; of a simulated point without any, the runs alone, which do not depend on how
-    speeds are predicted."""
+    """Groups of KEPT that shall be known. Without any, a simulated point is its runs alone: its key
+    then does not depend on how speeds are predicted."""
     wanted: Wanted | None = None
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None

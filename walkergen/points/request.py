@@ -1,4 +1,4 @@
-"""Request of an exploration: which keys vary, and what to know of each point."""
+"""Request of points: which keys vary, and what to know of each point."""
 
 import copy
 from collections.abc import Iterator, Mapping

@@ -16,11 +16,11 @@ AHEAD = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""
 
 BLOCK = 64
-"""Points that are looked up together, and predicted ones evaluated in one task: 2 ms each, of which
-sending one alone costs half."""
+"""Number of points that are looked up together, and of predicted ones in a task: a prediction takes
+2 ms, and as a task of its own half as much again to be sent."""
 
 MOST_AHEAD = 4096
-"""Points that may be ahead of one that takes long: they are kept, to be yielded in order."""
+"""Most points that are kept while an earlier one takes long: all are yielded in their order."""
 
 Asked = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""

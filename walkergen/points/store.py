@@ -1,6 +1,6 @@
 """Store of evaluated points in the user's cache: a table of SQLite, which survives any kill.
 
-Points are found by their keys, so that explorations share them, and one that was stopped goes on.
+Points are found by their keys, so that jobs share them, and one that was stopped goes on.
 """
 
 import json

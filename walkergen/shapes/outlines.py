@@ -87,8 +87,9 @@ def from_file(
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing.
     Paths inside others are holes, and so on alternately, colours aside; in one SVG path, its fill
-    rule decides. Raises InputError for a file that cannot be read as such (files/svg.py, files/
-    dxf.py), GeometryError for a shape that `sound` refuses; both begin with `source` = the name.
+    rule decides. Raises InputError for a file that cannot be read as such (shapes/svg.py,
+    shapes/dxf.py), GeometryError for a shape that `sound` refuses; both begin with `source` = the
+    name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):

@@ -26,7 +26,8 @@ PA, GRAM = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
 OFFSET = "offset"
-"""What a fit may free beside: a length on all thicknesses; RINGS: a modulus of the ring's own."""
+"""Name of a length that is added to all thicknesses, which a fit may leave free; as RINGS, by which
+the ring has a modulus of its own."""
 
 WEIGHT_SD, AT_SD_MM = 0.01, 0.5
 """Errors assumed of weights, relative, and of the places where they hang."""
@@ -48,7 +49,8 @@ LEFT_OPEN = 1e-7
 """Least singular value of the slopes, over the largest, below which readings leave numbers open."""
 
 ROUNDS = 2
-"""Fits, of which each takes the errors that grow with a deflection from the one before."""
+"""Number of fits, one after the other: errors that grow with a deflection are those of the fit
+before."""
 
 
 class Density(NamedTuple):

@@ -31,16 +31,17 @@ HIDDEN = {"flexible": (40, 40, 40), "braced": (8,)}
 DECAY, STEPS = 0.1, 1000
 
 ROUGH = 0.1
-"""Error after asinh up to which no row counts more than another: the fit errs by as much."""
+"""Error (after asinh) that every row has beside its own noise: the fit errs by as much, so that a
+row of less noise counts for no more."""
 
 PRIOR = 2.0
 """Precision about zero of the weights of smooth features."""
 
 WIDEST = 6.0
-"""Scales of an input within its range, at most."""
+"""Largest ratio of an input's range to its scale."""
 
 PRIOR_RUNS = 3
-"""Freedoms that the smooth scatter of runs counts for beside a row's own."""
+"""Degrees of freedom by which the smooth scatter of runs counts beside a row's own."""
 
 PEAK_MM_S = 31.2
 """Peak speed of the paper's plate, at which errors are told in mm/s."""

@@ -63,7 +63,7 @@ class Posterior(NamedTuple):
     independent: float
     """Number of independent draws that all that were made are worth."""
     chi2: float
-    """Squared residuals at the best draw, over all that the model allows them."""
+    """Sum of squared residuals at the best draw, over the variances that the model gives them."""
 
 
 def sample(

@@ -18,7 +18,7 @@ BATCH = 4
 """Points for each worker that get more runs together."""
 
 FEWEST_SHARES = 4
-"""Parts into which all points are cut at least, of which the worst one gets more runs."""
+"""Share of the points, one in so many, that at most gets more runs at a time: the worst of them."""
 
 MOST_DOUBLINGS = 12
 """Number of times that the runs of a point are doubled at most: to a bar 64 times narrower."""

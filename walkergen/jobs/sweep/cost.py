@@ -15,7 +15,7 @@ UNASKED = 100_000
 PILOTS = 3
 
 BYTES = 300
-"""Room of a point in the table and in the store together, at most of the columns that it has."""
+"""Most bytes that a point takes in table and store together, and again for each group it keeps."""
 
 
 class Cost(NamedTuple):

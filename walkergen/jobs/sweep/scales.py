@@ -14,8 +14,8 @@ from walkergen.files.key_names import label
 Array = npt.NDArray[np.float64]
 
 WIDE, LOW = 30.0, 1 / 3
-"""Ratio of the ends of positive values beyond which their axis is logarithmic, if their median lies
-below this share of the last: values in even steps stay on a linear axis."""
+"""An axis of positive values is logarithmic where the largest is more than WIDE times the least and
+the median below LOW times the largest: values in even steps stay on a linear axis."""
 
 MOST_WORD_TICKS = 12
 
