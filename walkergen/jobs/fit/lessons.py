@@ -15,7 +15,7 @@ UNLEARNT = 0.9
 """Standard deviation over that of the prior from which a parameter counts as not learnt."""
 
 TRADED = 0.5
-"""Error of a combination, over that of a parameter in it, up to which parameters are said to trade."""
+"""Error of a combination, over that of a parameter in it, up to which parameters trade."""
 
 PART = 0.3
 """Component of a direction (of length 1) from which a parameter belongs to it."""
