@@ -59,35 +59,35 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         if earlier := _finished(job, folder):
             return earlier
         warnings = _taken_up(job, folder, store)
-        asked = job.request.asked()
+        stream = job.request.points()
         if job.budget_s is not None:
-            asked = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
+            stream = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
         points = Points(_names(job), job.kept or job.drawn)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
-            for values, done in _each(job, asked, store, crew, progress):
+            for values, done in _evaluated(job, stream, store, crew, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         if job.budget_s is not None:
-            points.known = 0  # they are known by what the budget has just bought
-        made = report.of(job.request, job.title, points, warnings)
-        _write_rest(job, folder, made, time.perf_counter() - started)
-    return report.written(made, path, list(folder.hashes))
+            points.stored = 0  # they are known by what the budget has just bought
+        result = report.of(job.request, job.title, points, warnings)
+        _write_rest(job, folder, result, time.perf_counter() - started)
+    return report.written(result, path, list(folder.hashes))
 
 
 def find(job: Job, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request, without a folder. Raises as `make` does."""
     points = Points(_names(job), kept=True)
-    for values, done in _each(job, job.request.asked(), store, crew, progress):
+    for values, done in _evaluated(job, job.request.points(), store, crew, progress):
         points.add(values, done)
     return report.of(job.request, job.title, points)
 
 
-def _each(
-    job: Job, asked: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
+def _evaluated(
+    job: Job, stream: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Values of the keys at each point, and the evaluated point."""
     space = job.request.space
-    points = zip(space.rows(), run.each(asked, store, crew), strict=True)
+    points = zip(space.rows(), run.each(stream, store, crew), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, space.points)
@@ -109,8 +109,8 @@ def _finished(job: Job, folder: Folder) -> SweepReport | None:
         return None
     count = job.request.space.points
     points = Points(_names(job), False, count, count, facts["bad"])
-    made = report.of(job.request, job.title, points)
-    return report.written(made, folder.path, list(facts["files"]))
+    result = report.of(job.request, job.title, points)
+    return report.written(result, folder.path, list(facts["files"]))
 
 
 def _hash_of(request: Request) -> str:
@@ -142,18 +142,18 @@ def _taken_up(job: Job, folder: Folder, store: Store) -> list[str]:
     A table in which somebody changed rows is kept under another name: its changes are not ours to
     lose, nor to trust. Raises InputError for a file that is no table of a sweep.
     """
-    place, told = folder.path / table.NAME, []
+    place, notes = folder.path / table.NAME, []
     if not place.exists():
         return []
     sources = folder.earlier().get("sources", digest())
     if sources != digest():
-        told.append(f"{place}: is of another version of walkergen; its points are evaluated anew")
+        notes.append(f"{place}: is of another version of walkergen; its points are evaluated anew")
     names, edited = _names(job), list[int]()
     lines = table.read(place)
     while block := list(islice(lines, BLOCK)):
-        edited += [one for one in block if isinstance(one, int)]
+        edited += [row for row in block if isinstance(row, int)]
         if sources == digest():
-            _put_unknown([one for one in block if isinstance(one, Row)], names, store)
+            _put_unknown([row for row in block if isinstance(row, Row)], names, store)
     if edited:
         kept = _free(folder.path / "table.edited.csv")
         try:
@@ -161,30 +161,30 @@ def _taken_up(job: Job, folder: Folder, store: Store) -> list[str]:
         except OSError as error:
             raise output.refused(kept, error) from None
         lines_told = ", ".join(map(str, edited[:5])) + (", ..." if len(edited) > 5 else "")
-        told.append(
+        notes.append(
             f"{place}: changed by hand in line {lines_told}: these are evaluated anew; the changed "
             f"table is kept as {kept.name}"
         )
-    return told
+    return notes
 
 
 def _put_unknown(rows: Sequence[Row], names: Sequence[str], store: Store) -> None:
-    known = store.get([row.point for row in rows])
-    fresh = ((row.point, table.record_of(row, names)) for row in rows if row.point not in known)
+    stored = store.get([row.point for row in rows])
+    fresh = ((row.point, table.record_of(row, names)) for row in rows if row.point not in stored)
     store.put((key, record) for key, record in fresh if record is not None)
 
 
 def _free(path: Path) -> Path:
     """Name that is not taken: the path, or the path with a number."""
     number = 1
-    found = path
-    while found.exists():
+    free = path
+    while free.exists():
         number += 1
-        found = path.with_stem(f"{path.stem}-{number}")
-    return found
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
 
 
-def _write_rest(job: Job, folder: Folder, made: SweepReport, seconds: float) -> None:
+def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -> None:
     """Write Parquet, pictures and the manifest of a finished table."""
     request = job.request
     folder.add(table.NAME)
@@ -193,10 +193,10 @@ def _write_rest(job: Job, folder: Folder, made: SweepReport, seconds: float) -> 
     if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:
         folder.write("table.parquet", data)
     if job.drawn:
-        made.write_figures(folder)
+        result.write_figures(folder)
     facts = {
         **_facts(request), "request": "" if job.budget_s is not None else _hash_of(request),
-        "sources": digest(), **{name: made.facts[name] for name in ("points", "known", "bad")},
+        "sources": digest(), **{name: result.facts[name] for name in ("points", "known", "bad")},
         "seconds": round(seconds, 3), "versions": versions(),
     }  # fmt: skip
     folder.finish(facts)

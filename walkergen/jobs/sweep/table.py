@@ -75,7 +75,7 @@ class Table:
             new = flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
             self._file = os.open(path, new, 0o666)
         except OSError as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
         self._write(header)
 
     def add(self, values: Sequence[Any], record: Record, point: str) -> None:
@@ -90,7 +90,7 @@ class Table:
             if os.write(self._file, data) != len(data):
                 raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
         except OSError as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
 
     def __enter__(self) -> Self:
         return self
@@ -100,11 +100,11 @@ class Table:
             os.fsync(self._file)  # a full disk may only now say so
         except OSError as error:
             if kind is None:
-                raise self._told(error) from None
+                raise self._failure(error) from None
         finally:
             os.close(self._file)
 
-    def _told(self, error: OSError) -> OutputError:
+    def _failure(self, error: OSError) -> OutputError:
         return OutputError(f"{str(self.path)!r}: cannot be written: {error.strerror}")
 
 
