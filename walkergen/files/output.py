@@ -125,6 +125,10 @@ def refused(path: Path, error: Exception) -> OutputError:
     return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another --out")
 
 
+GROWING = "growing"
+"""Stands in a ledger for the hash of a file that is written row by row."""
+
+
 class Folder:
     """An output folder that knows which of its files walkergen wrote; a context in which it does.
 
@@ -192,8 +196,17 @@ class Folder:
         self.hashes[name] = digest
         return True
 
+    def grow(self, name: str) -> None:
+        """Note that a file of ours is about to be written by other means, as row by row."""
+        self.claim()
+        assert self._ledger is not None
+        try:
+            self._ledger.note(name, GROWING)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
+
     def add(self, name: str) -> None:
-        """Take in a file that was written by other means, as row by row."""
+        """Take in a file that has grown."""
         digest = self._hash(name)
         if digest is None:
             raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
@@ -249,6 +262,13 @@ class Folder:
         """True when every file of an earlier run is as it was left."""
         listed = _files_of(self.earlier())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
+
+    def as_left(self, name: str) -> bool:
+        """True for a file that is as an earlier run left it, or was growing when that was ended."""
+        self.claim()
+        assert self._ledger is not None
+        growing = GROWING in self._ledger.digests.get(name, ())
+        return growing or self._listed.get(name) == self._hash(name)
 
     def _ours(self, name: str) -> bool:
         """True for a file in the folder that we wrote and nobody changed since."""

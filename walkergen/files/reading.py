@@ -92,16 +92,18 @@ def by_library(source: str, kind: str) -> Iterator[None]:
         logging.disable(disabled)
 
 
-def lines(path: Path, format: str, most_bytes: int = MOST_BYTES) -> Iterator[str]:
+def lines(
+    path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None
+) -> Iterator[str]:
     r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
 
-    Every line end is "\n" and a byte order mark is left out. Raises InputError, when the first line
-    is asked for or a later one, if the file cannot be read, is not UTF-8, exceeds `most_bytes` or
-    has a line of more than MOST_LETTERS.
+    Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
+    InputError, when the first line is asked for or a later one, if the file cannot be read, is not
+    UTF-8, exceeds `most_bytes` or has a line of more than MOST_LETTERS.
     """
     with (
         _opened(path, format, most_bytes) as stream,
-        io.TextIOWrapper(stream, encoding="utf-8-sig") as text,
+        io.TextIOWrapper(stream, encoding="utf-8-sig", newline=newline) as text,
     ):
         read = 0
         while line := text.readline(MOST_LETTERS + 1):

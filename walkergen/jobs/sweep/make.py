@@ -3,8 +3,7 @@
 import hashlib
 import json
 import time
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,12 +12,12 @@ from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.jobs.sweep import budget, report, table
 from walkergen.jobs.sweep.report import Points, SweepReport
-from walkergen.jobs.sweep.table import Row, Table
+from walkergen.jobs.sweep.table import Table
 from walkergen.points import run
 from walkergen.points.crew import Crew
 from walkergen.points.point import digest
 from walkergen.points.request import Request
-from walkergen.points.run import BLOCK, Asked, Done
+from walkergen.points.run import Asked, Done
 from walkergen.points.store import Store
 
 MOST_DRAWN = 200_000
@@ -45,10 +44,10 @@ class Job(NamedTuple):
 def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, sweep.png and .pdf.
 
-    Points that the store, or a table in the folder, already has are not evaluated again; the table
-    grows row by row, and what was finished is kept whatever happens. Raises InputError where
-    another sweep writes there or a file there is not ours, OutputError when a file cannot be
-    written, WalkergenError when a worker is lost, and KeyboardInterrupt with a whole table.
+    Points that the store already has are not evaluated again; the table grows row by row, and what
+    was finished is kept whatever happens. Raises InputError where another sweep writes there or a
+    file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker
+    is lost, and KeyboardInterrupt with a whole table.
     """
     started = time.perf_counter()
     job.request.check()
@@ -58,11 +57,12 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         folder.claim()
         if earlier := _finished(job, folder):
             return earlier
-        warnings = _taken_up(job, folder, store)
+        warnings = _set_aside(folder)
         stream = job.request.points()
         if job.budget_s is not None:
             stream = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
         points = Points(_names(job), job.kept or job.drawn)
+        folder.grow(table.NAME)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
             for values, done in _evaluated(job, stream, store, crew, progress):
                 rows.add(values, done.record, done.key)
@@ -136,42 +136,27 @@ def _facts(request: Request) -> dict[str, Any]:
     }
 
 
-def _taken_up(job: Job, folder: Folder, store: Store) -> list[str]:
-    """Put the sound rows of an earlier table into the store; tell what is wrong with it.
+def _set_aside(folder: Folder) -> list[str]:
+    """Keep an earlier table that somebody changed under another name, and say so.
 
-    A table in which somebody changed rows is kept under another name: its changes are not ours to
-    lose, nor to trust. Raises InputError for a file that is no table of a sweep.
+    Its changes are not ours to lose, nor to trust. Raises InputError for a file that is no table of
+    a sweep.
     """
-    place, notes = folder.path / table.NAME, []
+    place = folder.path / table.NAME
     if not place.exists():
         return []
-    sources = folder.earlier().get("sources", digest())
-    if sources != digest():
-        notes.append(f"{place}: is of another version of walkergen; its points are evaluated anew")
-    names, edited = _names(job), list[int]()
-    lines = table.read(place)
-    while block := list(islice(lines, BLOCK)):
-        edited += [row for row in block if isinstance(row, int)]
-        if sources == digest():
-            _put_unknown([row for row in block if isinstance(row, Row)], names, store)
-    if edited:
-        kept = _free(folder.path / "table.edited.csv")
-        try:
-            place.replace(kept)
-        except OSError as error:
-            raise output.refused(kept, error) from None
-        lines_told = ", ".join(map(str, edited[:5])) + (", ..." if len(edited) > 5 else "")
-        notes.append(
-            f"{place}: changed by hand in line {lines_told}: these are evaluated anew; the changed "
-            f"table is kept as {kept.name}"
-        )
-    return notes
-
-
-def _put_unknown(rows: Sequence[Row], names: Sequence[str], store: Store) -> None:
-    stored = store.get([row.point for row in rows])
-    fresh = ((row.point, table.record_of(row, names)) for row in rows if row.point not in stored)
-    store.put((key, record) for key, record in fresh if record is not None)
+    lines = table.changed(place)
+    if not lines and folder.as_left(table.NAME):
+        return []
+    kept = _free(folder.path / "table.edited.csv")
+    try:
+        place.replace(kept)
+    except OSError as error:
+        raise output.refused(kept, error) from None
+    where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+    which = f" in line {where}" if lines else ""
+    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as "
+            f"{kept.name}"]  # fmt: skip
 
 
 def _free(path: Path) -> Path:
