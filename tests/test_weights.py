@@ -5,7 +5,7 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.family import make as family
+from walkergen.points import members as predictions
 from walkergen.scene import Scene
 from walkergen.walker import mass, names, solids, weights
 from walkergen.walker.design import Design
@@ -28,7 +28,7 @@ def read(tmp_path):
 
 def predicted(weighed, members=MEMBERS):
     built = [solids.build(member) for member in members]
-    return list(family.predicted(members, built, SCENE, "coulomb", weighed))
+    return list(predictions.predicted(members, built, SCENE, "coulomb", weighed))
 
 
 def meshed(design):

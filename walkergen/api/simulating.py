@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any
 from walkergen.analysis.motion import Motion
 from walkergen.api.loading import Ground, Walker, one_of, scene_of
 from walkergen.api.predicting import SCENE
-from walkergen.api.speed import Speed, speed_of
 from walkergen.api.table import Result, Table
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files.progress import Progress, silent
@@ -17,6 +16,7 @@ from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.prediction import Speed, speed_of
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind

@@ -1,6 +1,5 @@
-"""What `simulate --uncertain` and `predict --uncertain` print."""
+"""What `simulate --uncertain` prints."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -9,7 +8,6 @@ from walkergen.cli import show
 if TYPE_CHECKING:
     from walkergen.jobs.simulate.uncertain import Uncertain
     from walkergen.scene import Scene
-    from walkergen.theory.uncertain import Share
     from walkergen.walker.design import Design
 
 
@@ -46,23 +44,9 @@ def simulate(
 def _show_shares(found: "Uncertain") -> None:
     """Print where the scatter between prints comes from."""
     from walkergen.jobs.simulate import prints
+    from walkergen.points import speed_table
 
-    shares(found.shares, "share of the variance between prints")
+    title = "share of the variance between prints"
+    show.table(speed_table.shares("shares", found.shares, title).rich())
     rest = f"{100 * found.unexplained:.0f} ± {100 * found.unexplained_se:.0f} %"
     show.text(f"{prints.UNEXPLAINED}: {rest} (heights of its corners, and what the fit misses)")
-
-
-def shares(found: "Sequence[Share]", title: str) -> None:
-    """Print the shares of a variance by input: measure next what stands first."""
-    from rich import box
-    from rich.table import Table
-
-    table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1))
-    for heading in ("measure next", "alone, %", "with all others, %"):
-        table.add_column(heading, justify="left" if heading == "measure next" else "right")
-    for one in found:
-        table.add_row(one.name, *(
-            f"{100 * value:.0f} ± {100 * error:.0f}"
-            for value, error in ((one.first, one.first_se), (one.total, one.total_se))
-        ))  # fmt: skip
-    show.table(table)
