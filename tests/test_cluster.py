@@ -3,6 +3,7 @@
 import json
 import os
 import signal
+import socket
 import subprocess
 import sys
 import time
@@ -96,6 +97,23 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
     monkeypatch.setattr(crew, "ANSWER_S", 0.5)
     with pytest.raises(InputError, match="no scheduler answers there"), crew.dask("tcp://[::1]:9"):
+        pass
+
+
+def test_what_is_no_scheduler_ends_in_time(monkeypatch):
+    """A port that accepts and says nothing, as web servers do until they are asked."""
+    monkeypatch.setattr(crew, "ANSWER_S", 0.5)
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
+        started = time.monotonic()
+        with pytest.raises(InputError, match="no scheduler answers there"), crew.dask(address):
+            pass
+        assert time.monotonic() - started < 5.0
+
+
+@pytest.mark.parametrize("address", ["tls://x:1", "ucx://x:1", "tcp://x", "x", "", "tcp://x:1e9"])
+def test_an_address_of_another_kind_is_refused(address):
+    with pytest.raises(InputError, match=r"write tcp://HOST:PORT"), crew.dask(address):
         pass
 
 

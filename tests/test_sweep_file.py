@@ -116,6 +116,8 @@ def test_what_is_left_out_is_left_to_others(read):
         ('"legs.tilt_deg" = inf', "inf is no value"),
         ('"legs.tilt_deg" = ["0:10:5", 20]', 'write one text, "0:10:5,20"'),
         ('"legs[2].friction" = "0:1:-1"', "step -1 does not lead"),
+        ('"legs.tilt_deg" = 2026-01-01', "2026-01-01 is a date"),
+        ('"legs.tilt_deg" = [1, 07:30:00]', "07:30:00 is a date"),
     ],
 )
 def test_a_mistake_in_a_grid_is_named_with_its_line(mistakes, line, told):
@@ -184,3 +186,10 @@ def test_all_mistakes_are_told_at_once(mistakes):
 def test_no_such_file_is_a_line(tmp_path):
     with pytest.raises(InputError, match="no such file"):
         sweep_file.read(tmp_path / "sweep.toml")
+
+
+def test_of_many_mistakes_twenty_are_told(mistakes):
+    text = "[grid]\n" + "".join(f'"legs.x{number}" = 1\n' for number in range(900))
+    lines = mistakes(text)
+    assert len(lines) == 21
+    assert lines[-1].endswith("and 880 more mistakes")

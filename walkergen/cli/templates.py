@@ -59,9 +59,13 @@ def copy_template(
     ] = None,
 ) -> None:
     """Copy a template into a file of your own to edit; the copy is named after its file."""
-    from walkergen.files import output, templates
+    from walkergen.files import output, reading, templates
 
     target = to or Path(f"{name}.toml")
+    if not reading.named_soundly(target) or target.suffix != ".toml":
+        raise InputError(
+            f"{str(target)!r}: name a file that ends in .toml, without control letters"
+        )
     text = templates.renamed(templates.find(name), output.named_after(target).lstrip("_") or name)
     if os.path.lexists(target):
         raise InputError(f"{target}: exists already; give another name: templates copy {name} FILE")

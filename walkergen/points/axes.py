@@ -1,5 +1,6 @@
 """Axes of points: the values of a key, as lists or ranges, and samples between bounds."""
 
+import datetime
 import itertools
 import math
 import re
@@ -115,6 +116,8 @@ def axis(key: str, values: Sequence[Any], source: str) -> Axis:
     for value in values:
         if isinstance(value, float) and not math.isfinite(value):
             raise InputError(f"{source}: {value} is no value: write finite numbers")
+        if isinstance(value, (datetime.date, datetime.time)):
+            raise InputError(f"{source}: {value} is a date: write numbers or text")
     if not all(isinstance(value, (str, int, float)) for value in values):
         return Axis(key, tuple(values))
     # True equals 1, but is another value.

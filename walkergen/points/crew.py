@@ -6,7 +6,9 @@ whatever it is, since every point runs on one thread from its own seed.
 
 import multiprocessing
 import os
+import re
 import signal
+import socket
 import sys
 import threading
 from collections.abc import Iterator
@@ -44,6 +46,9 @@ def local(workers: int | None = None) -> Iterator[Crew]:
     context = multiprocessing.get_context("spawn")
     pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin)
     try:
+        with _ctrl_c_ignored():  # a process that starts takes over what is ignored
+            for _ in range(count):
+                pool.submit(os.getpid)
         yield Crew(pool, count)
     except BaseException:
         pool.shutdown(wait=False, cancel_futures=True)
@@ -51,6 +56,19 @@ def local(workers: int | None = None) -> Iterator[Crew]:
             process.terminate()
         raise
     pool.shutdown()
+
+
+@contextmanager
+def _ctrl_c_ignored() -> Iterator[None]:
+    """Ignore Ctrl-C for the moment; only the main thread can say so."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _begin() -> None:
@@ -79,10 +97,12 @@ def dask(address: str) -> Iterator[Crew]:
         raise InputError(
             "--dask: dask is not installed: pip install 'walkergen[cluster]'"
         ) from None
+    host, port = _place(address)
     try:
-        client = Client(address, timeout=ANSWER_S, set_as_default=False)
+        _greeted(host, port)
+        client = Client(f"tcp://{host}:{port}", timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        reason = str(error).partition("\n")[0][:200]
+        reason = str(error).partition("\n")[0][:200] or "no answer"
         raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {reason}") from None
     try:
         threads = client.nthreads()
@@ -92,6 +112,26 @@ def dask(address: str) -> Iterator[Crew]:
         yield Crew(client.get_executor(pure=False, retries=3), sum(threads.values()))
     finally:
         client.close(timeout=ANSWER_S)
+
+
+def _place(address: str) -> tuple[str, int]:
+    """Host and port of a scheduler's address. Raises InputError."""
+    scheme, _, rest = address.rpartition("://")
+    host, _, port = rest.rpartition(":")
+    if scheme not in ("", "tcp") or not host or not re.fullmatch("[0-9]{1,5}", port):
+        raise InputError(f"--dask {address[:80]!r}: write tcp://HOST:PORT, the scheduler's address")
+    return host, int(port)
+
+
+def _greeted(host: str, port: int) -> None:
+    """Raise OSError unless something at a port speaks first, as schedulers do and web servers not.
+
+    The client of dask waits for ever for what accepts a connection and says nothing.
+    """
+    with socket.create_connection((host.strip("[]"), port), ANSWER_S) as connection:
+        connection.settimeout(ANSWER_S)
+        if not connection.recv(1):
+            raise OSError("what listens there has hung up")
 
 
 def _digests(client: Any) -> dict[str, str]:

@@ -36,7 +36,7 @@ class Request(NamedTuple):
     anew when a key is set."""
 
     def check(self) -> None:
-        """Refuse unknown keys, groups and models, before anything runs. Raises InputError."""
+        """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
         points.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(
@@ -44,6 +44,18 @@ class Request(NamedTuple):
             )
         for key in self.space.keys:
             check(key, f"--set {key}")
+        for axis in self.space.axes:
+            for value in axis.values:
+                if isinstance(value, (str, bool)):
+                    self._check_word(axis.key, value)
+
+    def _check_word(self, key: str, value: str | bool) -> None:
+        """Refuse a word that its key never takes; numbers out of range are rows that say so."""
+        try:
+            changed(self.design, self.scene, {key: value}, "--set", self.data)
+        except InputError as error:
+            if f"{key} = {value!r}" in str(error):
+                raise
 
     def at(self, values: Mapping[str, Any]) -> Asked:
         """Point at values of the keys, or the record of one that is refused."""

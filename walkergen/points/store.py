@@ -4,9 +4,11 @@ Points are found by their keys, so that jobs share them, and one that was stoppe
 """
 
 import json
+import math
 import sqlite3
 from collections.abc import Iterable, Sequence
 from pathlib import Path
+from typing import Any
 
 from walkergen import caches
 from walkergen.errors import OutputError
@@ -39,9 +41,10 @@ class Store:
             rows = self._base.execute(
                 f"SELECT key, record FROM points WHERE key IN ({marks})", keys
             ).fetchall()
-            return {key: json.loads(text) for key, text in rows}
-        except (sqlite3.Error, ValueError) as error:
+        except sqlite3.Error as error:
             raise self._failure(error) from None
+        records = ((key, _record(text)) for key, text in rows)
+        return {key: record for key, record in records if record is not None}
 
     def put(self, rows: Iterable[tuple[str, Record]]) -> None:
         """Save records, all of them or none; on the disk when this returns."""
@@ -69,3 +72,21 @@ class Store:
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
             "file, after which its points are computed anew"
         )
+
+
+def _record(text: Any) -> Record | None:
+    """Record of its JSON; None for what this program does not write: it is computed anew."""
+    try:
+        record = json.loads(text)
+    except (ValueError, TypeError, RecursionError):
+        return None
+    return record if isinstance(record, dict) and record and _is_plain(record.values()) else None
+
+
+def _is_plain(values: Iterable[Any]) -> bool:
+    """Whether all values are finite numbers, text or None."""
+    return all(
+        value is None or isinstance(value, (str, int)) or
+        (isinstance(value, float) and math.isfinite(value))
+        for value in values
+    )  # fmt: skip

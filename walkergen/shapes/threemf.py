@@ -6,9 +6,13 @@ trimesh reads 3MF too, but keeps one of several items that share object and part
 """
 
 import importlib.util
+import io
 import platform
+import zipfile
+import zlib
 from functools import cache
 from typing import Any, NamedTuple
+from xml.parsers import expat
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +24,9 @@ MM = (1e-3, 1.0, 10.0, 25.4, 304.8, 1000.0)
 
 DEEPEST = 16
 """Most levels of components within components."""
+
+MOST_PARTS = 10_000
+"""Most meshes that a file may place: components within components multiply."""
 
 Array = npt.NDArray[np.float64]
 
@@ -56,6 +63,7 @@ def library() -> Any:
 def read(data: bytes, source: str) -> list[Part]:
     """Meshes of all items, in the file's order. Raises InputError, beginning with `source`."""
     lib3mf = library()
+    _count(data, source)
     model = lib3mf.get_wrapper().CreateModel()  # must outlive its objects and items
     try:
         model.QueryReader("3mf").ReadFromBuffer(data)
@@ -70,6 +78,70 @@ def read(data: bytes, source: str) -> list[Part]:
     except lib3mf.ELib3MFException as error:
         raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
     return parts
+
+
+class _Objects:
+    """Objects of the models in an archive, by path and number, and what the builds place."""
+
+    def __init__(self) -> None:
+        self.components: dict[tuple[str, str], list[tuple[str, str]]] = {}
+        self.items: list[tuple[str, str]] = []
+        self._counts: dict[tuple[str, str], int] = {}
+
+    def parse(self, path: str, text: bytes) -> None:
+        """Take in a model. Raises ExpatError where it is no XML."""
+        own: list[tuple[str, str]] = []
+
+        def begin(name: str, attributes: dict[str, str]) -> None:
+            nonlocal own
+            tag = name.rpartition(":")[2]
+            if tag == "object":
+                own = self.components.setdefault((path, attributes.get("id", "")), [])
+            elif tag in ("component", "item"):
+                paths = [v for key, v in attributes.items() if key.rpartition(":")[2] == "path"]
+                place = (paths[0].lstrip("/") if paths else path, attributes.get("objectid", ""))
+                (own if tag == "component" else self.items).append(place)
+
+        parser = expat.ParserCreate()
+        parser.StartElementHandler = begin
+        parser.Parse(text, True)
+
+    def count(self, place: tuple[str, str], depth: int = 0) -> int:
+        """Number of meshes that an object stands for. Raises InputError for one too deep."""
+        if depth > DEEPEST:
+            raise InputError(f"components lie more than {DEEPEST} deep; join them")
+        if place not in self._counts:
+            inner = (self.count(part, depth + 1) for part in self.components.get(place, ()))
+            self._counts[place] = sum(inner) or 1
+        return self._counts[place]
+
+
+def _count(data: bytes, source: str) -> None:
+    """Raise InputError for a file that places too many meshes, which lib3mf would go through.
+
+    What is no archive, or no XML, is left to lib3mf to refuse.
+    """
+    objects = _Objects()
+    try:
+        with zipfile.ZipFile(io.BytesIO(data)) as archive:
+            models = {name: archive.read(name) for name in archive.namelist()
+                      if name.lower().endswith(".model")}  # fmt: skip
+        if not any(b"component" in text or b"\x00" in text for text in models.values()):
+            return
+        for path, text in models.items():
+            objects.parse(path, text)
+    except (zipfile.BadZipFile, zlib.error, OSError, NotImplementedError, RuntimeError,
+            expat.ExpatError):  # fmt: skip
+        return
+    try:
+        placed = sum(map(objects.count, objects.items))
+    except InputError as error:
+        raise InputError(f"{source}: {error}") from None
+    if placed > MOST_PARTS:
+        raise InputError(
+            f"{source}: places more than {MOST_PARTS} meshes by components within components; "
+            "join them into fewer"
+        )
 
 
 def _meshes(resource: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Part]:

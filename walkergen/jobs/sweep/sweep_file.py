@@ -122,7 +122,9 @@ def read(path: Path) -> SweepFile:
         place = config.where(("error",), str(path), text)
         mistakes.append(f"{place}: error: {str(mistake).removeprefix('--error ')}")
     if mistakes:
-        raise InputError("\n".join(mistakes))
+        more = len(mistakes) - config.MOST_MISTAKES
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join([*mistakes[: config.MOST_MISTAKES], *tail]))
     spans = tuple(entry for entry in varied if isinstance(entry, Span))
     sample = None
     if contents.sample is not None:
