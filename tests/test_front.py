@@ -604,4 +604,4 @@ def test_types_reach_a_users_script(tmp_path):
     )
     told = [line for line in found.stdout.splitlines() if ": error:" in line]
     assert {line.partition(": ")[0] for line in told} == {"bad.py:8"}
-    assert 'No overload variant of "predict"' in told[-1]
+    assert 'Unexpected keyword argument "nope" for "predict"' in told[-1]
