@@ -14,10 +14,10 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.api.table import Table
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import templates
+from walkergen.files.report import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -252,7 +252,8 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
     found = wg.analyse(Path("film.csv"), **units, folder="found", pictures=False)
     assert (found.speed.value, found.speed.se) == (told["speed_mm_s"], told["speed_se_mm_s"])
     assert found.speed.value == pytest.approx(30.0, abs=1.0)
-    for same in (frame, columns, Table(columns)):
+    rows = Table("film", list(zip(*columns.values(), strict=True)), list(columns))
+    for same in (frame, columns, rows):
         assert wg.analyse(same, **units).estimates == found.estimates
     told_files = sorted((tmp_path / "told" / "analysis").iterdir())
     assert [path.name for path in told_files] == sorted(
@@ -261,8 +262,8 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
     for path in told_files:
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
     assert found.plot("msd")._repr_png_().startswith(b"\x89PNG")
-    assert "speed (mm/s)</th><td>3" in found._repr_html_()
-    row = found.to_dataframe().set_index("name").loc["speed"]
+    assert "<td>speed_mm_s</td><td>" in found._repr_html_()
+    row = found.to_dataframe().set_index("quantity").loc["speed_mm_s"]
     assert row["value"] == found.speed.value
 
 

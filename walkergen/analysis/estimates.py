@@ -320,9 +320,3 @@ def with_error(one: Estimate) -> str:
     if one.value is None or one.se is None:
         return one.reason
     return words.with_error(one.value, one.se)
-
-
-def bounds_95(one: Estimate) -> str:
-    """Format the bounds of 95 % to two digits of the error; '' without any."""
-    ends = one.interval(0.95)
-    return " to ".join(words.to_digits_of(one.se, ends)) if ends and one.se else ""

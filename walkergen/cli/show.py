@@ -83,7 +83,7 @@ def report(made: "Report", json: bool, quiet: bool) -> None:
         for line in made.lines:
             text(line)
         if folder:
-            print(f"tables, page and figures in {made.folder}/")
+            print(f"written into {made.folder}/")
 
 
 def text(line: str) -> None:

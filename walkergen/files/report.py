@@ -80,6 +80,8 @@ class Table:
     """What people read; without any the table is for machines alone, and on no page."""
     title: str = ""
     notes: Sequence[str] = ()
+    read: Sequence[Any] | None = None
+    """Rows that people read, where these are not all."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -117,7 +119,7 @@ class Table:
         )  # fmt: skip
         for column in self.columns:
             made.add_column(column.heading, justify="right" if column.right else "left")
-        for row in self.rows:
+        for row in self.rows if self.read is None else self.read:
             made.add_row(*(literally(column.cell(row)) for column in self.columns))
         return made
 

@@ -1,7 +1,6 @@
 """Figures of measured motion, as in the paper's figures 5 and 6."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -28,8 +27,8 @@ DRAWN = 0.5
 """Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
 
 STRAIGHT = 0.05
-"""Width of all tracks over their length, or share of the direction that is lost, below which
-walkers do not turn, as in a lane: from above their tracks are one line."""
+"""Width of all tracks over their length below which walkers do not turn, as in a lane: from above
+their tracks are one line."""
 
 MOST_POINTS = 4000
 """Largest number of points drawn of a track: more only make the PDF large."""
@@ -233,26 +232,14 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
     return figure
 
 
-def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, Figure]]:
-    """Draw all figures that the motion allows, each with its name."""
-    drawn = [("trajectories", tracks_figure(tracks, title))]
-    if motion.by_plate_speed:
-        return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]
-    if sum(one.of("speed").value is not None for one in motion.walkers) > 1:
-        drawn.append(("walkers", walkers_figure(motion, title)))
-    if (motion.msd.value > 0).any():
-        drawn.append(("msd", msd_figure(motion, title)))
-    if len(motion.parallel.at):
-        drawn.append(("density", density_figure(motion, title)))
-    if _turns(motion):
-        drawn.append(("correlation", correlation_figure(motion, title)))
-    return drawn
-
-
-def _turns(motion: Motion) -> bool:
-    """Whether enough of the direction is lost for a figure of it to say anything."""
-    kept = motion.correlation.value
-    return bool((kept < (1.0 - STRAIGHT) * kept[:1]).any())
+OF_MOTION = {
+    "plate_speed": plate_speed_figure,
+    "walkers": walkers_figure,
+    "msd": msd_figure,
+    "density": density_figure,
+    "correlation": correlation_figure,
+}
+"""Figures of a motion beside its tracks, by the stems of their files."""
 
 
 def _points(axes: Axes, curve: Curve, label: str) -> None:
