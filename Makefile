@@ -1,4 +1,4 @@
-.PHONY: check test slow nightly bench coverage site pictures calibrate-models
+.PHONY: check test slow nightly bench coverage site pictures wheel calibrate-models
 PYTHON ?= .venv/bin/python
 
 check:
@@ -34,6 +34,10 @@ site:
 # Pictures of docs/ whose code has moved on; ONLY=choice,speed: these; ONLY=all: every one
 pictures:
 	$(PYTHON) docs/pictures.py $(ONLY)
+
+# A wheel of this platform and Python with its kernels compiled: 3 minutes; KERNELS=first: fewer
+wheel:
+	WALKERGEN_KERNELS=$(or $(KERNELS),all) $(PYTHON) -m build --wheel --no-isolation --outdir $(or $(DIST),dist)
 
 calibrate-models:
 	$(PYTHON) -m walkergen.jobs.discrepancies.make $(ARGS)

@@ -17,7 +17,7 @@ from walkergen.files import templates
 from walkergen.jobs.sweep.make import Job, make
 from walkergen.points import axes, run
 from walkergen.points.crew import local
-from walkergen.points.evaluate import with_runs
+from walkergen.points.measure import with_runs
 from walkergen.points.point import Point
 from walkergen.points.request import Request
 from walkergen.points.store import Store

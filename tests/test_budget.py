@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.jobs.accuracy import choose, elastic, kept, make, statistics
+from walkergen.jobs.accuracy import elastic, make, statistics
 from walkergen.jobs.accuracy.purse import KINDS, Purse, Runs, rounded_down, widened
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
@@ -69,14 +69,11 @@ def test_what_one_leaves_over_the_others_get():
     assert purse.grant("c", {"c": 1.0}) == 0.0
 
 
-def test_a_patient_purse_counts_what_an_idle_machine_would_take():
-    busy, patient = Purse(10.0, 2), Purse(10.0, 2, patient=True)
-    for purse in (busy, patient):
-        purse.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
-    assert busy.spent_s == pytest.approx(1.2)
-    assert busy.slowness == pytest.approx(3.0)
-    assert patient.spent_s == pytest.approx(0.4)
-    assert patient.slowness == pytest.approx(1.0)
+def test_a_purse_learns_how_much_slower_a_busy_machine_is():
+    purse = Purse(10.0, 2)
+    purse.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
+    assert purse.spent_s == pytest.approx(1.2)
+    assert purse.slowness == pytest.approx(3.0)
 
 
 def test_runs_are_fewer_before_they_are_too_short():
@@ -154,35 +151,3 @@ def test_parts_of_eight_runs_still_give_a_rung(monkeypatch):
     (rung,) = statistics.ladder(survey, silent).rungs
     assert rung.details["parts"] == 4
     assert rung.error > 0
-
-
-def thin(survey, value, cpu_s):
-    for one in survey.steps:
-        survey.known[one] = Measured(one, value, 3.0, 4, 0.5, 1.0, cpu_s, None, "4 ok")
-
-
-def test_a_record_that_tells_too_little_is_measured_anew(tmp_path, monkeypatch):
-    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
-    short = survey_of(1.0)
-    thin(short, 100.0, 0.1)
-    kept.remember(short)
-    measured = []
-
-    def measure(self, setting, progress):
-        measured.append((setting, self.purse.budget_s))
-        longest = self.purse.budget_s == choose.PILOTS_S[-1]
-        se, seconds, cpu_s = (0.3, 5.0, 50.0) if longest else (3.0, 1.0, 1.0)
-        return Measured(setting, 100.0, se, 16, seconds, 1.0, cpu_s, None, "16 ok")
-
-    monkeypatch.setattr(Survey, "_measured", measure)
-    wanted = choose.Wanted(0.05, True)
-    fresh = survey_of(choose.PILOTS_S[0])
-    choice, on_record = choose._informed(fresh, wanted, silent)
-    assert not on_record
-    assert choice.bias_bound < 5.0
-    assert [budget for _, budget in measured[:: len(fresh.steps)]] == [*choose.PILOTS_S]
-    assert {setting for setting, _ in measured} == {*fresh.steps}
-    again, on_record = choose._informed(survey_of(choose.PILOTS_S[0]), wanted, silent)
-    assert on_record
-    assert again == choice
-    assert len(measured) == 2 * len(fresh.steps)

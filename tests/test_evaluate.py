@@ -7,10 +7,11 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
+from walkergen.points import measure, wanted
 from walkergen.points import point as points
-from walkergen.points import wanted
 from walkergen.points.axes import Space
-from walkergen.points.evaluate import FEWEST_AT_ALL, SLACK, _refined, allowed, evaluate, with_runs
+from walkergen.points.evaluate import evaluate
+from walkergen.points.measure import FEWEST_AT_ALL, SLACK, allowed, refined, with_runs
 from walkergen.points.point import key
 from walkergen.points.request import Request
 from walkergen.printing import checks
@@ -258,14 +259,37 @@ def test_a_new_table_of_predictions_forgets_no_runs(monkeypatch):
 
 
 def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():
-    half_step = _refined(LANE, half=5.0, most=4.0, step=3.9, own=2e-6)
+    half_step = refined(LANE, 5.0, 4.0, 3.9, 2.0)
     assert half_step.run.step_us == pytest.approx(1.0)
-    assert _refined(LANE, half=5.0, most=4.0, step=3.9, own=None) is None
-    assert _refined(LANE, half=5.0, most=4.0, step=3.9, own=0.09e-6) is None
+    assert refined(LANE, 5.0, 4.0, 3.9, None) is None
+    assert refined(LANE, 5.0, 4.0, 3.9, 0.09) is None
     few = with_runs(LANE, runs=8)
     # The runs' own part is half as wide again as it may be: (6/4)^2 as many, and some slack
-    more = _refined(few, half=math.hypot(3.0, 6.0), most=math.hypot(3.0, 4.0), step=3.0,
-                             own=2e-6)  # fmt: skip
+    more = refined(few, math.hypot(3.0, 6.0), math.hypot(3.0, 4.0), 3.0, 2.0)
     assert more.run.runs == math.ceil(8 * SLACK * (6.0 / 4.0) ** 2)
-    assert _refined(few, half=100.0, most=4.0, step=0.0, own=None).run.runs == 64
-    assert _refined(with_runs(LANE, runs=512), 5.0, 4.0, 0.0, None) is None
+    assert refined(few, 100.0, 4.0, 0.0, None).run.runs == 64
+    assert refined(with_runs(LANE, runs=512), 5.0, 4.0, 0.0, None) is None
+
+
+@pytest.mark.parametrize(
+    ("error", "of", "told"),
+    [
+        ("5%", "impacts", "must be one of speed_mm_s, impacts_per_s"),
+        ("1mm/s", "contact_fraction", "only a mean speed is in mm/s"),
+        ("5%", "impacts_per_s", "impacts that shrink without end"),
+        ("5%", "type_fractions.III", "impacts that shrink without end"),
+    ],
+)
+def test_errors_of_what_no_runs_give_are_refused(error, of, told):
+    point = point_at("relaxed")
+    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
+    with pytest.raises(InputError, match=told):
+        measure.measure(asked, silent, wanted.parse(error), of)
+
+
+def test_an_error_of_the_time_in_contact_is_met():
+    point = point_at("compliant")
+    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
+    found = measure.measure(asked, silent, wanted.parse("20%"), "contact_fraction")
+    assert found.error <= found.allowed == 0.2 * found.point.summary.contact_fraction
+    assert found.error >= found.point.verdicts["contact_fraction"].error > 0.0

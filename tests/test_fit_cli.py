@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.fit import emulated, kept, learn
+from walkergen.jobs.fit import emulated, learn
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.walker import solids
@@ -19,7 +19,7 @@ from walkergen.walker.design import Design
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(kept.caches, "folder", lambda name: tmp_path)
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
     def call(*words):
         return CliRunner().invoke(app, list(words), catch_exceptions=True)

@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from walkergen.files import templates
-from walkergen.jobs.fit import emulated, kept, lessons, parameters, posterior
+from walkergen.jobs.fit import emulated, lessons, parameters, posterior
 from walkergen.jobs.fit.emulated import Response
 from walkergen.jobs.fit.parameters import Parameter, values
 from walkergen.jobs.fit.posterior import Observed
@@ -168,7 +168,7 @@ def ground():
 
 
 def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_path):
-    monkeypatch.setattr(kept, "place", lambda scene, design: tmp_path / "kept.json")
+    monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path))
     x = emulated.spread(ground, 8)
     asked_for = []
 
@@ -190,8 +190,6 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
     assert len(asked_for) == 4 + 5
     assert speeds[[0, 2]] == pytest.approx([1.0, 3.0])
     assert np.isnan(speeds[1])
-    (tmp_path / "kept.json").write_text("cut sh")
-    assert kept.recall(tmp_path / "kept.json") == {}
 
 
 def test_prints_of_two_settings_are_independent_and_of_one_repeatable(ground):

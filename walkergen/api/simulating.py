@@ -10,11 +10,9 @@ from walkergen.api.speed import Speed, speed_of
 from walkergen.api.table import Result, Table
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.accuracy import choose
-from walkergen.jobs.accuracy.choose import Met
 from walkergen.jobs.simulate import make, report, trajectories
-from walkergen.points import wanted
 from walkergen.points.runs import tracks_of
+from walkergen.points.wanted import parse
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.points import Asked
@@ -33,10 +31,8 @@ RATE_HZ = 1000.0
 class Simulation(Result):
     """Runs of one walker in a scene, and what they say of its speed and motion."""
 
-    def __init__(self, asked: Asked, found: make.Simulated, met: Met | None = None) -> None:
+    def __init__(self, asked: Asked, found: make.Simulated) -> None:
         self._asked = asked
-        self.met = met
-        """What `error` chose, and the error obtained; None where no error was asked for."""
         self.found = found
         """Everything that was measured, as the command `simulate` prints it."""
 
@@ -84,10 +80,9 @@ class Simulation(Result):
 
     def rows(self) -> Iterator[tuple[str, str]]:
         """Names and values in words, as the command prints them, and warnings."""
-        chosen = None if self.met is None else self.met.chosen()
-        made = report.of(self.found, self.scene, self.design, chosen)
+        made = report.of(self.found, self.design)
         yield from ((line["name"], line["value"]) for line in made.table)
-        yield from (("warning", warning) for warning in self.found.warnings)
+        yield from (("warning", warning) for warning in self.found.point.warnings)
 
     def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
         """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
@@ -128,25 +123,21 @@ def simulate(
     Measured `seconds` of each of `runs` runs, `model` and `seed` are by default the scene's, tilt
     (deg) and legs the design's. The first call of a model compiles it.
 
-    With an `error` of the mean speed, "5%" or "3mm/s" with 95 % confidence, the cheapest setting
-    that meets it is found and simulated instead; seconds, runs and model are then left out, and
-    `.met` of the result says what was chosen. Raises InputError.
+    With an `error` of the mean speed, "5%" or "3mm/s" with 95 % confidence, as many runs are made
+    as it needs, by a step that is fine enough; seconds and runs are then left out, and
+    `.found.chosen` says what was taken. A share counts of the speed, or of a fifth of the plate's
+    peak speed where the walker is slower. Raises InputError.
     """
-    chosen = {"seconds": seconds, "runs": runs, "model": model}
-    for name, value in chosen.items():
+    for name, value in {"seconds": seconds, "runs": runs}.items():
         if error is not None and value is not None:
             raise InputError(f"{name}={value!r}: error={error!r} chooses it; leave one of them out")
     given = {"run.seconds": seconds, "run.runs": runs, "legs.model": model, "run.seed": seed}
     keys = {key: value for key, value in given.items() if value is not None}
     ground, member = scene_of(scene).variant(**keys), one_of(design, tilt, legs)
-    mass, tell = solids.mass_of(member), progress or silent
-    if error is None:
-        one = make.asked(ground, member, mass)
-        return Simulation(one, make.measure(one, tell))
-    met = choose.meet(ground, member, mass, wanted.parse(error), tell)
-    one = Asked(met.scene, member, mass)
-    found = make.measured(met.point, one, {met.of: met.choice.bias_bound}, tell)
-    return Simulation(make.asked(met.scene, member, mass), found, met)
+    one = make.asked(ground, member, solids.mass_of(member))
+    wanted = None if error is None else parse(error)
+    found = make.measure(one, progress or silent, wanted)
+    return Simulation(one._replace(scene=found.scene), found)
 
 
 def _interval(rate_hz: float) -> float:

@@ -13,16 +13,13 @@ from walkergen.cli import uncertain as prints
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.files.progress import Progress
-    from walkergen.jobs.accuracy.choose import Met
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
-    from walkergen.walker.mass import MassProperties
 
 UNCERTAIN_SECONDS = 4.0
 """Measured time of a run of --uncertain unless asked otherwise, s."""
 
-CHOSEN = tuple(loading.FLAGS[name] for name in ("model", "step", "seconds", "runs"))
+CHOSEN = tuple(loading.FLAGS[name] for name in ("step", "seconds", "runs"))
 """Keys whose values --error chooses itself."""
 
 
@@ -55,8 +52,7 @@ def simulate(
         typer.Option("--rate", metavar="HZ", min=1e-3, max=1e7, help="Samples per second of it."),
     ] = 1000.0,
     error: Annotated[
-        str | None,
-        typer.Option("--error", metavar="ERROR", help="Error to meet at least cost: 5% or 3mm/s."),
+        str | None, typer.Option("--error", metavar="ERROR", help="Error to meet: 5% or 3mm/s.")
     ] = None,
     uncertain: opt.Uncertain = False,
     draws: Annotated[
@@ -77,7 +73,7 @@ def simulate(
     Several tilts, or both kinds of legs, make a table.
     """
     from walkergen.jobs.simulate import make, report, trajectories
-    from walkergen.simulation import points
+    from walkergen.points.wanted import parse
     from walkergen.walker import solids
 
     if trajectory is not None:
@@ -109,43 +105,24 @@ def simulate(
         prints.simulate(resolved_scene, chosen, draws, out, json, quiet)
         return
     mass = solids.mass_of(chosen)
-    met, interval = None, None if trajectory is None else 1.0 / rate
+    interval = None if trajectory is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
-        if error is None:
-            one = make.asked(resolved_scene, chosen, mass, interval)
-            found = make.measure(one, progress)
-        else:
-            met = _met(error, of, resolved_scene, chosen, mass, progress)
-            resolved_scene = met.scene
-            found = make.measured(
-                met.point, points.Asked(met.scene, chosen, mass),
-                {met.of: met.choice.bias_bound}, progress,
-            )  # fmt: skip
-            one = make.asked(met.scene, chosen, mass, interval)
-        done, wished = found.point.summary.runs, resolved_scene.run.runs
+        one = make.asked(resolved_scene, chosen, mass, interval)
+        found = make.measure(one, progress, None if error is None else parse(error), of)
+        done, wished = found.point.summary.runs, found.scene.run.runs
         if trajectory is not None and done == wished:
-            trajectories.write(trajectory, one, found.point, progress)
+            trajectories.write(trajectory, one._replace(scene=found.scene), found.point, progress)
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
-    for warning in found.warnings:
+    for warning in found.point.warnings:
         print(f"warning: {warning}", file=sys.stderr)
-    show.report(report.of(found, resolved_scene, chosen, met and met.chosen()), json, quiet)
+    show.report(report.of(found, chosen), json, quiet)
     if trajectory is not None and done == wished and not (json or quiet):
         print(trajectory)
     if done < wished:
         if trajectory is not None:
             print(f"{trajectory}: not written", file=sys.stderr)
         raise typer.Exit(130)
-
-
-def _met(
-    error: str, of: str, scene: "Scene", design: "Design", mass: "MassProperties",
-    progress: "Progress",
-) -> "Met":  # fmt: skip
-    from walkergen.jobs.accuracy import choose
-    from walkergen.points import wanted
-
-    return choose.meet(scene, design, mass, wanted.parse(error), progress, of)
 
 
 def _refuse(why: str, **chosen: object) -> None:

@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from walkergen import caches
+from walkergen.numerics import shipped
 
 SOURCES = ("numerics/*.py", "shapes/crossings.py", "theory/*.py", "simulation/**/*.py")
 """Patterns of the files that kernels, their constants and their arguments' types come from."""
@@ -29,11 +30,19 @@ def digest() -> str:
     return found.hexdigest()[:16]
 
 
+_sums: dict[str, str] = {}
 if "numba" not in sys.modules and "NUMBA_CACHE_DIR" not in os.environ:
-    os.environ["NUMBA_CACHE_DIR"] = str(caches.versioned("numba", digest()))
+    _sums, _unfit = shipped.prepare(digest())
+    _place = caches.versioned("numba", digest())
+    os.environ["NUMBA_CACHE_DIR"] = str(_place)
+    if _unfit and not any(_place.iterdir()):
+        print(f"compiling kernels, once: those that came are not used, {_unfit}", file=sys.stderr)
 
-import numba  # noqa: E402  (the cache folder has to be set first)
+import numba  # noqa: E402  (the cache folder and the kind of CPU have to be set first)
 from numba.extending import typeof_impl  # noqa: E402
+
+if _sums:
+    shipped.serve(_sums)
 
 F = TypeVar("F", bound=Callable[..., Any])
 

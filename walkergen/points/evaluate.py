@@ -1,39 +1,22 @@
 """Evaluation of a point: its masses, its predicted speed, and what a simulation says of it."""
 
-import math
 from collections.abc import Sequence
 
 from walkergen.analysis.estimates import UNITS
 from walkergen.errors import WalkergenError
+from walkergen.files.progress import silent
+from walkergen.points import measure
+from walkergen.points.measure import Measured
 from walkergen.points.point import OK, STATUS, Point, Record
 from walkergen.points.runs import motion_of
-from walkergen.points.wanted import Wanted
 from walkergen.printing import checks
 from walkergen.scene import Scene
-from walkergen.simulation import ensemble, observables, resolution
-from walkergen.simulation.ensemble import Summary, listed
-from walkergen.simulation.plan import prepare
+from walkergen.simulation import observables, points
+from walkergen.simulation.ensemble import listed
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.mass import MassProperties
-
-FIRST_RUNS, MOST_RUNS = 8, 512
-"""Numbers of runs with which a point that shall meet an error begins, and ends."""
-
-SLACK = 1.2
-"""Factor by which more runs are made than the estimated error needs, since it fluctuates."""
-
-STEPS_PART, FINEST_US = 0.8, 0.05
-"""Part of the error that a step in space may take up, else it is halved, and step (us) at which
-that ends."""
-
-LONGEST_S = 4.0
-"""Measured time of a run of such a point, at most: more runs tell more than longer ones."""
-
-FEWEST_AT_ALL = 0.2
-"""Speed over the plate's peak speed below which a share of error counts of this one: a walker that
-stands meets no share of its speed."""
 
 MOTION = ("persistence_time", "persistence_length", "rotational_diffusion", "turning_bias")
 """Estimates of the group "persistence", by the names of `estimates.UNITS`."""
@@ -86,59 +69,25 @@ def _evaluated(point: Point) -> Record:
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    design, scene, wanted = point.design, point.scene, point.wanted
-    if wanted is not None:
-        seconds = min(scene.run.seconds, LONGEST_S)
-        scene = with_runs(scene, runs=FIRST_RUNS, seconds=seconds)
-    while True:
-        plan = prepare(scene, design, mass)
-        found, results = ensemble.measure(plan, _silent, threads=1)
-        if found.runs < scene.run.runs:
-            raise KeyboardInterrupt
-        step = resolution.judge(plan, found)[observables.SPEED].error
-        low, high = _bounds(found, step)
-        half = math.inf if low is None or high is None else 0.5 * (high - low)
-        most = math.inf if wanted is None else allowed(wanted, found.speed_mm_s, scene)
-        if half <= most or found.speed_mm_s is None or Outcome.ORBIT.value in found.outcomes:
-            break
-        own = getattr(plan.world.options, "step", None)
-        finer = _refined(scene, half, most, step or 0.0, own)
-        if finer is None:
-            break
-        scene = finer
-    model = plan.resolved.model
+    asked = points.Asked(point.scene, point.design, mass)
+    measured = measure.measure(asked, silent, point.wanted, threads=1)
+    simulated, scene = measured.point, measured.scene
+    summary = simulated.summary
+    if summary.runs < scene.run.runs:
+        raise KeyboardInterrupt
     record: Record = {
-        STATUS: _status(found, half, most),
-        "speed_mm_s": found.speed_mm_s, "se_mm_s": found.speed_se_mm_s,
-        "low_95_mm_s": low, "high_95_mm_s": high, "step_error_mm_s": step,
-        "runs": found.runs, "seconds": scene.run.seconds, "model": model,
+        STATUS: _status(measured),
+        "speed_mm_s": summary.speed_mm_s, "se_mm_s": summary.speed_se_mm_s,
+        "low_95_mm_s": summary.speed_low_95_mm_s, "high_95_mm_s": summary.speed_high_95_mm_s,
+        "step_error_mm_s": simulated.verdicts[observables.SPEED].error,
+        "runs": summary.runs, "seconds": scene.run.seconds, "model": simulated.model,
     }  # fmt: skip
     if "impacts" in point.keep:
         for name in (observables.IMPACTS, observables.CONTACT):
-            record |= {name: getattr(found, name), f"{name}_se": found.errors[name]}
+            record |= {name: getattr(summary, name), f"{name}_se": summary.errors[name]}
     if "persistence" in point.keep:
-        record |= _motion(results, model, scene)
+        record |= _motion(simulated.results, simulated.model, scene)
     return record
-
-
-def _refined(
-    scene: Scene, half: float, most: float, step: float, own: float | None
-) -> Scene | None:
-    """Scene with more runs, or half the step, for half-widths (mm/s) that exceed `most`.
-
-    `step` is the step's own part (mm/s), `own` a step that may be halved (s). None where neither
-    would help.
-    """
-    run = scene.run
-    if step > STEPS_PART * most:
-        finest = own is None or 1e6 * own < 2.0 * FINEST_US
-        return None if finest or own is None else with_runs(scene, step_us=0.5e6 * own)
-    if run.runs >= MOST_RUNS:
-        return None
-    # Variances fall as runs are added; the scatter of few runs is itself known badly.
-    short = (half**2 - step**2) / (most**2 - step**2) if math.isfinite(half) else 2.0
-    more = math.ceil(run.runs * min(max(SLACK * short, 1.5), 8.0))
-    return with_runs(scene, runs=min(MOST_RUNS, more))
 
 
 def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
@@ -155,43 +104,19 @@ def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
     return record
 
 
-def allowed(wanted: Wanted, speed: float | None, scene: Scene) -> float:
-    """Error that a point may have, mm/s: a share counts of the speed, or of FEWEST_AT_ALL."""
-    if not wanted.relative:
-        return wanted.value
-    return wanted.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
-
-
-def _bounds(found: Summary, step: float | None) -> tuple[float | None, float | None]:
-    """Bounds of 95 % of the runs, and of the step where its error is known (mm/s)."""
-    speed, low, high = found.speed_mm_s, found.speed_low_95_mm_s, found.speed_high_95_mm_s
-    if speed is None or low is None or high is None:
-        return None, None
-    half = math.hypot(0.5 * (high - low), step or 0.0)
-    return speed - half, speed + half
-
-
-def _status(found: Summary, half: float, most: float) -> str:
+def _status(measured: Measured) -> str:
     """How the runs of a point went."""
-    fine = [one.value for one in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
-    bad = {name: count for name, count in found.outcomes.items() if name not in fine}
-    if found.speed_mm_s is None:
-        return f"no speed: {listed(found.outcomes)}"
+    summary = measured.point.summary
+    fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
+    bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
+    if summary.speed_mm_s is None:
+        return f"no speed: {listed(summary.outcomes)}"
     if bad:
         return f"some runs ended badly: {listed(bad)}"
-    if Outcome.TOO_FEW.value in found.outcomes:
+    if Outcome.TOO_FEW.value in summary.outcomes:
         return "error unknown: too few data; take more runs, or longer ones"
-    if Outcome.ORBIT.value in found.outcomes:
+    if Outcome.ORBIT.value in summary.outcomes:
         return f"error unknown: all runs are {Outcome.ORBIT.value}, which other prints are not"
-    if half > most:
-        return f"error {half:.3g} mm/s, not within the {most:.3g} asked"
+    if measured.error > measured.allowed:
+        return f"error {measured.error:.3g} mm/s, not within the {measured.allowed:.3g} asked"
     return OK
-
-
-def with_runs(scene: Scene, **run: float) -> Scene:
-    """Scene with other settings of its runs."""
-    return scene.model_copy(update={"run": scene.run.model_copy(update=run)})
-
-
-def _silent(what: str, done: int, total: int) -> None:
-    """Progress that reports nothing."""

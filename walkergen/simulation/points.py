@@ -8,7 +8,7 @@ What is asked and what comes back can be sent to other processes, so that any ex
 import hashlib
 import json
 import os
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from concurrent.futures import Executor, ThreadPoolExecutor
 from typing import Any, NamedTuple
 
@@ -18,10 +18,11 @@ from walkergen import __version__
 from walkergen.files.progress import Progress, part
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
-from walkergen.simulation import ensemble
+from walkergen.simulation import ensemble, resolution
 from walkergen.simulation.effects.effect import METHODS, ModelName
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.plan import prepare
+from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import RunResult
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -46,8 +47,15 @@ class Point(NamedTuple):
     key: str
     model: ModelName
     summary: Summary
+    """Statistics of the runs; the bounds of the speed hold the step's error as well."""
     results: Sequence[RunResult]
     """Finished runs, sorted by number; fewer than asked for after Ctrl-C."""
+    verdicts: Mapping[str, Verdict]
+    """What the step leaves of each observable, by the names of `observables.NAMES`."""
+    warnings: Sequence[str]
+    """Warnings on the step."""
+    step_us: float | None
+    """Step that was taken; None for a model that goes from event to event."""
 
     @property
     def method(self) -> str:
@@ -98,7 +106,11 @@ def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Poi
     summary, results = ensemble.measure(
         plan, progress, threads, asked.impacts, asked.sample_interval
     )
-    return Point(key(asked), plan.resolved.model, summary, results)
+    verdicts, step = resolution.judge(plan, summary), getattr(plan.world.options, "step", None)
+    return Point(
+        key(asked), plan.resolved.model, resolution.bounded(verdicts, summary), results, verdicts,
+        resolution.warnings(plan), None if step is None else 1e6 * step,
+    )  # fmt: skip
 
 
 def each(

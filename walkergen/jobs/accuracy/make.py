@@ -9,16 +9,7 @@ from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.accuracy import (
-    choose,
-    elastic,
-    everything,
-    kept,
-    models,
-    shape,
-    statistics,
-    steps,
-)
+from walkergen.jobs.accuracy import choose, elastic, everything, models, shape, statistics, steps
 from walkergen.jobs.accuracy import tables as ladders
 from walkergen.jobs.accuracy.ladder import Ladder, machine
 from walkergen.jobs.accuracy.speeds import Survey
@@ -77,7 +68,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     """Measure ladders and write NAME.csv, .md, .png, .pdf for each as soon as it is measured.
 
     With the ladders of models or steps also accuracy.md, choice.png and .pdf: what to run for which
-    error. Measured speeds are kept for `simulate --error`. Ctrl-C keeps the ladders already done.
+    error. Ctrl-C keeps the ladders already done.
     Raises InputError when there is no mean speed to study.
     """
     parts = solids.build(job.design)
@@ -92,8 +83,6 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
                     continue
                 done.append(measure(survey, part(progress, place, len(job.only))))
                 _write(done[-1], target)
-            if survey.known:
-                kept.remember(survey)
         answers = _answers(job, survey, target, progress) if {*job.only} & ANSWERING else []
     return Study(done, answers, survey.purse.spent_s, least)
 
@@ -152,7 +141,6 @@ def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> li
 
     found = choose.candidates(survey, progress)
     reference = survey.reference(progress)
-    kept.remember(survey)
     title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
@@ -166,7 +154,7 @@ def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> li
         f"# {title}: what to run for which error\n\n"
         f"Truth: {models.certificate(survey, progress)}.\nMeasured on: {machine()}.\n\n"
         f"{table}\n\n"
-        f"In one command: `walkergen simulate ... --error 5%`.\n"
+        "In one command: `walkergen simulate ... --error 5%`, by the model's own step or a finer.\n"
         "The error is that of the mean speed with 95 % confidence: the bound of the setting's\n"
         "bias and twice the standard error together. Errors below what the truth is certified to\n"
         "rest on the order of the stepping (steps-short), not on a second method.\n\n"

@@ -2,7 +2,6 @@
 
 from walkergen.analysis import motion
 from walkergen.analysis.tracks import of_places
-from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
 from walkergen.simulation.points import Point
@@ -16,13 +15,6 @@ MOTION = {
 
 NAMES = (*observables.NAMES, *MOTION)
 """Names of all observables, as `simulate --json` has them."""
-
-
-def check(name: str) -> str:
-    """Name of an observable, or InputError with the list of names."""
-    if name not in NAMES:
-        raise InputError(f"--of {name[:60]!r}: must be one of {', '.join(NAMES)}")
-    return name
 
 
 def values(point: Point, scene: Scene) -> dict[str, tuple[float | None, float | None]]:

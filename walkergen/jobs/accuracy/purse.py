@@ -31,13 +31,9 @@ it the measured speed does not."""
 class Purse:
     """Wall time for simulations, s, and how much slower they are than their CPU time says."""
 
-    def __init__(self, budget_s: float, cores: int, patient: bool = False) -> None:
-        """Purse of `budget_s` s for ensembles on `cores` threads.
-
-        A `patient` one counts what an idle machine would have taken, so that a busy one gives
-        results no worse, but later.
-        """
-        self.budget_s, self.cores, self.patient = budget_s, cores, patient
+    def __init__(self, budget_s: float, cores: int) -> None:
+        """Purse of `budget_s` s for ensembles on `cores` threads."""
+        self.budget_s, self.cores = budget_s, cores
         self.spent_s = 0.0
         self._expected_s = self._took_s = 0.0
 
@@ -79,10 +75,9 @@ class Purse:
 
     def pay_turns(self, expected_s: float, wall_s: float) -> None:
         """Note time spent on what would have taken `expected_s` undisturbed, and learn from it."""
-        took = expected_s if self.patient else wall_s
         self._expected_s += expected_s
-        self._took_s += took
-        self.pay(took)
+        self._took_s += wall_s
+        self.pay(wall_s)
 
     def _idle_s(self, runs: int, rate: float) -> float:
         """Wall time of a simulated second of every run, in turns of one run a core."""

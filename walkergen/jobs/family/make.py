@@ -209,16 +209,14 @@ def weighed_of(made: Sequence[Member]) -> list[Weighing]:
 
 def _with_simulations(job: Job, made: Sequence[Member], progress: Progress) -> list[Member]:
     """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
-    from walkergen.simulation import points, resolution
+    from walkergen.simulation import points
     from walkergen.simulation.ensemble import listed
-    from walkergen.simulation.plan import prepare
 
     asked = [points.Asked(job.scene, member.design, member.mass) for member in made]
     titles = [f"simulating {member.name}" for member in made]
     found = []
     for member, point in zip(made, points.each(asked, titles, progress, None), strict=True):
-        plan = prepare(job.scene, member.design, member.mass)
-        summary = resolution.bounded(resolution.judge(plan, point.summary), point.summary)
+        summary = point.summary
         simulated = Simulated(
             summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
             summary.speed_high_95_mm_s, point.model, point.method, listed(summary.outcomes),

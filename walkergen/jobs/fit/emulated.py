@@ -14,10 +14,10 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit import kept
 from walkergen.jobs.fit.parameters import ModelName, Unknown, values
 from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
+from walkergen.points.store import Store
 from walkergen.scene import Drive, Scene
 from walkergen.simulation import points
 from walkergen.simulation.points import Asked
@@ -111,19 +111,19 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
         inputs = dict(zip(names, row, strict=True))
         asked.append(Asked(*uncertain.applied(mine, setting.design, inputs)))
     keys = [points.key(one) for one in asked]
-    path = kept.place(scene, setting.design)
-    known = kept.recall(path)
-    missing = [place for place, key in enumerate(keys) if key not in known]
-    title = f"simulating tilt {setting.tilt:g}"
+    store = Store()
+    speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
+    missing = [place for place, key in enumerate(keys) if key not in speeds]
+    wanted = [asked[place] for place in missing]
+    titles = [f"simulating tilt {setting.tilt:g}"] * len(wanted)
     try:
-        wanted = [asked[place] for place in missing]
-        found = points.on_threads(wanted, [title] * len(wanted), progress)
-        for place, point in zip(missing, found, strict=True):
-            known[keys[place]] = point.summary.speed_mm_s
+        for place, point in zip(missing, points.on_threads(wanted, titles, progress), strict=True):
+            speeds[keys[place]] = point.summary.speed_mm_s
     finally:
-        if missing:
-            kept.remember(path, known)
-    return np.array([np.nan if known[key] is None else known[key] for key in keys], dtype=float)
+        fresh = [keys[place] for place in missing if keys[place] in speeds]
+        store.put((key, {"speed_mm_s": speeds[key]}) for key in fresh)
+        store.close()
+    return np.array([np.nan if speeds[key] is None else speeds[key] for key in keys], dtype=float)
 
 
 def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[Array, list[int]]:

@@ -11,11 +11,13 @@ from walkergen.analysis.motion import Motion
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.simulate import orbit
 from walkergen.jobs.simulate.orbit import Orbit
+from walkergen.points import measure as ensembles
 from walkergen.points.runs import motion_of
+from walkergen.points.wanted import Chosen, Wanted
 from walkergen.scene import Scene
 from walkergen.simulation import points, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve
-from walkergen.simulation.plan import prepare
+from walkergen.simulation.observables import SPEED
 from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
@@ -31,12 +33,10 @@ class Simulated(NamedTuple):
     """Results of a simulation; motion and landings belong to walkers in space."""
 
     point: Point
-    verdicts: Mapping[str, Verdict]
-    """What the step leaves of each observable, by the names of `observables.NAMES`."""
-    warnings: Sequence[str]
-    """Warnings on the step."""
+    scene: Scene
+    """Scene with the runs and the step that were taken."""
     values: Mapping[str, float]
-    """Values of the same observables."""
+    """Values of all observables, by the names of `observables.NAMES`."""
     errors: Mapping[str, float | None]
     """Their standard errors, of the runs and the step together; None where either is unknown."""
     orbit: Orbit | None = None
@@ -48,6 +48,13 @@ class Simulated(NamedTuple):
     """Landings of each run that ended well; none where they were not kept."""
     legs: tuple[str, ...] = ()
     """Names of the legs, in the order of their landings."""
+    chosen: Chosen | None = None
+    """What was taken to meet an error; None where none was asked for."""
+
+    @property
+    def verdicts(self) -> Mapping[str, Verdict]:
+        """What the step leaves of each observable, by the names of `observables.NAMES`."""
+        return self.point.verdicts
 
 
 def asked(
@@ -59,35 +66,34 @@ def asked(
     return Asked(scene, design, mass, impacts=in_space and few, sample_interval=interval)
 
 
-def measure(one: Asked, progress: Progress) -> Simulated:
+def measure(
+    one: Asked, progress: Progress, wanted: Wanted | None = None, of: str = SPEED
+) -> Simulated:
     """Simulate what is asked, and measure motion and landings of a walker in space.
 
-    Raises InputError where the scene contradicts itself or asks for too many samples.
+    With an error of the observable `of` as many runs as that needs, without landings. Raises
+    InputError where the scene contradicts itself, asks for too many samples, or no number of runs
+    gives the observable to an error.
     """
     if one.sample_interval is not None:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-    return measured(points.measure(one, progress), one, progress=progress)
+    if wanted is None:
+        return measured(points.measure(one, progress), one, progress)
+    few = one._replace(impacts=False, sample_interval=None)
+    taken = ensembles.measure(few, progress, wanted, of)
+    simulated = measured(taken.point, few._replace(scene=taken.scene), progress)
+    return simulated._replace(chosen=taken.chosen())
 
 
-def measured(
-    point: Point, one: Asked, studied: Mapping[str, float] | None = None,
-    progress: Progress = silent,
-) -> Simulated:  # fmt: skip
-    """What a simulated point says of its step, and in space of motion and landings.
-
-    `studied` are largest errors (95 %) of the step that are known better, by name.
-    """
-    plan = prepare(one.scene, one.design, one.mass)
-    verdicts = resolution.judge(plan, point.summary)
-    verdicts |= {name: Verdict(error) for name, error in (studied or {}).items()}
+def measured(point: Point, one: Asked, progress: Progress = silent) -> Simulated:
+    """What a simulated point says of shared orbits and, in space, of motion and landings."""
     values = resolution.values(point.summary)
-    errors = resolution.errors(verdicts, point.summary)
-    summary = resolution.bounded(verdicts, point.summary)
+    errors = resolution.errors(point.verdicts, point.summary)
     shared = orbit.of(point, one, progress)
     if shared is not None:
-        summary, errors = orbit.of_prints(summary, shared), dict.fromkeys(errors)
-    point = point._replace(summary=summary)
-    found = Simulated(point, verdicts, resolution.warnings(plan), values, errors, shared)
+        point = point._replace(summary=orbit.of_prints(point.summary, shared))
+        errors = dict.fromkeys(errors)
+    found = Simulated(point, one.scene, values, errors, shared)
     if point.model != "space":
         return found
     good = [result for result in point.results if result.outcome in ENDED_WELL]

@@ -8,7 +8,6 @@ from walkergen.files import report, words
 from walkergen.files.report import Report
 from walkergen.jobs.simulate import tables
 from walkergen.jobs.simulate.make import Simulated
-from walkergen.points.wanted import Chosen
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -23,19 +22,18 @@ class Line(NamedTuple):
 LINES = (report.text("", "name"), report.text("", "value"))
 
 
-def of(
-    simulated: Simulated, scene: Scene, design: Design, chosen: Chosen | None = None
-) -> Report:  # fmt: skip
-    """Report of the runs of a walker in a scene, and of what an error that was asked for chose."""
-    lines = [Line(*line) for line in _lines(simulated, scene, design, chosen)]
+def of(simulated: Simulated, design: Design) -> Report:
+    """Report of the runs of a walker in a scene, and of what an error that was asked for took."""
+    scene = simulated.scene
+    lines = [Line(*line) for line in _lines(simulated, scene, design)]
     title = f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}"
     return Report(
         name="simulate", title=title, tables=[report.table("summary", lines, LINES)],
-        facts=_facts(simulated, scene, chosen),
+        facts=_facts(simulated, scene),
     )  # fmt: skip
 
 
-def _facts(simulated: Simulated, scene: Scene, chosen: Chosen | None) -> Mapping[str, Any]:
+def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
     data = tables.model_as_dict(simulated, scene) | simulated.point.summary._asdict()
     data["partial"] = simulated.point.summary.runs < scene.run.runs
@@ -48,12 +46,11 @@ def _facts(simulated: Simulated, scene: Scene, chosen: Chosen | None) -> Mapping
     data["step"] = tables.step_as_dict(simulated)
     orbit = simulated.orbit
     data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
+    chosen = simulated.chosen
     return data if chosen is None else data | {"chosen": chosen.facts}
 
 
-def _lines(
-    simulated: Simulated, scene: Scene, design: Design, chosen: Chosen | None
-) -> Iterator[tuple[str, str]]:
+def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str]]:
     summary, drive = simulated.point.summary, scene.drive
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
     plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
@@ -61,8 +58,8 @@ def _lines(
     yield "model", tables.model_in_words(simulated, scene)
     yield "mean speed", _speed(simulated, scene)
     yield from tables.bound_rows(simulated)
-    if chosen is not None:
-        yield from chosen.lines
+    if simulated.chosen is not None:
+        yield from simulated.chosen.lines
     yield from tables.motion_rows(simulated)
     yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
     correlation = summary.correlation_time_s

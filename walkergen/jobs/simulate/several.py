@@ -10,7 +10,7 @@ from walkergen.analysis.estimates import Estimate, with_error
 from walkergen.files.progress import Progress
 from walkergen.jobs.simulate import orbit, tables
 from walkergen.scene import Scene
-from walkergen.simulation import points, resolution
+from walkergen.simulation import points
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.points import Asked
@@ -62,8 +62,7 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
     for one, name, point in zip(
         wanted, titles, points.each(wanted, titles, progress, None), strict=True
     ):
-        plan = prepare(one.scene, one.design, one.mass)
-        found = resolution.bounded(resolution.judge(plan, point.summary), point.summary)
+        found = point.summary
         shared = orbit.of(point, one, progress)
         if shared is not None:
             found = orbit.of_prints(found, shared)
@@ -72,7 +71,7 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
             name, one.design.tilt_deg, one.design.kind, point.model, point.method,
             predicted.speed_mm_s, predicted.theory_mm_s, found.speed_mm_s, found.speed_se_mm_s,
             found.speed_low_95_mm_s, found.speed_high_95_mm_s, found.runs, found.outcomes,
-            resolution.warnings(plan), None if shared is None else tables.orbit_as_dict(shared),
+            point.warnings, None if shared is None else tables.orbit_as_dict(shared),
         )  # fmt: skip
 
 

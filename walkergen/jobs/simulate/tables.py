@@ -284,7 +284,7 @@ def step_as_dict(found: Simulated) -> dict[str, Any]:
         if one.reason:
             reasons.setdefault(one.reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
-    return {"errors_95": known, "not_resolved": unresolved, "warnings": list(found.warnings)}
+    return {"errors_95": known, "not_resolved": unresolved, "warnings": list(found.point.warnings)}
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:

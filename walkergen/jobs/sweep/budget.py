@@ -8,7 +8,7 @@ from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.points import run
 from walkergen.points.crew import Crew
-from walkergen.points.evaluate import FIRST_RUNS, LONGEST_S, with_runs
+from walkergen.points.measure import FIRST_RUNS, LONGEST_S, with_runs
 from walkergen.points.point import PREDICTION, Point, Record, key
 from walkergen.points.request import Request
 from walkergen.points.run import Asked

@@ -1,0 +1,79 @@
+"""Wheels with compiled kernels: `make wheel`, or a build with WALKERGEN_KERNELS=all set.
+
+The kernels are those that the commands below compile, for any CPU of a kind; they lie in
+walkergen/kernels, and `walkergen/numerics/shipped.py` says when they are used.
+"""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+from pathlib import Path
+
+from hatchling.builders.hooks.plugin.interface import BuildHookInterface
+
+SHORT = ("--seconds", "0.05", "--runs", "2", "--quiet")
+FIRST = (("predict", "--tilt", "10"), ("simulate", *SHORT))
+MORE = (
+    *(("simulate", "--model", model, *SHORT) for model in ("relaxed", "rigid", "compliant")),
+    ("simulate", "--scene", "plane-noisy", *SHORT),
+    ("simulate", "--set", "scene.effects.air_drag=true", *SHORT),
+    ("simulate", "--set", "scene.plate.slope_deg=2", *SHORT),
+    ("family", "--no-pictures", "--quiet"),
+    ("bench", "drop", "--measured", "0.5", "--drops", "2", "--quiet"),
+)
+"""Commands whose kernels a wheel takes along: those of WALKERGEN_KERNELS=first, and of all."""
+
+
+class KernelsHook(BuildHookInterface):  # type: ignore[misc,type-arg]
+    """Takes kernels along where the environment asks for them: a wheel of one platform then."""
+
+    def initialize(self, version: str, build_data: dict) -> None:  # type: ignore[type-arg]
+        """Compile kernels before the wheel is packed."""
+        wished = os.environ.get("WALKERGEN_KERNELS", "")
+        if self.target_name != "wheel" or version != "standard" or not wished:
+            return
+        commands = {"first": FIRST, "all": (*FIRST, *MORE)}[wished]
+        folder = Path(self.root) / "build" / "kernels"
+        shutil.rmtree(folder, ignore_errors=True)
+        compile_into(folder, Path(self.root), commands)
+        build_data["force_include"][str(folder)] = "walkergen/kernels"
+        build_data["pure_python"] = False
+        build_data["infer_tag"] = True
+
+
+def compile_into(folder: Path, root: Path, commands: tuple[tuple[str, ...], ...]) -> None:
+    """Compile what the commands need for CPUs of this kind, and write it with its manifest."""
+    sys.path.insert(0, str(root))
+    from walkergen.numerics import kernels, shipped
+
+    own = shipped.kind(kernels.digest())
+    if not own.cpu:
+        raise SystemExit("this CPU is no x86-64-v3: wheels with kernels are made on one that is")
+    with tempfile.TemporaryDirectory() as place:
+        cache = Path(place) / "numba"
+        settings = {"NUMBA_CACHE_DIR": str(cache), "NUMBA_CPU_NAME": own.cpu,
+                    "NUMBA_CPU_FEATURES": "", "PYTHONPATH": str(root)}  # fmt: skip
+        for words in commands:
+            print(f"compiling for {' '.join(words)}", file=sys.stderr)
+            subprocess.run([sys.executable, "-m", "walkergen", *words], cwd=place, check=True,
+                           env=os.environ | settings, stdout=subprocess.DEVNULL)  # fmt: skip
+        sums = _gathered(cache, folder, root / "walkergen")
+    manifest = own._asdict() | {"files": sums}
+    (folder / shipped.MANIFEST).write_text(json.dumps(manifest, indent=1, sort_keys=True))
+
+
+def _gathered(cache: Path, folder: Path, package: Path) -> dict[str, str]:
+    """Copy entries of the package's rooms out of a cache; their sums by their names."""
+    from walkergen.numerics import shipped
+
+    rooms = {shipped.subpath(room): room for room in package.rglob("*") if room.is_dir()}
+    sums = {}
+    for path in sorted(cache.rglob("*.nb[ic]")):
+        place = rooms[path.parent.name].relative_to(package) / path.name
+        (folder / place).parent.mkdir(parents=True, exist_ok=True)
+        shutil.copyfile(path, folder / place)
+        sums[place.as_posix()] = shipped.sum_of(path)
+    return sums
