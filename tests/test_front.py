@@ -197,9 +197,9 @@ def test_a_simulation_is_the_commands(run, runs):
     bounds = runs.speed.low_95, runs.speed.high_95
     assert bounds == (plain["speed_low_95_mm_s"], plain["speed_high_95_mm_s"])
     found, (first, *_) = runs.trajectory(50), Path("all.csv").read_text().splitlines()
-    assert list(found.columns) == first.split(",")
+    assert list(found.keys) == first.split(",")
     rows = np.loadtxt("all.csv", delimiter=",", skiprows=1)
-    np.testing.assert_array_equal(np.column_stack([*found.columns.values()]), rows)
+    np.testing.assert_array_equal(np.array(found.rows), rows)
     frame = runs.to_dataframe()
     assert frame["speed_mm_s"].tolist() == [runs.speed.value]
     assert frame["outcomes.ok"].tolist() == [4]
@@ -207,7 +207,7 @@ def test_a_simulation_is_the_commands(run, runs):
 
 def test_a_simulation_shows_itself(runs):
     page = runs._repr_html_()
-    assert f"<th>mean speed</th><td>{runs.speed.value:.2f} mm/s" in page
+    assert f"<td>mean speed</td><td>{runs.speed.value:.2f} mm/s" in page
     assert runs.speed.orbit in page
     assert "relaxed, method event" in page
     assert runs.plot()._repr_png_().startswith(b"\x89PNG")
@@ -534,14 +534,15 @@ def test_samples_that_are_none_are_refused(words, told):
 
 
 def test_tables_escape_count_and_need_pandas(monkeypatch):
-    table = Table({"a": range(30), "b": [None] * 29 + ["<i>"]}, "<b>", ["x & y"])
+    rows = [*((number, None) for number in range(29)), (29, "<i>")]
+    table = Table("t", rows, ("a", "b"), (), "<b>", ["x & y"])
     page = table._repr_html_()
     assert "<b>" not in page
     assert "&lt;b&gt;" in page
     assert "x &amp; y" in page
     assert "and 10 more rows" in page
     assert table["a"].dtype == np.int64
-    assert np.isnan(Table({"c": [1.5, None]})["c"][1])
+    assert np.isnan(Table("t", [(1.5,), (None,)], ["c"])["c"][1])
     with pytest.raises(KeyError, match="no column 'd'; columns: a, b"):
         _ = table["d"]
     monkeypatch.setitem(sys.modules, "pandas", None)

@@ -3,8 +3,8 @@
 from collections.abc import Iterable, Iterator
 from typing import overload
 
+from walkergen.analysis.speed import Speed, speed_of
 from walkergen.api.loading import Ground, Walker, members_of, scene_of
-from walkergen.api.speed import Speed, speed_of
 from walkergen.api.table import Result, Table, table_of
 from walkergen.errors import InputError
 from walkergen.jobs.family import make as families

@@ -1,6 +1,5 @@
 """The command `track`."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -74,8 +73,6 @@ def track(
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
         made = make.track(film, options, folder, progress)
-    for warning in made.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
     show.report(made, json, quiet)
 
 

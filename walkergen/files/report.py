@@ -9,28 +9,34 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from html import escape
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import tables, words
-from walkergen.files.output import Folder
 
 if TYPE_CHECKING:
     import numpy.typing as npt
     from matplotlib.figure import Figure
     from rich.table import Table as RichTable
 
+    from walkergen.files.output import Folder
+
 MOST_SHOWN = 20
 """Rows that a notebook shows; the others are counted."""
 
 
 class Column(NamedTuple):
-    """Column that people read: its heading, with the unit, and the text of a row's cell."""
+    """Column that people read: its heading, with the unit, and the text of a row's cell.
+
+    Where the heading has two lines nothing else of the column is broken on a terminal.
+    """
 
     heading: str
     cell: Callable[[Any], str]
     right: bool = False
     """True for numbers, which stand in line at their ends."""
+    wide: bool = False
+    """True for a detail of pages, for which a terminal has no room."""
 
 
 def text(heading: str, key: str) -> Column:
@@ -38,14 +44,21 @@ def text(heading: str, key: str) -> Column:
     return Column(heading, lambda row: str(getattr(row, key)))
 
 
-def number(heading: str, key: str, digits: int = 4, scale: float = 1.0) -> Column:
+def number(
+    heading: str, key: str, digits: int = 4, scale: float = 1.0, wide: bool = False
+) -> Column:  # fmt: skip
     """Column of numbers to significant digits, `scale` times those of the row; None is blank."""
 
     def cell(row: Any) -> str:
         value = getattr(row, key)
         return "" if value is None else words.number(scale * value, digits)
 
-    return Column(heading, cell, right=True)
+    return Column(heading, cell, True, wide)
+
+
+def fixed(heading: str, key: str, digits: int, wide: bool = False) -> Column:
+    """Column of numbers with so many decimals."""
+    return Column(heading, lambda row: words.fixed(getattr(row, key), digits), True, wide)
 
 
 def with_error(heading: str, key: str, se: str) -> Column:
@@ -75,7 +88,8 @@ class Table:
     """Stem of its CSV file."""
     rows: Sequence[Any]
     keys: Sequence[str]
-    """Names of the values of a row, with units: of CSV, JSON, a frame of pandas."""
+    """Names of the values of a row, with units: of CSV, JSON, a frame of pandas; without any the
+    table is for people alone, and is no file."""
     columns: Sequence[Column] = ()
     """What people read; without any the table is for machines alone, and on no page."""
     title: str = ""
@@ -111,17 +125,23 @@ class Table:
         from rich.markup import escape as literally
         from rich.table import Table as RichTable
 
-        headed = any(column.heading for column in self.columns)
+        columns = [column for column in self.columns if markdown or not column.wide]
+        headed = any(column.heading for column in columns)
         made = RichTable(
             title=None if markdown or not self.title else literally(self.title),
             box=box.MARKDOWN if markdown else box.SIMPLE_HEAD if headed else box.SIMPLE,
             padding=(0, 1, 0, 0) if headed else (0, 1), pad_edge=not headed, show_header=headed,
         )  # fmt: skip
-        for column in self.columns:
-            made.add_column(column.heading, justify="right" if column.right else "left")
-        for row in self.rows if self.read is None else self.read:
-            made.add_row(*(literally(column.cell(row)) for column in self.columns))
+        for column in columns:
+            justify: Literal["left", "right"] = "right" if column.right else "left"
+            made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
+        for row in self._read():
+            made.add_row(*(literally(column.cell(row)) for column in columns))
         return made
+
+    def _read(self) -> Sequence[Any]:
+        """Rows that people read."""
+        return self.rows if self.read is None else self.read
 
     def to_dataframe(self) -> Any:
         """Frame of pandas with the same columns. Raises InputError where pandas is missing."""
@@ -135,12 +155,16 @@ class Table:
         return pandas.DataFrame({key: self[key] for key in self.keys})
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{escape(key)}</th>" for key in self.keys)
+        heads: Sequence[str] = self.keys or [column.heading for column in self.columns]
+        rows = [
+            map(rounded, row) if self.keys else [column.cell(row) for column in self.columns]
+            for row in self._read()[:MOST_SHOWN]
+        ]
+        head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
         body = "".join(
-            "<tr>" + "".join(f"<td>{escape(rounded(value))}</td>" for value in row) + "</tr>"
-            for row in self.rows[:MOST_SHOWN]
+            "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
         )
-        more = len(self) - MOST_SHOWN
+        more = len(self._read()) - MOST_SHOWN
         notes = [*self.notes, *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
@@ -190,6 +214,8 @@ class Report:
     """What was asked, without a full stop."""
     lines: Sequence[str] = ()
     """Answers, settings and notes, a sentence each."""
+    warnings: Sequence[str] = ()
+    """What went wrong or may mislead; on the error stream of a command."""
     figures: "Mapping[str, Callable[[], Figure]]" = field(default_factory=dict)
     """What draws each figure, by the stems of their files."""
     folder: Path | None = None
@@ -220,15 +246,20 @@ class Report:
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return "\n\n".join(part for part in parts if part) + "\n"
 
-    def write(self, folder: Folder, pictures: bool) -> None:
+    def write(self, folder: "Folder", pictures: bool) -> None:
         """Write a CSV file a table, the page, and the figures as PNG and PDF."""
-        for each in self.tables:
-            folder.write(f"{each.name}.csv", each.csv().encode())
+        self.write_tables(folder)
         folder.write(f"{self.name}.md", self.markdown().encode())
         if pictures:
             self.write_figures(folder)
 
-    def write_figures(self, folder: Folder) -> None:
+    def write_tables(self, folder: "Folder") -> None:
+        """Write a CSV file for each table that has keys."""
+        for each in self.tables:
+            if each.keys:
+                folder.write(f"{each.name}.csv", each.csv().encode())
+
+    def write_figures(self, folder: "Folder") -> None:
         """Write the figures as PNG and PDF."""
         for name, draw in self.figures.items():
             from walkergen.files import figures  # brings matplotlib
@@ -253,9 +284,14 @@ class Report:
 
     def __repr__(self) -> str:
         sizes = [f"{each.name}: {len(each)} rows" for each in self.tables]
-        return "\n".join([self.title, *sizes, *self.lines])
+        return "\n".join([self.title, *sizes, *self._said()])
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
         parts += [each._repr_html_() for each in self.shown()]
-        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self.lines)])
+        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())])
+
+    def _said(self) -> Iterator[str]:
+        """Lines and warnings."""
+        yield from self.lines
+        yield from (f"warning: {warning}" for warning in self.warnings)

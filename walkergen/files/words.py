@@ -27,6 +27,11 @@ def number(value: float, digits: int = 3) -> str:
     return f"{float(text):.{decimals}f}"
 
 
+def fixed(value: float, digits: int) -> str:
+    """Format a number with so many decimals, without a minus on zero."""
+    return f"{round(value, digits) + 0.0:.{digits}f}"
+
+
 def value(text: str) -> float | None:
     """Finite number that a text stands for, in plain digits, zero without a sign; None for others.
 

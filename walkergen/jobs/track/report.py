@@ -48,8 +48,6 @@ class TrackReport(Report):
     """Everything that was found, walker by walker."""
     picture: Path
     """Picture of what was found, to be looked at."""
-    warnings: Sequence[str]
-    """What went wrong, each with the number of frames."""
 
 
 class Row(NamedTuple):

@@ -3,7 +3,7 @@
 import math
 from typing import NamedTuple
 
-from walkergen.analysis.estimates import Estimate, with_error
+from walkergen.files import words
 
 
 class Speed(NamedTuple):
@@ -25,7 +25,7 @@ class Speed(NamedTuple):
             return f"{self.value:.2f} mm/s, {self.orbit}{self._of_prints()}"
         if math.isnan(self.se):
             return f"{self.value:.2f} mm/s, standard error unknown"
-        found = f"{with_error(Estimate(self.value, self.se))} mm/s"
+        found = f"{words.with_error(self.value, self.se)} mm/s"
         if math.isnan(self.low_95) or math.isnan(self.high_95):
             return f"{found}, bounds unknown"
         return f"{found}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
