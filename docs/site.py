@@ -22,7 +22,7 @@ ROOMS = {
         "theory/balance",
         "theory/stationary",
     ],
-    "predictions": ["prediction", "uncertain", "discrepancy"],
+    "predictions": ["theory/prediction", "theory/uncertain", "theory/discrepancy"],
     "simulation": [
         "simulation/plan",
         "simulation/points",
@@ -36,6 +36,7 @@ ROOMS = {
         "points/axes",
         "points/request",
         "points/point",
+        "points/measure",
         "points/evaluate",
         "points/run",
         "points/crew",
@@ -78,10 +79,13 @@ def _paper(path):
 
 
 def _gallery():
-    """Page of all pictures that the program makes, with what the README says under each."""
-    readme = (ROOT / "README.md").read_text(encoding="utf-8")
-    shown = re.findall(r"!\[(.*?)\]\(docs/(.*?)\)", readme)
-    return "# Gallery\n\n" + "\n\n".join(f"## {told}\n\n![{told}]({name})" for told, name in shown)
+    """Page of all pictures that the program makes, with what the pages say under each."""
+    pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
+    text = "".join(page.read_text(encoding="utf-8") for page in pages)
+    shown = {name: told for told, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    return "# Gallery\n\n" + "\n\n".join(
+        f"## {told}\n\n![{told}]({name})" for name, told in shown.items()
+    )
 
 
 def on_nav(nav, config, files):

@@ -50,7 +50,7 @@ def job_of(wished=None, model="prediction", spans=(TILT, LENGTH), printer="ender
 
 def predicted(job, values):
     """Predicted speed, without a search's own ways."""
-    design, scene = lab.made(job, values)
+    design, scene = lab.built(job, values)
     return evaluate(Point(design, scene))["speed_mm_s"]
 
 
@@ -198,7 +198,7 @@ def test_a_printer_on_which_nothing_prints_says_why(bench, tmp_path):
 def test_only_what_prints_is_proposed(bench, tmp_path):
     spans = (TILT, Span("legs.flexible_thickness_mm", 0.1, 0.6))
     result = make.make(job_of(spans=spans), bench, tmp_path, pictures=False)
-    feasible = result.found.survey.feasible
+    feasible = result.search.survey.feasible
     assert 0 < feasible.sum() < len(feasible)
     assert all(one.design.legs.flexible_thickness_mm >= 0.3 for one in result.designs)
     assert any(one.met for one in result.designs)
@@ -224,14 +224,14 @@ def test_interrupted_nothing_is_written_and_the_same_command_goes_on(tmp_path):
 def test_verification_never_has_the_seed_of_the_runs_that_chose():
     assert all(lab.fresh_seed(seed) != seed for seed in range(1000))
     job = job_of(model="compliant")
-    design, scene = lab.made(job, {"legs.tilt_deg": 10.0, "legs.length_mm": 7.0})
+    design, scene = lab.built(job, {"legs.tilt_deg": 10.0, "legs.length_mm": 7.0})
     (point,) = lab.points(job, design, scene, (8, 2.0), None, lab.fresh_seed(1))
     assert point.scene.run.seed == lab.fresh_seed(1)
 
 
 def test_marks_by_notches_do_not_forbid_tilts_between_those_of_a_family(bench):
     job = job_of(spans=(TILT,), **{"marks.kind": "notches"})
-    design, _ = lab.made(job, {"legs.tilt_deg": 17.3})
+    design, _ = lab.built(job, {"legs.tilt_deg": 17.3})
     assert design.mark == "### ##"  # the first of a family of one
 
 
@@ -323,7 +323,7 @@ def simulated_wishes(folder, count):
         job = job_of(model="compliant", **{
             "legs.flexible_thickness_mm": round(values.pop("legs.flexible_thickness_mm"), 2)
         })  # fmt: skip
-        design, scene = lab.made(job, values)
+        design, scene = lab.built(job, values)
         (point,) = lab.points(job, design, scene, (32, 4.0), None, 77)
         speed = evaluate(point)["speed_mm_s"]
         error = Wanted(max(0.05 * abs(speed), 0.5), False)

@@ -19,11 +19,11 @@ from walkergen.jobs.accuracy import figures as precision
 from walkergen.jobs.accuracy.choice_figure import choice_figure, front
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
-from walkergen.jobs.analyse import figures as analysed
 from walkergen.jobs.analyse import report as analysis
 from walkergen.jobs.family import beside
 from walkergen.jobs.family import figures as family
 from walkergen.jobs.family.tables import Simulated
+from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
 
 TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
@@ -237,7 +237,7 @@ def test_arrows_point_where_the_tracks_head(tracks, drawn):
             at = np.nanargmin(np.abs(track.position - place).sum(axis=1))
             assert (U, V) == pytest.approx((np.cos(track.heading[at]), np.sin(track.heading[at])))
     headless = film(2, 2, 1.0, headed=False)
-    axes = analysed.tracks_figure(headless, "without").axes[0]
+    axes = tracks_figure(headless, "without").axes[0]
     assert not [one for one in axes.collections if hasattr(one, "U")]
 
 

@@ -76,7 +76,7 @@ def counted(monkeypatch):
 
 
 def test_points_come_in_their_order_refused_ones_among_them(store):
-    found = list(run.each(MANY.asked(), store))
+    found = list(run.each(MANY.points(), store))
     assert len(found) == MANY.space.points
     rows = list(MANY.space.rows())
     refused = [row for row, one in zip(rows, found, strict=True) if not one.key]
@@ -90,23 +90,23 @@ def test_points_come_in_their_order_refused_ones_among_them(store):
 def test_known_points_are_not_evaluated_again(store, monkeypatch):
     seen = counted(monkeypatch)
     few = request_of("legs.tilt_deg=5:15:1")
-    first = list(run.each(few.asked(), store))
+    first = list(run.each(few.points(), store))
     assert len(seen) == 11
-    again = list(run.each(few.asked(), store))
+    again = list(run.each(few.points(), store))
     assert len(seen) == 11
     assert [one.record for one in again] == [one.record for one in first]
-    assert {one.known for one in first} == {False}
-    assert {one.known for one in again} == {True}
-    more = list(run.each(request_of("legs.tilt_deg=5:17:1").asked(), store))
+    assert {one.stored for one in first} == {False}
+    assert {one.stored for one in again} == {True}
+    more = list(run.each(request_of("legs.tilt_deg=5:17:1").points(), store))
     assert len(seen) == 13  # an extended exploration evaluates what is new
-    assert [one.known for one in more] == [True] * 11 + [False] * 2
+    assert [one.stored for one in more] == [True] * 11 + [False] * 2
     # From another folder, another program: the file is all it takes.
-    assert all(one.known for one in run.each(few.asked(), Store(store.path)))
+    assert all(one.stored for one in run.each(few.points(), Store(store.path)))
 
 
 def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
     seen = counted(monkeypatch)
-    asked = list(request_of("legs.tilt_deg=5,6,7").asked())
+    asked = list(request_of("legs.tilt_deg=5,6,7").points())
     found = list(run.each(asked * 3, store, Crew(Faults(), 2)))
     assert len(seen) == 3
     assert [one.key for one in found] == [one.key for one in found[:3]] * 3
@@ -114,59 +114,59 @@ def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeyp
 
 def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
     seen = counted(monkeypatch)
-    stream = run.each(request_of("legs.tilt_deg=5:15:0.05").asked(), store)
+    stream = run.each(request_of("legs.tilt_deg=5:15:0.05").points(), store)
     next(stream)
     stream.close()
     assert len(seen) == run.BLOCK
-    assert len([one for one in run.each(seen, store) if one.known]) == run.BLOCK
+    assert len([one for one in run.each(seen, store) if one.stored]) == run.BLOCK
 
 
 def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
-    here = list(run.each(MANY.asked(), store))
-    there = list(run.each(MANY.asked(), Store(tmp_path / "other.sqlite"), two))
+    here = list(run.each(MANY.points(), store))
+    there = list(run.each(MANY.points(), Store(tmp_path / "other.sqlite"), two))
     assert [one._replace(known=False) for one in there] == here
-    known = list(run.each(MANY.asked(), store, two))
-    assert all(one.known for one in known if one.key)
+    known = list(run.each(MANY.points(), store, two))
+    assert all(one.stored for one in known if one.key)
     assert [one.record for one in known] == [one.record for one in here]
 
 
 def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
     request = request_of("legs.tilt_deg=5,12,88,20", model="compliant")
-    here = list(run.each(request.asked(), store))
-    there = list(run.each(request.asked(), Store(tmp_path / "other.sqlite"), two))
+    here = list(run.each(request.points(), store))
+    there = list(run.each(request.points(), Store(tmp_path / "other.sqlite"), two))
     assert there == here
     assert [one.record["status"][:7] for one in here] == ["ok", "ok", "refused", "ok"]
 
 
 def test_other_sources_on_a_worker_are_refused(store):
-    asked = list(request_of("legs.tilt_deg=5").asked())
+    asked = list(request_of("legs.tilt_deg=5").points())
     with pytest.raises(WalkergenError, match=r"another version of walkergen, old, here [0-9a-f]+"):
         list(run.each(asked, store, Crew(Faults(sources="old"), 1)))
-    assert not any(one.known for one in run.each(asked, store))
+    assert not any(one.stored for one in run.each(asked, store))
 
 
 def test_a_worker_without_walkergen_is_told(store):
     lost = Faults(1, ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker has no such walkergen: No module"):
-        list(run.each(MANY.asked(), store, Crew(lost, 1)))
+        list(run.each(MANY.points(), store, Crew(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
 def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
     broken = Faults(2, error)
     with pytest.raises((ValueError, WalkergenError)):
-        list(run.each(MANY.asked(), store, Crew(broken, 2)))
-    known = [one.known for one in run.each(MANY.asked(), store) if one.key]
+        list(run.each(MANY.points(), store, Crew(broken, 2)))
+    known = [one.stored for one in run.each(MANY.points(), store) if one.key]
     assert 0 < known.count(False) <= run.BLOCK  # those of the broken task alone
     assert known.count(True) >= run.BLOCK
 
 
 def endless(scene=LANE):
     """Points of which the first takes no time, the others hours."""
-    first = list(request_of("legs.tilt_deg=10", model="compliant").asked())
+    first = list(request_of("legs.tilt_deg=10", model="compliant").points())
     long = scene.model_copy(update={"run": scene.run.model_copy(update={"seconds": 1e6})})
     others = request_of("legs.tilt_deg=11:20:1", model="compliant", scene=long)
-    return [*first, *others.asked()]
+    return [*first, *others.points()]
 
 
 def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(store):

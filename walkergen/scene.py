@@ -46,11 +46,11 @@ class Drive(Section):
     @model_validator(mode="after")
     def _determined(self) -> "Drive":
         four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
-        given = self.model_dump(include=set(four), exclude_none=True)
-        if len(given) < 2:
+        numbers = self.model_dump(include=set(four), exclude_none=True)
+        if len(numbers) < 2:
             raise ValueError(
                 "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
-                f"seen: {', '.join(given) or 'none'}"
+                f"seen: {', '.join(numbers) or 'none'}"
             )
         implied = {
             "frequency_hz": self.frequency,
@@ -58,9 +58,9 @@ class Drive(Section):
             "peak_speed_mm_s": self.peak_speed,
             "gamma": self.peak_gamma,
         }
-        for key, value in given.items():
+        for key, value in numbers.items():
             if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
-                first, second = list(given)[:2]
+                first, second = list(numbers)[:2]
                 raise ValueError(
                     f"{key} = {value:g} contradicts {first} and {second}, which give "
                     f"{implied[key]:.5g}; remove one of them"
@@ -68,7 +68,8 @@ class Drive(Section):
         for key, value in implied.items():
             if not value <= LARGEST_DRIVE:
                 raise ValueError(
-                    f"{' and '.join(given)} give {key} = {value:.3g}: must be <= {LARGEST_DRIVE:g}"
+                    f"{' and '.join(numbers)} give {key} = {value:.3g}: must be "
+                    f"<= {LARGEST_DRIVE:g}"
                 )
         return self
 
@@ -168,13 +169,13 @@ class Contact(Section):
     def origin(self) -> str:
         """Words on where the numbers come from."""
         prior = PRIORS[self.prior].words
-        given = [
+        named = [
             name for name in ("restitution", "friction")
             if {name, f"{name}_sd"} & self.model_fields_set
         ]  # fmt: skip
-        if not given:
+        if not named:
             return prior
-        return "contact as given" if len(given) == 2 else f"{given[0]} as given, else {prior}"
+        return "contact as given" if len(named) == 2 else f"{named[0]} as given, else {prior}"
 
 
 class Plate(Section):
@@ -327,12 +328,12 @@ class Scene(Section):
         One that is set leaves the frequency, and the frequency leaves the peak acceleration.
         """
         four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
-        given = [key for key in four if f"drive.{key}" in values]
-        if given and isinstance(data.get("drive"), dict):
-            drive = {k: v for k, v in data["drive"].items() if k not in four or k in given}
-            if given == ["frequency_hz"]:
+        numbers = [key for key in four if f"drive.{key}" in values]
+        if numbers and isinstance(data.get("drive"), dict):
+            drive = {k: v for k, v in data["drive"].items() if k not in four or k in numbers}
+            if numbers == ["frequency_hz"]:
                 drive["gamma"] = self.drive.gamma or self.drive.peak_gamma
-            elif len(given) == 1:
+            elif len(numbers) == 1:
                 drive["frequency_hz"] = self.drive.frequency_hz or self.drive.frequency
             data["drive"] = drive
         return data

@@ -23,7 +23,7 @@ CHANCE = 0.01
 """Probability, for walkers that are alike, of a spread that counts as resolved (an F test)."""
 
 CORRECTED = ("speed", "body_speed", "sideways_speed")
-"""Means that share the correction of what displacements show of a speed."""
+"""Speeds that are corrected alike, by the share of a speed that displacements show."""
 
 COUNTED = 0.25
 """Share of the longest time seen from which a walker is compared with others."""
@@ -105,7 +105,9 @@ def spread(values: Array, noise: float, inside: float, unit: str) -> Estimate:
     )
 
 
-def each(tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]) -> list[Alone]:
+def of_walkers(
+    tracks: Tracks, frame: Frame, shortened: float, turns: Mapping[int, float]
+) -> list[Alone]:
     """Every walker by itself.
 
     `shortened` is the share of a speed that displacements show (see `estimates.evaluate`), `turns`
@@ -136,8 +138,10 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
     if not frame.headed:
         moved, lag = moments.direction(track, step), frame.first_lag
         products = np.conj(moved[:-lag]) * moved[lag:]
-        one = _Series(products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True)
-        return {"lane_speed": along, "speed": one, "motion_speed": one}
+        motion = _Series(
+            products, np.ones(len(products)), 1.0 / shortened, np.zeros(0), squared=True
+        )
+        return {"lane_speed": along, "speed": motion, "motion_speed": motion}
     assert track.heading is not None
     near, far = (_mean_known(moments.ahead(track, turn, out)) for out in (0, 1))
     moved = NEAR * near + FAR * far
@@ -155,17 +159,19 @@ def _series(track: Track, frame: Frame, shortened: float, turn: float) -> dict[s
 
 def _mean_known(values: moments.Complex) -> moments.Complex:
     """Mean of the rows that are known; NaN where none is."""
-    known = ~np.isnan(values)
-    mean = np.where(known, values, 0.0).sum(axis=0) / np.maximum(known.sum(axis=0), 1)
-    return np.where(known.any(axis=0), mean, np.nan)
+    present = ~np.isnan(values)
+    mean = np.where(present, values, 0.0).sum(axis=0) / np.maximum(present.sum(axis=0), 1)
+    return np.where(present.any(axis=0), mean, np.nan)
 
 
 def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
     """Mean of a series, and the same with its error by pieces, or by its own correlation time."""
-    known = ~np.isnan(series.steps)
-    values = np.stack([series.steps, series.samples])[:, known]
+    present = ~np.isnan(series.steps)
+    values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
-    sums = np.add.reduceat(values, np.unique(edges), axis=1).T if known.any() else np.zeros((0, 2))
+    sums = (
+        np.add.reduceat(values, np.unique(edges), axis=1).T if present.any() else np.zeros((0, 2))
+    )
     if not math.isfinite(series.unit):
         return math.nan, Estimate(None, None, "no speed of all walkers is known: film for longer")
     if not len(sums):
@@ -221,8 +227,8 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
     error = statistics.error_of_mean([values], block, time)
     if error is None:
         total = len(values) * block
-        told = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
-        return math.nan, told
+        reason = f"changes within {time:.2g} s, too few times in {total:.3g} s: film for longer"
+        return math.nan, reason
     return error, ""
 
 
@@ -231,25 +237,27 @@ def compare(alone: Sequence[Alone]) -> Together | None:
 
     None unless they are two or more, and all of them have a speed.
     """
-    longest = max(one.seconds for one in alone)
-    walkers = [one for one in alone if one.seconds >= COUNTED * longest]
-    if len(walkers) < 2 or not all(math.isfinite(one.values["speed"]) for one in walkers):
+    longest = max(walker.seconds for walker in alone)
+    walkers = [walker for walker in alone if walker.seconds >= COUNTED * longest]
+    if len(walkers) < 2 or not all(math.isfinite(walker.values["speed"]) for walker in walkers):
         return None
     means = {
-        name: _over_walkers(np.array([one.values[name] for one in walkers]))
+        name: _over_walkers(np.array([walker.values[name] for walker in walkers]))
         for name in walkers[0].values
-        if all(math.isfinite(one.values.get(name, math.nan)) for one in walkers)
+        if all(math.isfinite(walker.values.get(name, math.nan)) for walker in walkers)
     }
-    known = [one.estimates["speed"] for one in walkers]
-    errors = [one.se for one in known if one.se is not None]
-    if len(errors) < len(known):
-        reason = next(one.reason for one in known if one.reason)
+    speeds = [walker.estimates["speed"] for walker in walkers]
+    errors = [speed.se for speed in speeds if speed.se is not None]
+    if len(errors) < len(speeds):
+        reason = next(speed.reason for speed in speeds if speed.reason)
         return Together(
             len(walkers), means, Estimate(None, None, reason), "no error within a track is known"
         )
     noise = float(np.mean(np.square(errors)))
-    inside = sum(min(one.freedom, statistics.FEWEST_SAMPLES) for one in known)
-    scatter = spread(np.array([one.values["speed"] for one in walkers]), noise, inside, "mm/s")
+    inside = sum(min(speed.freedom, statistics.FEWEST_SAMPLES) for speed in speeds)
+    scatter = spread(
+        np.array([walker.values["speed"] for walker in walkers]), noise, inside, "mm/s"
+    )
     return Together(len(walkers), means, scatter, _limit(scatter, noise))
 
 
@@ -257,9 +265,9 @@ def corrected(means: Mapping[str, Estimate], shortened: Estimate) -> dict[str, E
     """Means with the error of `shortened`, which those of all walkers share."""
     relative = shortened.se / shortened.value if shortened.se and shortened.value else 0.0
     return {
-        name: one._replace(se=math.hypot(one.se, relative * one.value))
-        if name in CORRECTED and one.se is not None and one.value is not None else one
-        for name, one in means.items()
+        name: mean._replace(se=math.hypot(mean.se, relative * mean.value))
+        if name in CORRECTED and mean.se is not None and mean.value is not None else mean
+        for name, mean in means.items()
     }  # fmt: skip
 
 

@@ -99,7 +99,7 @@ class Estimate(NamedTuple):
             tails = 0.5 - 0.5 * confidence, 0.5 + 0.5 * confidence
             power = 2 if self.root else 1
             total = (self.value**power + self.noise) * self.freedom
-            ends = (total / special.chdtri(self.freedom, one) - self.noise for one in tails)
+            ends = (total / special.chdtri(self.freedom, tail) - self.noise for tail in tails)
             low, high = (max(end, 0.0) ** (1.0 / power) for end in ends)
             return low, high
         return statistics.Mean(self.value, self.se, self.freedom).interval(confidence)
@@ -142,30 +142,30 @@ def evaluate(sums: Moments, frame: Frame) -> dict[str, float]:
 
     NaN where a number has no meaning or no fit.
     """
-    found = dict.fromkeys((*UNITS, *FITS), math.nan)
-    found["lane_speed"] = _ratio(sums.run) / frame.interval
-    _spread(found, "parallel", sums.along)
-    _spread(found, "orthogonal", sums.across)
+    numbers = dict.fromkeys((*UNITS, *FITS), math.nan)
+    numbers["lane_speed"] = _ratio(sums.run) / frame.interval
+    _spread(numbers, "parallel", sums.along)
+    _spread(numbers, "orthogonal", sums.across)
     if frame.lane:
-        found["speed"], found["shortened"] = found["lane_speed"], 1.0
-        _dispersion(found, sums, frame)
+        numbers["speed"], numbers["shortened"] = numbers["lane_speed"], 1.0
+        _dispersion(numbers, sums, frame)
     else:
-        _persistence(found, sums, frame)
-    return found
+        _persistence(numbers, sums, frame)
+    return numbers
 
 
 def _ratio(pair: Array) -> float:
     return float(pair[0] / pair[1]) if pair[1] > 0 else math.nan
 
 
-def _spread(found: dict[str, float], name: str, powers: Array) -> None:
+def _spread(numbers: dict[str, float], name: str, powers: Array) -> None:
     count, first, second = powers
     if count > 1:
-        found[f"{name}_mean"] = first / count
-        found[f"{name}_sd"] = math.sqrt(max(second / count - (first / count) ** 2, 0.0))
+        numbers[f"{name}_mean"] = first / count
+        numbers[f"{name}_sd"] = math.sqrt(max(second / count - (first / count) ** 2, 0.0))
 
 
-def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _persistence(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     """Fit the rate at which the direction is lost, the mean turning, and the speed."""
     window = 0.0 if frame.headed else frame.grid.step * frame.interval
     lag = frame.grid.turn_lags * frame.interval
@@ -180,15 +180,15 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     if fitted is None:
         return
     amplitude, rate, turn, *memory = map(float, fitted)
-    found["persistence_rate"] = rate
-    found["persistence_time"] = 1.0 / rate if rate else math.inf
+    numbers["persistence_rate"] = rate
+    numbers["persistence_time"] = 1.0 / rate if rate else math.inf
     if frame.headed:
-        found["turning_bias"] = _ratio(sums.turned) / frame.interval
+        numbers["turning_bias"] = _ratio(sums.turned) / frame.interval
         variance = -_at_once(lag, values)
         lasting = memory[0] if memory else 0.0
         if lasting:
             variance = -math.log(max(amplitude, 1e-300))
-            found["turning_memory"] = lasting
+            numbers["turning_memory"] = lasting
 
         def kept(samples: Array) -> Array:
             after = samples * frame.interval
@@ -196,17 +196,17 @@ def _persistence(found: dict[str, float], sums: Moments, frame: Frame) -> None:
 
         shortened = math.exp(-0.5 * variance) * _extrapolated(kept)
         velocity = complex(_velocity(sums) / (shortened * frame.interval))
-        found["shortened"] = shortened
-        found["body_speed"] = found["speed"] = velocity.real
-        found["sideways_speed"] = velocity.imag
-        found["heading_variance"] = variance
-        found["heading_noise"] = math.sqrt(max(variance, 0.0))
+        numbers["shortened"] = shortened
+        numbers["body_speed"] = numbers["speed"] = velocity.real
+        numbers["sideways_speed"] = velocity.imag
+        numbers["heading_variance"] = variance
+        numbers["heading_noise"] = math.sqrt(max(variance, 0.0))
     else:
-        found |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
-        found["motion_speed"] = found["speed"] = math.sqrt(max(amplitude, 0.0)) / window
+        numbers |= {"turning_bias": turn, "amplitude": amplitude, "lasting": float(values[0].real)}
+        numbers["motion_speed"] = numbers["speed"] = math.sqrt(max(amplitude, 0.0)) / window
         first = walks.decay(np.array([frame.first_lag * frame.interval]), 1.0, rate, turn, window)
-        found["shortened"] = window * math.sqrt(abs(first[0]))
-    found["persistence_length"] = abs(found["speed"]) * found["persistence_time"]
+        numbers["shortened"] = window * math.sqrt(abs(first[0]))
+    numbers["persistence_length"] = abs(numbers["speed"]) * numbers["persistence_time"]
 
 
 def _fit(lag: Array, values: Complex, errors: Array, frame: Frame, window: float) -> Array | None:
@@ -296,7 +296,7 @@ def of_spread(spread: Spread, interval: float) -> dict[str, float]:
     }  # fmt: skip
 
 
-def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
+def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
     """Fit the spread about each one's own run in a lane, over the last decade of fitted lags.
 
     It is 2 D lag (1 - lag / T), as the own speed was measured over T.
@@ -305,18 +305,18 @@ def _dispersion(found: dict[str, float], sums: Moments, frame: Frame) -> None:
     values = np.asarray(mean(sums.about_run, sums.square_pairs), dtype=float)
     use = np.isfinite(values) & (frame.square_errors > 0)
     use &= lag >= 0.1 * lag[use].max(initial=0.0)
-    speed = found["lane_speed"]
+    speed = numbers["lane_speed"]
     if use.sum() < 4:
         return
     spread = values[use] / (1.0 - lag[use] / frame.own_s)
     # The error of a variance grows with the variance itself: weights 1/lag.
     slope, _ = np.polyfit(lag[use], spread, 1, w=1.0 / lag[use])
-    found["diffusivity"] = 0.5 * float(slope)
-    found["crossover_time"] = float(slope) / speed**2 if speed else math.nan
+    numbers["diffusivity"] = 0.5 * float(slope)
+    numbers["crossover_time"] = float(slope) / speed**2 if speed else math.nan
 
 
-def with_error(one: Estimate) -> str:
+def with_error(estimate: Estimate) -> str:
     """Format a value with its error to two digits of the error, or the reason of its refusal."""
-    if one.value is None or one.se is None:
-        return one.reason
-    return words.with_error(one.value, one.se)
+    if estimate.value is None or estimate.se is None:
+        return estimate.reason
+    return words.with_error(estimate.value, estimate.se)

@@ -17,9 +17,9 @@ def of(motion: Motion) -> dict[str, Any]:
     """All results for JSON: values, errors and reasons by keys that carry their unit."""
     facts: dict[str, Any] = {}
     for name, unit in UNITS.items():
-        one = motion.estimates[name]
-        facts |= _keyed(name, one)
-        facts[f"{name}_scale_se_{unit}"] = scale_se(one.value, unit, motion)
+        estimate = motion.estimates[name]
+        facts |= _keyed(name, estimate)
+        facts[f"{name}_scale_se_{unit}"] = scale_se(estimate.value, unit, motion)
     facts |= {
         "refused": {
             f"{name}_{unit}": motion.estimates[name].reason
@@ -27,14 +27,18 @@ def of(motion: Motion) -> dict[str, Any]:
             if motion.estimates[name].reason
         },
         "walkers": [
-            {"particle": one.particle, "seen_s": one.seconds}
+            {"particle": walker.particle, "seen_s": walker.seconds}
             | {
                 key: value
                 for name in OF_WALKERS
-                for key, value in _keyed(name, one.of(name)).items()
+                for key, value in _keyed(name, walker.of(name)).items()
             }
-            | ({"refused": one.estimates["speed"].reason} if one.estimates["speed"].reason else {})
-            for one in motion.walkers
+            | (
+                {"refused": walker.estimates["speed"].reason}
+                if walker.estimates["speed"].reason
+                else {}
+            )
+            for walker in motion.walkers
         ],
         "particles": motion.particles,
         "samples": motion.samples,
@@ -60,22 +64,25 @@ def of(motion: Motion) -> dict[str, Any]:
         facts["by_plate_speed"] = [
             {
                 "plate_speed_mm_s": plate,
-                "speed_mm_s": one.value,
-                "speed_se_mm_s": one.se,
-                "speed_scale_se_mm_s": scale_se(one.value, "mm_s", motion),
+                "speed_mm_s": speed.value,
+                "speed_se_mm_s": speed.se,
+                "speed_scale_se_mm_s": scale_se(speed.value, "mm_s", motion),
             }
-            | ({"refused": one.reason} if one.reason else {})
-            for plate, one in motion.by_plate_speed
+            | ({"refused": speed.reason} if speed.reason else {})
+            for plate, speed in motion.by_plate_speed
         ]
         facts["speed_over_plate_speed"] = motion.line._asdict() if motion.line else None
     return facts
 
 
-def _keyed(name: str, one: Estimate) -> dict[str, float | None]:
+def _keyed(name: str, estimate: Estimate) -> dict[str, float | None]:
     """An estimate by keys that carry its unit."""
-    low, high = ends(one)
+    low, high = ends(estimate)
     bounds = {f"{name}_low_95_{UNITS[name]}": low, f"{name}_high_95_{UNITS[name]}": high}
-    return {f"{name}_{UNITS[name]}": one.value, f"{name}_se_{UNITS[name]}": one.se} | bounds
+    return {
+        f"{name}_{UNITS[name]}": estimate.value,
+        f"{name}_se_{UNITS[name]}": estimate.se,
+    } | bounds
 
 
 def _fit(motion: Motion) -> dict[str, float | None] | None:
@@ -116,6 +123,6 @@ def scale_errors(motion: Motion) -> Array:
     return np.asarray(2.0 * share * np.abs(motion.msd.value))
 
 
-def ends(one: Estimate) -> tuple[float | None, float | None]:
+def ends(estimate: Estimate) -> tuple[float | None, float | None]:
     """Bounds of 95 %; None for each that is not known."""
-    return one.interval(0.95) or (None, None)
+    return estimate.interval(0.95) or (None, None)

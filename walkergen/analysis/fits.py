@@ -122,8 +122,8 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
     values, least = _best(speeds, fixed)
     scale = 1.0 if speeds.se is not None else least / dof
     slopes = jacobian(speeds, values, free) / _errors(speeds)[:, None]
-    known = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
-    errors = known.errors
+    knowledge = _knowledge(slopes / math.sqrt(max(scale, 1e-300)), values, free)
+    errors = knowledge.errors
     intervals = {
         name: _interval(speeds, fixed, values, name, errors[name], least, scale)
         for name in (free if profiles else ())
@@ -133,14 +133,14 @@ def fit_contact(speeds: Speeds, fixed: Mapping[str, float], profiles: bool = Tru
         from scipy.stats import chi2 as chi2_law
 
         chi2, p_value = least, float(chi2_law.sf(least, dof))
-    notes = [*_unseen(known), *_aligned(known, values, intervals)]
-    notes += _hazy(known, values, intervals)
+    notes = [*_unseen(knowledge), *_aligned(knowledge, values, intervals)]
+    notes += _hazy(knowledge, values, intervals)
     notes += [*_at_limits(values, free), *_poor(p_value, chi2, dof)]
     predicted = values["impact_speed_factor"] * unit_speeds(
         speeds, values["restitution"], values["friction"]
     )
     return ContactFit(
-        values, errors, intervals, known.covariance, known.correlation, chi2, dof, p_value,
+        values, errors, intervals, knowledge.covariance, knowledge.correlation, chi2, dof, p_value,
         predicted, notes,
     )  # fmt: skip
 
@@ -174,10 +174,10 @@ def _best(speeds: Speeds, fixed: Mapping[str, float]) -> tuple[dict[str, float],
             return residuals(unit_speeds(speeds, now["restitution"], now["friction"]))
 
         start = np.clip([point[name] for name in names], low, high)
-        found = least_squares(at, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
-        if 2.0 * found.cost < least:
-            least = 2.0 * float(found.cost)
-            point |= {name: float(value) for name, value in zip(names, found.x, strict=True)}
+        solution = least_squares(at, start, bounds=(low, high), x_scale=np.maximum(start, 0.01))
+        if 2.0 * solution.cost < least:
+            least = 2.0 * float(solution.cost)
+            point |= {name: float(value) for name, value in zip(names, solution.x, strict=True)}
     unit = unit_speeds(speeds, point["restitution"], point["friction"])
     return point | {"impact_speed_factor": float(_scale(unit, speeds, held))}, least
 
@@ -262,17 +262,17 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
     norm = np.where(unseen, 1.0, norm)
     normalised = np.where(unseen[:, None] | unseen, 0.0, information / np.outer(norm, norm))
     levels, vectors = np.linalg.eigh(normalised)
-    told = levels > SINGULAR
-    inverse = (vectors[:, told] / levels[told]) @ vectors[:, told].T
+    resolved = levels > SINGULAR
+    inverse = (vectors[:, resolved] / levels[resolved]) @ vectors[:, resolved].T
     covariance = inverse / np.outer(norm, norm)
     widths = np.sqrt(np.diag(covariance))
-    lost = unseen | (np.abs(vectors[:, ~told]) > 0.1).any(axis=1)
+    undetermined = unseen | (np.abs(vectors[:, ~resolved]) > 0.1).any(axis=1)
     width = np.where(widths > 0, widths, 1.0)
     least = min(np.flatnonzero(np.abs(vectors[unseen]).sum(axis=0) < 0.5), key=levels.__getitem__)
     return _Knowledge(
         {
-            name: None if gone else float(one)
-            for name, gone, one in zip(free, lost, widths, strict=True)
+            name: None if gone else float(error)
+            for name, gone, error in zip(free, undetermined, widths, strict=True)
         },
         covariance,
         covariance / np.outer(width, width),
@@ -282,38 +282,38 @@ def _knowledge(slopes: Array, values: Mapping[str, float], free: Sequence[str]) 
     )
 
 
-def _unseen(known: _Knowledge) -> list[str]:
+def _unseen(knowledge: _Knowledge) -> list[str]:
     return [
         f"{name}: none of these speeds depends on it; measure other tilts, or fix it"
-        for name in known.unseen
+        for name in knowledge.unseen
     ]
 
 
 def _aligned(
-    known: _Knowledge,
+    knowledge: _Knowledge,
     values: Mapping[str, float],
     intervals: Mapping[str, tuple[float | None, float | None]],
 ) -> list[str]:
     """Note on parameters of which only a combination is known."""
-    if known.level > ALIGNED or len(known.together) < 2:
+    if knowledge.level > ALIGNED or len(knowledge.together) < 2:
         return []
-    together = known.together
+    together = knowledge.together
     names = ", ".join(together[:-1]) + f" and {together[-1]}"
-    told = f"(smallest eigenvalue of the information {max(known.level, 0.0):.2g})"
-    if any(_vague(values[name], known.errors[name], intervals.get(name)) for name in together):
-        return [f"{names} cannot be told apart {told}: fix one, --fix {together[0]}=..."]
-    return [f"{names} are strongly correlated {told}: quote them together"]
+    evidence = f"(smallest eigenvalue of the information {max(knowledge.level, 0.0):.2g})"
+    if any(_vague(values[name], knowledge.errors[name], intervals.get(name)) for name in together):
+        return [f"{names} cannot be told apart {evidence}: fix one, --fix {together[0]}=..."]
+    return [f"{names} are strongly correlated {evidence}: quote them together"]
 
 
 def _hazy(
-    known: _Knowledge,
+    knowledge: _Knowledge,
     values: Mapping[str, float],
     intervals: Mapping[str, tuple[float | None, float | None]],
 ) -> list[str]:
     """Notes on parameters that the speeds depend on, but too weakly for their errors."""
     return [
         f"{name} is hardly determined: its interval spans more than a factor of {VAGUE:g}"
-        for name, error in known.errors.items()
+        for name, error in knowledge.errors.items()
         if error is not None and _vague(values[name], error, intervals.get(name))
     ]
 

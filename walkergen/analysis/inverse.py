@@ -71,18 +71,20 @@ def measured(
     """
     if value is None and sd is None:
         return None
-    given = ((flag, value), (f"{flag}-sd", sd))
-    for (name, one), (other, missing) in (given, given[::-1]):
+    options = ((flag, value), (f"{flag}-sd", sd))
+    for (name, number), (other, missing) in (options, options[::-1]):
         if missing is None:
-            raise InputError(f"{name} {one:g}: needs {other} as well, the number's standard error")
-        if one is not None and not LEAST <= one <= most:
-            raise InputError(f"{name} {one:g}: must be >= {LEAST:g} and <= {most:g}")
+            raise InputError(
+                f"{name} {number:g}: needs {other} as well, the number's standard error"
+            )
+        if number is not None and not LEAST <= number <= most:
+            raise InputError(f"{name} {number:g}: must be >= {LEAST:g} and <= {most:g}")
     assert value is not None
     assert sd is not None
     return Measured(float(value), float(sd), tries)
 
 
-def invert(curve: Curve, found: Measured) -> Inverse:
+def invert(curve: Curve, number: Measured) -> Inverse:
     """Branches of a curve that agree with a measured number.
 
     Between its points the curve is cubic, and monotone. Errors are those of the number, and the
@@ -94,8 +96,8 @@ def invert(curve: Curve, found: Measured) -> Inverse:
     at = np.linspace(curve.at[0], curve.at[-1], FINE)
     seen = np.asarray(PchipInterpolator(curve.at, curve.seen)(at))
     spread = np.interp(at, curve.at, curve.spread)
-    scatter = spread * np.sqrt(1.0 / found.tries + 1.0 / np.interp(at, curve.at, curve.tries))
-    away = (seen - found.value) / np.hypot(found.sd, scatter)
+    scatter = spread * np.sqrt(1.0 / number.tries + 1.0 / np.interp(at, curve.at, curve.tries))
+    away = (seen - number.value) / np.hypot(number.sd, scatter)
     inside = np.abs(away) <= 1.0
     edges = np.flatnonzero(np.diff(np.concatenate([[False], inside, [False]]).astype(int)))
     branches = []
@@ -108,25 +110,25 @@ def invert(curve: Curve, found: Measured) -> Inverse:
     return Inverse(branches, float(at[best]), float(seen[best]), misses, bool(inside.all()))
 
 
-def in_words(found: Inverse, what: str, ends: tuple[float, float], where: str = "") -> str:
+def in_words(inverse: Inverse, what: str, ends: tuple[float, float], where: str = "") -> str:
     """Answer of an inverse in words; `ends` are those of the curve."""
-    if found.everywhere:
+    if inverse.everywhere:
         return f"any {what} from {ends[0]:g} to {ends[1]:g} gives that{where}: it does not tell"
-    if not found.branches:
-        within = "" if found.misses > FAR else " within one error"
+    if not inverse.branches:
+        within = "" if inverse.misses > FAR else " within one error"
         return (
-            f"no {what} gives that{within}{where}: nearest is {found.shows:.2f} at "
-            f"{found.nearest:.2f}, {found.misses:.1f} errors away"
+            f"no {what} gives that{within}{where}: nearest is {inverse.shows:.2f} at "
+            f"{inverse.nearest:.2f}, {inverse.misses:.1f} errors away"
         )
-    return f"{what} " + ", or ".join(_branch_in_words(one, ends) for one in found.branches)
+    return f"{what} " + ", or ".join(_branch_in_words(branch, ends) for branch in inverse.branches)
 
 
-def _branch_in_words(one: Branch, ends: tuple[float, float]) -> str:
-    cut = [f"{end:g}" for end, own in zip(ends, one[1:], strict=True) if own == end]
-    up, down = one.high - one.value, one.value - one.low
+def _branch_in_words(branch: Branch, ends: tuple[float, float]) -> str:
+    cut = [f"{end:g}" for end, own in zip(ends, branch[1:], strict=True) if own == end]
+    up, down = branch.high - branch.value, branch.value - branch.low
     digits = digits_of(max(up, down))
-    told = f"{one.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
-    return told + (f", cut off at {' and '.join(cut)}" if cut else "")
+    text = f"{branch.value:.{digits}f} (+{up:.{digits}f}, -{down:.{digits}f})"
+    return text + (f", cut off at {' and '.join(cut)}" if cut else "")
 
 
 def digits_of(error: float) -> int:

@@ -50,7 +50,7 @@ def resolved(number: Estimate) -> bool:
 
 def _error(replicates: Sequence[Mapping[str, float]], name: str) -> float:
     """Jackknife error of a number; NaN with too few samples, or where one has no number."""
-    spread = np.array([[one[name]] for one in replicates])
+    spread = np.array([[replicate[name]] for replicate in replicates])
     if len(spread) < FEWEST_SAMPLES or not np.isfinite(spread).all():
         return math.nan
     return float(statistics.jackknife_error(spread)[0])
@@ -86,7 +86,7 @@ def judge(
             estimates[name] = Estimate(None, None, reason)
             continue
         within = Estimate(values[name], errors[name], "", len(replicates) - 1.0)
-        estimates[name] = _over_walkers(within, [one[name] for one in without_one])
+        estimates[name] = _over_walkers(within, [others[name] for others in without_one])
     return estimates
 
 
@@ -137,8 +137,8 @@ def _unresolved(
 ) -> dict[str, str]:
     """Refuse roots of, and quotients by, what the data cannot tell from zero: no error holds."""
     if frame.lane or fitted is None:
-        told = "the spread about the mean run is too small to tell"
-        return {} if numbers.positive("diffusivity") else {"crossover_time": told}
+        reason = "the spread about the mean run is too small to tell"
+        return {} if numbers.positive("diffusivity") else {"crossover_time": reason}
     refused = _unresolved_persistence(numbers, frame, longest_s)
     if frame.headed:
         if frame.memory_open:
@@ -151,8 +151,8 @@ def _unresolved(
             refused["persistence_length"] = "the speed is not resolved"
     elif not numbers.positive("amplitude"):
         window = frame.grid.step * frame.interval
-        told = numbers.below("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
-        refused |= dict.fromkeys(("speed", "motion_speed", *TURNING), told)
+        reason = numbers.below("lasting", f"mm/s over {window:.2g} s", 1.0 / window, root=True)
+        refused |= dict.fromkeys(("speed", "motion_speed", *TURNING), reason)
     return refused | _unresolved_spread(numbers, frame.interval, fitted, longest_s)
 
 
@@ -182,8 +182,8 @@ def _unresolved_spread(
         return {}  # nothing was fitted, which is reason enough
     if not fitted.run:
         refused = _noise_and_diffusion(numbers)
-        told = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
-        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+        reason = f"no run shows: diffusive at all lags from {first_s:.2g} to {longest_s:.3g} s"
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
         if numbers.positive("diffusivity"):
             return refused | {
                 "translational_diffusion": "diffusion and runs that turn within "
@@ -192,8 +192,8 @@ def _unresolved_spread(
         return refused | {"diffusivity": numbers.below("diffusivity", "mm²/s")}
     refused = _noise_and_diffusion(numbers)
     if not numbers.positive("msd_speed2"):
-        told = numbers.below("msd_speed2", "mm/s", root=True)
-        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), told)
+        reason = numbers.below("msd_speed2", "mm/s", root=True)
+        refused |= dict.fromkeys(("ballistic_speed", "crossover_time"), reason)
     smooth = fitted.spreads[0].smooth_rate
     if smooth:
         refused["translational_diffusion"] = (
@@ -202,8 +202,8 @@ def _unresolved_spread(
     turned = numbers.values["msd_rate"] * longest_s > DECAYED
     needed = ("diffusivity",) if smooth else ("msd_rate", "diffusivity")
     if not (turned and numbers.positive(*needed)):
-        told = f"{fitted.regime(longest_s)}: film for longer"
-        refused |= dict.fromkeys(("diffusivity", "crossover_time"), told)
+        reason = f"{fitted.regime(longest_s)}: film for longer"
+        refused |= dict.fromkeys(("diffusivity", "crossover_time"), reason)
     return refused
 
 
@@ -217,9 +217,9 @@ def _noise_and_diffusion(numbers: _Numbers) -> dict[str, str]:
         refused[diffusion] = numbers.below(diffusion, "mm²/s")
     if len(refused) == 2 and numbers.positive("msd_first"):
         together = math.sqrt(numbers.values["msd_first"])
-        told = (
+        reason = (
             f"noise and diffusion, {together:.2g} mm a sample together, cannot be told apart: film "
             "a walker at rest, which shows noise alone, or for longer"
         )
-        refused |= dict.fromkeys((noise, diffusion), told)
+        refused |= dict.fromkeys((noise, diffusion), reason)
     return refused

@@ -39,7 +39,7 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
         return product
 
     count = np.rint(correlate(weight, weight))
-    found = np.zeros(len(near))
+    sums = np.zeros(len(near))
     for axis in range(position.shape[1]):
         values, squared = (fft.rfft(rest[:, axis] ** power, size) for power in (1, 2))
         about = (
@@ -47,8 +47,8 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
         )
         shift = correlate(weight, values) - correlate(values, weight)
         run = drift[axis] * near
-        found += about + run * (2 * shift + run * count)
-    total[reachable], pairs[reachable] = np.maximum(found, 0.0), count
+        sums += about + run * (2 * shift + run * count)
+    total[reachable], pairs[reachable] = np.maximum(sums, 0.0), count
     return total, pairs
 
 

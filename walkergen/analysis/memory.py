@@ -38,11 +38,11 @@ def choose(sums: Sequence[Moments], frame: Frame) -> tuple[Frame, list[dict[str,
 
 def numbers(sums: Sequence[Moments], frame: Frame) -> list[dict[str, float]]:
     """Numbers of each of the sums, with what `frame` says of the memory."""
-    values = [estimates.evaluate(one, frame) for one in sums]
+    values = [estimates.evaluate(sample, frame) for sample in sums]
     if not frame.memory_open:
         return values
     late = frame._replace(memory=True)
-    return _joined(values, [estimates.evaluate(one, late) for one in sums])
+    return _joined(values, [estimates.evaluate(sample, late) for sample in sums])
 
 
 def _shorter(memory: Estimate, seconds: float) -> bool:

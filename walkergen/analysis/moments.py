@@ -136,8 +136,8 @@ def measure(track: Track, grid: Grid, own: float = 0.0) -> Moments:
     )
     return Moments(
         run(track),
-        _known(ahead(track, own, 0)),
-        _known(ahead(track, own, 1)),
+        _sum_and_number(ahead(track, own, 0)),
+        _sum_and_number(ahead(track, own, 1)),
         _turned(track),
         _powers(forward),
         _powers(sideways),
@@ -225,10 +225,10 @@ def ahead(track: Track, turning: float, out: int) -> Complex:
     return np.stack(values)
 
 
-def _known(values: Complex) -> Complex:
+def _sum_and_number(values: Complex) -> Complex:
     """Sum and number of values that are known."""
-    known = values[~np.isnan(values)]
-    return np.array([known.sum(), len(known)])
+    present = values[~np.isnan(values)]
+    return np.array([present.sum(), len(present)])
 
 
 def _turned(track: Track) -> Array:

@@ -118,15 +118,15 @@ def analyse(tracks: Tracks, lag_s: float | None = None) -> Motion:
     if len(plates) < 2:
         return whole
     groups = [tuple(t for t in tracks.tracks if t.plate_speed == plate) for plate in plates]
-    each = [_analyse(tracks._replace(tracks=group), lag_s) for group in groups]
-    found = [(plate, one.estimates["speed"]) for plate, one in zip(plates, each, strict=True)]
-    usable = [(plate, one.value, one.se) for plate, one in found if one.value is not None]
+    analyses = [_analyse(tracks._replace(tracks=group), lag_s) for group in groups]
+    speeds = [(plate, own.estimates["speed"]) for plate, own in zip(plates, analyses, strict=True)]
+    usable = [(plate, speed.value, speed.se) for plate, speed in speeds if speed.value is not None]
     line = line_through_origin(*np.array(usable, dtype=float).T) if len(usable) > 1 else None
     reason = f"tracks at {len(plates)} plate speeds: see speed against plate speed, or split"
     refused = {name: Estimate(None, None, reason) for name in UNITS}
     return whole._replace(
-        estimates=refused, method=each[0].method, msd_fit=None,
-        by_plate_speed=tuple(found), line=line,
+        estimates=refused, method=analyses[0].method, msd_fit=None,
+        by_plate_speed=tuple(speeds), line=line,
     )  # fmt: skip
 
 
@@ -152,33 +152,34 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     both = [whole, *left_out]
     squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
-    slopes = [_exponents(grid.square_lags, one) for one in squares]
+    slopes = [_exponents(grid.square_lags, square) for square in squares]
     exponent = _curve(grid.square_lags, slopes, length / HALF_OCTAVE)
     turn = [mean(m.turn, m.turn_pairs) for m in both]
     fitted = grid.square_lags <= length // FITTED
-    times = [one.seconds for one in turnings]
+    times = [walker.seconds for walker in turnings]
     if tracks.lane:
         times = [float(whole.run[1]) * tracks.interval / len(tracks.tracks)]
     own_s = float(np.mean(times)) if times else math.inf
     frame = Frame(
         grid, tracks.interval, tracks.lane, headed, own_s, False, False,
         np.where(fitted, msd.se, np.nan),
-        _jackknife([np.stack([one.real, one.imag]).ravel() for one in turn[1:]]),
+        _jackknife([np.stack([values.real, values.imag]).ravel() for values in turn[1:]]),
     )  # fmt: skip
     frame, numbers = memory.choose(both, frame)
     longest = length // FITTED
     numbers, fit = _with_fit(numbers, both, frame, longest)
-    alone = between.each(tracks, frame, numbers[0]["shortened"], own)
+    alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], own)
     together = between.compare(alone)
     if headed:
         shortened = judgement.measured(numbers, "shortened")
         alone = [
-            one._replace(estimates=between.corrected(one.estimates, shortened)) for one in alone
+            walker._replace(estimates=between.corrected(walker.estimates, shortened))
+            for walker in alone
         ]
         if together is not None:
             together = together._replace(means=between.corrected(together.means, shortened))
     few = tracks.tracks if in_pieces and together is not None else ()
-    without_one = [whole, *(moments.without(whole, summed([one])) for one in few)]
+    without_one = [whole, *(moments.without(whole, summed([track])) for track in few)]
     unlike = memory.numbers(without_one, frame)
     judged = judgement.judge(
         numbers[0], numbers[1:], frame, fit,
@@ -195,7 +196,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         judged["rotational_diffusion"] = turning.diffusion(
             turnings, judgement.measured(numbers, "heading_variance")
         )
-    correlation = _curve(grid.turn_lags, [np.abs(one) for one in turn], length)
+    correlation = _curve(grid.turn_lags, [np.abs(values) for values in turn], length)
     return Motion(
         estimates=judged,
         particles=len(tracks.tracks),
@@ -209,8 +210,8 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
         msd_fit=None if fit is None or math.isnan(fit.spreads[0].offset) else fit,
         correlation=correlation._replace(at=correlation.at * tracks.interval),
         own_s=own_s,
-        parallel=_density(grid.bins[0], [one.density_along for one in both]),
-        orthogonal=_density(grid.bins[1], [one.density_across for one in both]),
+        parallel=_density(grid.bins[0], [sample.density_along for sample in both]),
+        orthogonal=_density(grid.bins[1], [sample.density_across for sample in both]),
         walkers=alone,
     )
 
@@ -223,27 +224,29 @@ def _with_fit(
         return numbers, None
     fitted = frame.grid.square_lags <= longest
     lag = frame.interval * frame.grid.square_lags[fitted].astype(float)
-    squares = [np.asarray(mean(one.square, one.square_pairs), float)[fitted] for one in sums]
+    squares = [
+        np.asarray(mean(sample.square, sample.square_pairs), float)[fitted] for sample in sums
+    ]
     fit = spreads.fit(lag, squares, _turns(numbers, frame.headed))
     return [
-        one | estimates.of_spread(spread, frame.interval)
-        for one, spread in zip(numbers, fit.spreads, strict=True)
+        sample | estimates.of_spread(spread, frame.interval)
+        for sample, spread in zip(numbers, fit.spreads, strict=True)
     ], fit
 
 
 def _turns(numbers: Sequence[Mapping[str, float]], headed: bool) -> list[float]:
     """Rates of turning, rad/s; 0 where displacements are too noisy to show any."""
     if headed or judgement.resolved(judgement.measured(numbers, "amplitude")):
-        return [one["turning_bias"] for one in numbers]
+        return [sample["turning_bias"] for sample in numbers]
     return [0.0] * len(numbers)
 
 
 def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
     """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
-    known = np.array([(one.rate, one.seconds) for one in turnings]).reshape(-1, 2).T
-    mean_rate = float(known[0] @ known[1] / known[1].sum()) if turnings else 0.0
+    rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
+    mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
     own = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
-    return own | {one.particle: one.rate * tracks.interval for one in turnings}
+    return own | {walker.particle: walker.rate * tracks.interval for walker in turnings}
 
 
 def _own_runs(tracks: Tracks) -> dict[int, float]:
@@ -290,23 +293,23 @@ def _exponents(lags: lagged.Lags, values: Array) -> Array:
     low, high = below[inside], above[inside]
     before, after = at[inside] - at[low], at[high] - at[inside]
     rise, fall = heights[inside] - heights[low], heights[high] - heights[inside]
-    found = np.full(len(lags), np.nan)
-    found[inside] = (rise * after / before + fall * before / after) / (before + after)
-    return found
+    exponents = np.full(len(lags), np.nan)
+    exponents[inside] = (rise * after / before + fall * before / after) / (before + after)
+    return exponents
 
 
 def _curve(at: npt.NDArray[np.int64], values: Sequence[Array], length: float) -> Curve:
     """Curve of the first values, with the jackknife error of the others."""
-    known = at <= int(length) // 2
-    return Curve(at.astype(float), values[0], np.where(known, _jackknife(values[1:]), np.nan))
+    resolved = at <= int(length) // 2
+    return Curve(at.astype(float), values[0], np.where(resolved, _jackknife(values[1:]), np.nan))
 
 
 def _density(edges: Array, counts: Sequence[Array]) -> Curve:
     if not len(edges):
         return Curve(np.zeros(0), np.zeros(0), np.zeros(0))
-    densities = [one / (max(one.sum(), 1.0) * np.diff(edges)) for one in counts]
+    densities = [count / (max(count.sum(), 1.0) * np.diff(edges)) for count in counts]
     error = _jackknife(densities[1:])
-    if not all(one.any() for one in counts):
+    if not all(count.any() for count in counts):
         error = np.full_like(error, np.nan)
     return Curve(0.5 * (edges[1:] + edges[:-1]), densities[0], error)
 
@@ -317,7 +320,7 @@ def _means(
     """Means over few walkers, or over the track of a lone one."""
     if together is not None:
         return together.means
-    longest = max(alone, key=lambda one: one.seconds).estimates
+    longest = max(alone, key=lambda walker: walker.seconds).estimates
     # Without headings the fit of all products is sharper than the first one.
     return longest if frame.lane or frame.headed else {"lane_speed": longest["lane_speed"]}
 

@@ -38,18 +38,18 @@ def at_regular_times(table: Columns, time: str, heading: str) -> tuple[Columns, 
     share = (wanted - at[rows]) / steps[rows]
     values: dict[str, Array] = {time: wanted}
     for name in table.values.keys() - {time}:
-        one = table.values[name]
-        change = np.diff(one)[rows]
+        column = table.values[name]
+        change = np.diff(column)[rows]
         if name == heading:
             change = (change + np.pi) % (2.0 * np.pi) - np.pi
         # What is one number of a walker, as its own or the plate's speed, does not change with time
-        values[name] = one[rows] + np.where(change == 0.0, 0.0, share * change)
+        values[name] = column[rows] + np.where(change == 0.0, 0.0, share * change)
     low, high = (1e3 * float(end(steps[near])) for end in (np.min, np.max))
-    told = (
+    note = (
         f"the film's rate varies, {low:.3g} to {high:.3g} ms from frame to frame: places are taken "
         f"between its frames, every {1e3 * usual:.3g} ms"
     )
-    return Columns(values, table.lines[rows], table.bad), told
+    return Columns(values, table.lines[rows], table.bad), note
 
 
 def _steps(table: Columns, time: str) -> tuple[Array, npt.NDArray[np.bool_]]:

@@ -70,7 +70,10 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     se = table.values.get("speed_se_mm_s")
     return Measured(
         table.values["tilt_deg"],
-        [kind if np.isnan(one) else KINDS[int(one)] for one in table.values.get("legs", unknown)],
+        [
+            kind if np.isnan(code) else KINDS[int(code)]
+            for code in table.values.get("legs", unknown)
+        ],
         table.values["speed_mm_s"],
         None if se is None or np.isnan(se).any() else se,
         np.where(np.isnan(plate), plate_speed, plate),
@@ -126,12 +129,12 @@ def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
     same = np.abs(measured.plate_speed / plate_speed - 1.0) <= SAME_PLATE
     away = int(np.count_nonzero(~same))
     left_out = f"{away} speeds at other plate speeds than {plate_speed:.3g} mm/s left out"
-    told = [measured.bad, left_out if away else ""]
+    notes = [measured.bad, left_out if away else ""]
     return Measured(
         measured.tilt[same],
-        [kind for kind, one in zip(measured.legs, same, strict=True) if one],
+        [kind for kind, chosen in zip(measured.legs, same, strict=True) if chosen],
         measured.speed[same],
         None if measured.se is None else measured.se[same],
         measured.plate_speed[same],
-        "; ".join(one for one in told if one),
+        "; ".join(note for note in notes if note),
     )

@@ -88,14 +88,14 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
     if len(values) <= FEWEST or use.sum() < 6 or not np.isfinite(turns).all():
         return Fitted((NONE,) * len(values), False, math.nan, math.nan)
     lag, values = lag[use], values[:, use]
-    errors = np.stack([_smooth(lag, one) for one in _errors(values)])
+    errors = np.stack([_smooth(lag, error) for error in _errors(values)])
     run = _curves(lag, values, errors, turns)
     fits = [_fit_run(lag, *row, run) for row in zip(values, errors, turns, strict=True)]
-    if run and _negative([one.diffusion for one in fits]):
+    if run and _negative([spread.diffusion for spread in fits]):
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
         start = first.rate, first.smooth_rate
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
-    rest = (values - np.stack([walks.squared(lag, one) for one in fits])) / errors[0]
+    rest = (values - np.stack([walks.squared(lag, spread) for spread in fits])) / errors[0]
     return Fitted(tuple(fits), run, *_goodness(rest[0], rest[1:]))
 
 
@@ -107,7 +107,7 @@ def _errors(values: Array) -> Array:
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
     kept = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
-    return np.stack([one.std(axis=0, ddof=1) / math.sqrt(len(one)) for one in kept])
+    return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in kept])
 
 
 def _smooth(lag: Array, errors: Array) -> Array:
@@ -152,7 +152,7 @@ def _fit_run(lag: Array, values: Array, errors: Array, turn: float, run: bool) -
         return _linear(lag, values, errors, (math.exp(log_rate),), turn)[1]
 
     logs = np.linspace(math.log(1e-3 / lag[-1]), math.log(2.0 / lag[0]), RATES)
-    best = int(np.argmin([misfit(one) for one in logs]))
+    best = int(np.argmin([misfit(log) for log in logs]))
     ends = logs[max(best - 1, 0)], logs[min(best + 1, len(logs) - 1)]
     finest = minimize_scalar(misfit, bounds=ends, method="bounded", options={"xatol": 1e-7})
     return _linear(lag, values, errors, (math.exp(finest.x),), turn)[0]
@@ -173,7 +173,7 @@ def _fit_smooth(
 
     if start is None:
         slow = np.linspace(math.log(0.1 / lag[-1]), math.log(0.3 / lag[0]), 14)
-        logs = min(((one, math.log(ratio)) for one in slow for ratio in RATIOS), key=misfit)
+        logs = min(((log, math.log(ratio)) for log in slow for ratio in RATIOS), key=misfit)
     else:
         logs = math.log(start[0]), math.log(start[1] / start[0] - 1.0)
     options = {"xatol": 1e-4, "fatol": 1e-6, "maxiter": 300}

@@ -89,7 +89,7 @@ class Timed(NamedTuple):
     """Unit of the headings, rad."""
 
     @property
-    def told(self) -> str:
+    def own_columns(self) -> str:
         """What the file has of its own, in words."""
         return f"{self.time} and {self.axes[0]}"
 
@@ -159,9 +159,11 @@ def _trajectory(path: Path, names: list[str], units: Units) -> Tracks:
 
 def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bool) -> Tracks:
     """Read tracks that have their own times and lengths, on a plane or along a lane."""
-    for flag, given in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
-        if given is not None:
-            raise InputError(f"{flag} {given:g}: {path} has its own {form.told}; leave it out")
+    for flag, value in (("--fps", units.fps), ("--mm-per-px", units.mm_per_px)):
+        if value is not None:
+            raise InputError(
+                f"{flag} {value:g}: {path} has its own {form.own_columns}; leave it out"
+            )
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
@@ -187,9 +189,9 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     if heading is not None and np.isnan(heading).all():
         heading = None
     scale_se = _scale_se(path, table) if form is OURS else None
-    found = _assemble(path, table, steps, position, heading, interval)
-    told = "; ".join(line for line in (between, found.told) if line)
-    return found._replace(scale_se=scale_se, told=told)
+    tracks = _assemble(path, table, steps, position, heading, interval)
+    note = "; ".join(line for line in (between, tracks.told) if line)
+    return tracks._replace(scale_se=scale_se, told=note)
 
 
 def _ticks(path: Path, table: Columns, form: Timed) -> tuple[float, Array]:
@@ -259,9 +261,9 @@ def _film(path: Path, names: list[str], units: Units) -> Tracks:
             heading = None
     position = scale * np.stack(axes, axis=1)
     frames = table.values["frame"]
-    found = _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
+    tracks = _assemble(path, table, frames - frames.min(), position, heading, 1.0 / fps)
     error = units.mm_per_px_se
-    return found._replace(scale_se=None if error is None else error / scale)
+    return tracks._replace(scale_se=None if error is None else error / scale)
 
 
 def _film_units(path: Path, units: Units) -> tuple[float, float]:

@@ -52,7 +52,7 @@ def walkers(tracks: Sequence[Track], interval: float) -> list[Turning]:
         return []
     longest = _longest_known(list(units.values()), size)
     every = [_turning(name, unit, size, longest, interval) for name, unit in units.items()]
-    return [one for one in every if one is not None]
+    return [turning for turning in every if turning is not None]
 
 
 def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
@@ -65,8 +65,8 @@ def _longest_known(units: Sequence[moments.Complex], size: int) -> int:
         products, count = lagged.products(unit, lags)
         total, pairs = total + np.abs(products), pairs + count  # about each one's own mean turn
     unknown = lags[total < BRIDGED * pairs]
-    known = lags[lags < unknown[0]] if len(unknown) else lags
-    return int(known[-1]) if len(known) else 1
+    bridged = lags[lags < unknown[0]] if len(unknown) else lags
+    return int(bridged[-1]) if len(bridged) else 1
 
 
 def _turning(
@@ -82,8 +82,8 @@ def _turning(
     # Wrapped about the walker's mean turn, which may be more than half a turn across a gap.
     expected = turns[steps == 1].mean() * steps
     turns = expected + np.angle(np.exp(1j * (turns - expected)))
-    known = steps <= longest
-    turns, steps, first, last = turns[known], steps[known], seen[:-1][known], seen[1:][known]
+    near = steps <= longest
+    turns, steps, first, last = (turns[near], steps[near], seen[:-1][near], seen[1:][near])
     piece = np.searchsorted(np.linspace(0, len(unit) - 1, count + 1), last) - 1
     fresh = np.append(True, first[1:] != last[:-1])
     starts = fresh | np.append(True, piece[1:] != piece[:-1])
@@ -100,36 +100,36 @@ def _turning(
     return Turning(particle, rate, squares, len(turned), whole, noise)
 
 
-def scatter(found: Sequence[Turning]) -> Estimate:
+def scatter(turnings: Sequence[Turning]) -> Estimate:
     """Standard deviation of the mean turning rates of at least two walkers, rad/s.
 
     It is the spread of the walkers' means less what the spread of each walker's pieces makes of it,
     so that diffusion of the heading alone gives none.
     """
-    if len(found) < 2:
-        told = f"{len(found)} walkers with several pieces of a track; at least 2"
-        return Estimate(None, None, told)
-    rates, seconds = np.array([(one.rate, one.seconds) for one in found]).T
-    inside = _free(found)
-    noise = _squares(found) / inside * float((1.0 / seconds).mean())
+    if len(turnings) < 2:
+        reason = f"{len(turnings)} walkers with several pieces of a track; at least 2"
+        return Estimate(None, None, reason)
+    rates, seconds = np.array([(turning.rate, turning.seconds) for turning in turnings]).T
+    inside = _free(turnings)
+    noise = _squares(turnings) / inside * float((1.0 / seconds).mean())
     return between.spread(rates, noise, inside, "rad/s")
 
 
-def diffusion(found: Sequence[Turning], noise2: Estimate) -> Estimate:
+def diffusion(turnings: Sequence[Turning], noise2: Estimate) -> Estimate:
     """Coefficient of rotational diffusion D_r (rad^2/s) about each walker's own mean turning.
 
     Turns of a piece of t seconds have the variance 2 D_r t + 2 `noise2`, with the variance of a
     heading's noise (rad^2). The error is that of a variance of independent normal values, and of
     the noise.
     """
-    free = _free(found)
+    free = _free(turnings)
     if free < FEWEST_SAMPLES:
-        told = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
-        return Estimate(None, None, told)
+        reason = f"{free} independent pieces of tracks; at least {FEWEST_SAMPLES}: film for longer"
+        return Estimate(None, None, reason)
     if noise2.value is None or noise2.se is None:
         return Estimate(None, None, "the noise of the headings is unknown: film for longer")
-    raised = sum(one.noise for one in found) / (2.0 * free)
-    variance = _squares(found) / (2.0 * free)
+    raised = sum(turning.noise for turning in turnings) / (2.0 * free)
+    variance = _squares(turnings) / (2.0 * free)
     error = math.hypot(variance * math.sqrt(2.0 / free), raised * noise2.se)
     # The noise's error makes the variance as uncertain as one of fewer pieces.
     freedom = 2.0 * (variance / error) ** 2 if error else free
@@ -137,9 +137,9 @@ def diffusion(found: Sequence[Turning], noise2: Estimate) -> Estimate:
     return Estimate(variance - noise, error, "", freedom, noise)
 
 
-def _free(found: Sequence[Turning]) -> int:
-    return sum(one.pieces - 1 for one in found)
+def _free(turnings: Sequence[Turning]) -> int:
+    return sum(turning.pieces - 1 for turning in turnings)
 
 
-def _squares(found: Sequence[Turning]) -> float:
-    return sum(one.squares for one in found)
+def _squares(turnings: Sequence[Turning]) -> float:
+    return sum(turning.squares for turning in turnings)

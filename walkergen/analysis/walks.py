@@ -118,5 +118,5 @@ def fit(
     limits = lowest, math.inf
     # Far trial points may overflow: they are rejected.
     with np.errstate(over="ignore", invalid="ignore"):
-        found = least_squares(residuals, start, x_scale=scale, bounds=limits, max_nfev=200)
-    return np.asarray(found.x) if found.success else None
+        solution = least_squares(residuals, start, x_scale=scale, bounds=limits, max_nfev=200)
+    return np.asarray(solution.x) if solution.success else None

@@ -58,8 +58,8 @@ def check(key: str, model: type[Section], source: str, prefix: str = "") -> None
     Known keys are told after a prefix.
     """
     _check_form(key, f"{source}: ")
-    if told := unknown(tuple(key.split(".")), model, prefix):
-        raise InputError(f"{source}: {told}")
+    if reason := unknown(tuple(key.split(".")), model, prefix):
+        raise InputError(f"{source}: {reason}")
 
 
 def read(
@@ -81,8 +81,8 @@ def with_data(
 ) -> tuple[Model, dict[str, Any]]:  # fmt: skip
     """As `read`, with the data that the contents were validated from, for `assigned`."""
     data, text = contents(path, model)
-    found = validate(data, model, str(path), text)
-    return (assigned(found, data, values, source, prefix) if values else found), data
+    settings = validate(data, model, str(path), text)
+    return (assigned(settings, data, values, source, prefix) if values else settings), data
 
 
 def changed(
@@ -117,8 +117,8 @@ def assigned(
 def _check_form(key: str, before: str) -> None:
     """Raise InputError for what is not written as a key."""
     if not KEY.fullmatch(key):
-        told = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
-        raise InputError(f"{before}{key[:60]!r}: {told}")
+        reason = "must be a key of the TOML file, as legs.tilt_deg or legs[2].friction"
+        raise InputError(f"{before}{key[:60]!r}: {reason}")
 
 
 def _plain(value: Any) -> Any:
@@ -139,8 +139,8 @@ def _put(data: dict[str, Any], path: list[str], value: Any) -> None:
         inner = place.setdefault(name, {}) if number is None else _entries(place, step)[number - 1]
         if not isinstance(inner, dict):
             listed = isinstance(inner, list)
-            told = "is a list: number its entry, from 1" if listed else "is a value, not a table"
-            raise InputError(f"{step} {told}")
+            reason = "is a list: number its entry, from 1" if listed else "is a value, not a table"
+            raise InputError(f"{step} {reason}")
         place = inner
     name, number = _numbered(last)
     if number is None:

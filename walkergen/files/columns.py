@@ -153,7 +153,7 @@ def _names(stream: Iterator[str], source: str) -> list[str]:
     names = [name.strip() for name in cells(next(stream, ""), source, 1)]
     if not any(names):
         raise InputError(f"{source}: is empty; give {FORMAT} whose first line names its columns")
-    if len(names) == 1 and (other := next((one for one in ";\t|" if one in names[0]), "")):
+    if len(names) == 1 and (other := next((mark for mark in ";\t|" if mark in names[0]), "")):
         raise InputError(f"{source}:1: no comma, but {other!r} seen: {SEPARATE}")
     if len(names) > MOST_COLUMNS:
         raise InputError(f"{source}:1: {len(names)} columns; at most {MOST_COLUMNS}")
@@ -218,11 +218,11 @@ _UNREADABLE = -math.inf
 """Value of a cell that holds neither a number nor, where it may, nothing."""
 
 
-def _number(row: list[str], place: int, optional: bool, known: Sequence[str]) -> float:
+def _number(row: list[str], place: int, optional: bool, words: Sequence[str]) -> float:
     """Value of a cell: its number or its place among known words; NaN when blank and optional."""
     text = row[place].strip() if place < len(row) else ""
-    if known and text:
-        return float(known.index(text)) if text in known else _UNREADABLE
+    if words and text:
+        return float(words.index(text)) if text in words else _UNREADABLE
     value = words_of.value(text)
     if value is not None:
         return value

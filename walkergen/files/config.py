@@ -64,7 +64,7 @@ class Section(BaseModel):
         return sound(value)
 
     @classmethod
-    def beside(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
+    def located(cls, data: Mapping[str, Any], folder: Path) -> Mapping[str, Any]:
         """Data of a file in `folder`, in which tables that name other files say where they are."""
         return data
 
@@ -96,7 +96,7 @@ def contents(path: Path, model: type[Section]) -> tuple[dict[str, Any], str]:
         )
     if "name" in model.model_fields:
         data.setdefault("name", path.stem)
-    return dict(model.beside(data, path.parent)), text
+    return dict(model.located(data, path.parent)), text
 
 
 def load(path: Path) -> tuple[dict[str, Any], str]:
@@ -128,8 +128,8 @@ def toml_of(text: str) -> dict[str, Any]:
 def _refuse_endless(value: Any) -> None:
     """Raise ValueError for a whole number in hexadecimals of more digits than Python writes."""
     if isinstance(value, (dict, list)):
-        for one in value.values() if isinstance(value, dict) else value:
-            _refuse_endless(one)
+        for inner in value.values() if isinstance(value, dict) else value:
+            _refuse_endless(inner)
     elif isinstance(value, int) and value.bit_length() > MOST_BITS:
         raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MOST_BITS}")
 
@@ -138,9 +138,11 @@ def _depth(value: Any) -> int:
     """Levels of lists and tables in a value, counted no further than one beyond DEEPEST."""
     layer, depth = [value], 0
     while layer and depth <= DEEPEST:
-        holders = [one for one in layer if isinstance(one, (dict, list))]
+        holders = [holder for holder in layer if isinstance(holder, (dict, list))]
         layer = [
-            inner for one in holders for inner in (one.values() if isinstance(one, dict) else one)
+            inner
+            for holder in holders
+            for inner in (holder.values() if isinstance(holder, dict) else holder)
         ]
         depth += bool(holders)
     return depth
@@ -153,7 +155,7 @@ def sound(value: Any) -> Any:
     squared or divided by.
     """
     if isinstance(value, list):
-        return [sound(one) for one in value]
+        return [sound(entry) for entry in value]
     if isinstance(value, float):
         if 0.0 < abs(value) < SMALLEST:
             raise ValueError(f"{value:g} is too small: must be 0, or at least {SMALLEST:g}")
@@ -211,8 +213,8 @@ def _explain(mistake: Any, model: type[Section], source: str, text: str, prefix:
         count = len(mistake["input"])
         return f"{place}: {key}: {count} entries: must be {words} {mistake['ctx'][limit]}"
     seen = " is missing" if mistake["type"] == "missing" else f" = {_shown(mistake['input'])}"
-    told = FORMS.get(mistake["type"]) or allowed(location, model) or mistake["msg"]
-    return f"{place}: {key}{seen}: {told}"
+    rule = FORMS.get(mistake["type"]) or allowed(location, model) or mistake["msg"]
+    return f"{place}: {key}{seen}: {rule}"
 
 
 def _shown(value: Any) -> str:
@@ -232,13 +234,13 @@ def _path_of(places: Sequence[str | int], model: type[Section]) -> tuple[str, ..
 
     The tag by which pydantic tells a table from a list of them is left out.
     """
-    found: list[str] = []
+    path: list[str] = []
     for before, place in zip(("", *places), places, strict=False):
         if isinstance(place, int):
-            found[-1] += f"[{place + 1}]"
-        elif not (found and before == found[-1] and place in _tags(tuple(found), model)):
-            found.append(place)
-    return tuple(found)
+            path[-1] += f"[{place + 1}]"
+        elif not (path and before == path[-1] and place in _tags(tuple(path), model)):
+            path.append(place)
+    return tuple(path)
 
 
 def _tags(location: tuple[str, ...], model: type[Section]) -> set[str]:
@@ -301,25 +303,25 @@ def _unknown_key(location: tuple[str, ...], model: type[Section], prefix: str) -
     table = _model_at(location[:-1], model)
     if table and location[-1] in table.gone:
         return f"this key is gone: {table.gone[location[-1]]}"
-    known = [".".join(path) for path in keys(model)]
+    paths = [".".join(path) for path in keys(model)]
     if table and any("[" in key for key in location):
-        known = [".".join((*location[:-1], name)) for name in table.model_fields]
-    close = difflib.get_close_matches(".".join(location), known, n=1, cutoff=0.6)
+        paths = [".".join((*location[:-1], name)) for name in table.model_fields]
+    close = difflib.get_close_matches(".".join(location), paths, n=1, cutoff=0.6)
     if close:
         return f"unknown key; did you mean {prefix}{close[0]}?"
-    names = list(table.model_fields) if table else [key for key in known if "." not in key]
+    names = list(table.model_fields) if table else [key for key in paths if "." not in key]
     return f"unknown key; known here: {', '.join(names)}"
 
 
 def keys(model: type[Section], prefix: tuple[str, ...] = ()) -> list[tuple[str, ...]]:
     """Keys of a table and of all tables in it, each as the path that leads to it."""
-    found: list[tuple[str, ...]] = []
+    paths: list[tuple[str, ...]] = []
     for name, field in model.model_fields.items():
-        found.append((*prefix, name))
+        paths.append((*prefix, name))
         inner = _section_of(field.annotation)
         if inner:
-            found += keys(inner, (*prefix, name))
-    return found
+            paths += keys(inner, (*prefix, name))
+    return paths
 
 
 def _section_of(annotation: Any, listed: bool = False) -> type[Section] | None:
@@ -328,8 +330,8 @@ def _section_of(annotation: Any, listed: bool = False) -> type[Section] | None:
         return None if listed else annotation
     if get_origin(annotation) is list:
         return _section_of(get_args(annotation)[0]) if listed else None
-    found = (_section_of(one, listed) for one in get_args(annotation))
-    return next((one for one in found if one), None)
+    sections = (_section_of(argument, listed) for argument in get_args(annotation))
+    return next((section for section in sections if section), None)
 
 
 def _field_at(location: tuple[str, ...], model: type[Section]) -> FieldInfo | None:
@@ -351,8 +353,8 @@ def allowed(location: tuple[str, ...], model: type[Section]) -> str:
     field = _field_at(location, model)
     if field is None:
         return ""
-    if told := _tables_in_words(_unnumbered(location[-1]), field.annotation):
-        return told
+    if tables := _tables_in_words(_unnumbered(location[-1]), field.annotation):
+        return tables
     metadata, types = list(field.metadata), [field.annotation]
     while types:
         annotation = types.pop()

@@ -77,9 +77,9 @@ def png(figure: Figure, dpi: int = DPI) -> bytes:
 def pdf(figure: Figure) -> bytes:
     """The figure as PDF, with its title and without the date: equal figures give equal bytes."""
     buffer = io.BytesIO()
-    told = {"CreationDate": None, "Title": words(figure)}
+    metadata = {"CreationDate": None, "Title": words(figure)}
     with style():
-        figure.savefig(buffer, format="pdf", metadata=told)
+        figure.savefig(buffer, format="pdf", metadata=metadata)
     return buffer.getvalue()
 
 

@@ -31,11 +31,11 @@ def label(key: str) -> str:
     end = next((end for end in UNITS if own.endswith(end)), "")
     *tables, name = own.removesuffix(end).split(".")
     words = name.replace("_", " ").replace("youngs", "Young's")
-    thing = _thing(tables[-1]) if tables else ""
-    return (f"{words} of {thing}" if thing else words) + (f" ({UNITS[end]})" if end else "")
+    owner = _owner(tables[-1]) if tables else ""
+    return (f"{words} of {owner}" if owner else words) + (f" ({UNITS[end]})" if end else "")
 
 
-def _thing(table: str) -> str:
+def _owner(table: str) -> str:
     """Thing that a table of keys is about: "the legs", "leg 2"."""
     numbered = LEG.fullmatch(table)
     if numbered:

@@ -33,7 +33,7 @@ BLANK = b"0" * 64
 SEAL = re.compile(rb'[0-9a-f]{64}(?=(?:"\n}| -->)\n\Z)')
 """Seal at the end of JSON or HTML."""
 
-Known = dict[str, set[str]]
+Digests = dict[str, set[str]]
 """Hashes that files of ours had, by their names."""
 
 
@@ -44,7 +44,7 @@ class Ledger:
     """
 
     def __init__(self, path: Path, alone: bool) -> None:
-        self.path, self.known, self._alone = path, Known(), alone
+        self.path, self.digests, self._alone = path, Digests(), alone
         self._file = _locked(path) if alone else _opened(path, new=False)
         if self._file is not None:
             self._read(self._file)
@@ -62,11 +62,11 @@ class Ledger:
             except (ValueError, TypeError, RecursionError):
                 continue
             if isinstance(name, str) and isinstance(digest, str):
-                self.known.setdefault(name, set()).add(digest)
+                self.digests.setdefault(name, set()).add(digest)
 
     def note(self, name: str, digest: str) -> None:
         """Append that a file of this name and hash is about to be ours. Raises OSError."""
-        if digest in self.known.get(name, ()):
+        if digest in self.digests.get(name, ()):
             return
         if self._file is None:
             self._file = _opened(self.path, new=True)
@@ -76,7 +76,7 @@ class Ledger:
             raise OSError(
                 errno.ENOSPC, os.strerror(errno.ENOSPC)
             )  # a disk that is full takes a part of it
-        self.known.setdefault(name, set()).add(digest)
+        self.digests.setdefault(name, set()).add(digest)
 
     def close(self, remove: bool = False) -> None:
         """Let others in; with `remove`, or where one alone noted nothing, the file goes."""
@@ -124,11 +124,11 @@ def _opened(path: Path, new: bool) -> int | None:
     raise OSError(errno.EINVAL, "is no plain file")
 
 
-def flags(asked: int) -> int:
+def flags(mode: int) -> int:
     """Flags to open a file with: no link is followed, nothing waits, bytes are bytes."""
     for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_CLOEXEC", "O_BINARY"):
-        asked |= getattr(os, name, 0)  # each system has some of them
-    return asked
+        mode |= getattr(os, name, 0)  # each system has some of them
+    return mode
 
 
 def lock(file: int) -> bool:
@@ -165,8 +165,8 @@ def hash_of(path: Path) -> str | None:
             return None
         raise
     try:
-        found = os.fstat(file)
-        if not stat.S_ISREG(found.st_mode) or found.st_size > MOST_HASHED:
+        status = os.fstat(file)
+        if not stat.S_ISREG(status.st_mode) or status.st_size > MOST_HASHED:
             return None
         with open(file, "rb", closefd=False) as stream:
             return hashlib.file_digest(stream, "sha256").hexdigest()
@@ -176,20 +176,20 @@ def hash_of(path: Path) -> str | None:
 
 def sealed(data: bytes) -> bytes:
     """Data whose last value, or comment, is BLANK, with its own hash there: any change shows."""
-    found = SEAL.search(data)
-    assert found is not None
-    assert found[0] == BLANK
+    match = SEAL.search(data)
+    assert match is not None
+    assert match[0] == BLANK
     seal = hashlib.sha256(data).hexdigest().encode()
-    return data[: found.start()] + seal + data[found.end() :]
+    return data[: match.start()] + seal + data[match.end() :]
 
 
 def is_sealed(data: bytes) -> bool:
     """True for what `sealed` returned, byte for byte."""
-    found = SEAL.search(data)
-    if found is None:
+    match = SEAL.search(data)
+    if match is None:
         return False
-    blank = data[: found.start()] + BLANK + data[found.end() :]
-    return hashlib.sha256(blank).hexdigest().encode() == found[0]
+    blank = data[: match.start()] + BLANK + data[match.end() :]
+    return hashlib.sha256(blank).hexdigest().encode() == match[0]
 
 
 def manifest(facts: dict[str, Any]) -> bytes:
@@ -204,7 +204,7 @@ def facts_of(data: bytes) -> dict[str, Any] | None:
     if not is_sealed(data):
         return None
     try:
-        found = json.loads(data)
+        facts = json.loads(data)
     except (ValueError, RecursionError):
         return None
-    return found if isinstance(found, dict) else None
+    return facts if isinstance(facts, dict) else None

@@ -77,7 +77,7 @@ def _create(path: Path, data: bytes) -> None:
 def _tidy(folder: Path) -> None:
     """Remove what a killed run left half-written: temporary files that no process has locked."""
     try:
-        names = [one.name for one in os.scandir(folder) if TEMPORARY.fullmatch(one.name)]
+        names = [entry.name for entry in os.scandir(folder) if TEMPORARY.fullmatch(entry.name)]
     except OSError:
         return  # there is no such folder yet
     for name in names:
@@ -102,10 +102,10 @@ def renew(path: Path, data: bytes) -> None:
 def check_ours(path: Path) -> None:
     """Raise OutputError where a file is that is neither empty nor sealed as we wrote it."""
     try:
-        found = path.lstat()
+        status = path.lstat()
     except (OSError, ValueError):  # whatever stops the writing will tell
         return
-    if _is_empty(found):
+    if _is_empty(status):
         return
     with contextlib.suppress(OSError), os.fdopen(os.open(path, flags(os.O_RDONLY)), "rb") as stream:
         plain = stat.S_ISREG(os.fstat(stream.fileno()).st_mode)
@@ -114,15 +114,19 @@ def check_ours(path: Path) -> None:
     raise OutputError(f"{str(path)!r}: {NOT_OURS}")
 
 
-def _is_empty(found: os.stat_result) -> bool:
+def _is_empty(status: os.stat_result) -> bool:
     """True for a plain file without contents: nothing that could be lost."""
-    return stat.S_ISREG(found.st_mode) and found.st_size == 0
+    return stat.S_ISREG(status.st_mode) and status.st_size == 0
 
 
 def refused(path: Path, error: Exception) -> OutputError:
     """Error, in words, for a file or folder that the system does not let us write."""
     reason = getattr(error, "strerror", None) or str(error)
     return OutputError(f"{str(path)!r}: cannot be written: {reason}; try another --out")
+
+
+GROWING = "growing"
+"""Stands in a ledger for the hash of a file that is written row by row."""
 
 
 class Folder:
@@ -192,8 +196,17 @@ class Folder:
         self.hashes[name] = digest
         return True
 
+    def grow(self, name: str) -> None:
+        """Note that a file of ours is about to be written by other means, as row by row."""
+        self.claim()
+        assert self._ledger is not None
+        try:
+            self._ledger.note(name, GROWING)
+        except OSError as error:
+            raise refused(self.path / name, error) from None
+
     def add(self, name: str) -> None:
-        """Take in a file that was written by other means, as row by row."""
+        """Take in a file that has grown."""
         digest = self._hash(name)
         if digest is None:
             raise OutputError(f"{str(self.path / name)!r}: was removed while it was written")
@@ -207,7 +220,7 @@ class Folder:
         """
         self.claim()
         assert self._ledger is not None
-        for name in sorted({*self._ledger.known, *self._listed} - {*self.hashes}):
+        for name in sorted({*self._ledger.digests, *self._listed} - {*self.hashes}):
             if self._ours(name):
                 try:
                     (self.path / name).unlink()
@@ -237,33 +250,40 @@ class Folder:
             return {}
         except (OSError, ValueError) as error:
             raise _distrusted(path, getattr(error, "strerror", None) or str(error)) from None
-        found = ledger.facts_of(data)
-        if found is None:
+        facts = ledger.facts_of(data)
+        if facts is None:
             raise _distrusted(path, "is not as walkergen wrote it")
-        for name in _files_of(found):
+        for name in _files_of(facts):
             if not _is_inside(self.path, name):
                 raise _distrusted(path, "names files outside its folder")
-        return found
+        return facts
 
     def untouched(self) -> bool:
         """True when every file of an earlier run is as it was left."""
         listed = _files_of(self.earlier())
         return bool(listed) and all(self._hash(name) == digest for name, digest in listed.items())
 
+    def as_left(self, name: str) -> bool:
+        """True for a file that is as an earlier run left it, or was growing when that was ended."""
+        self.claim()
+        assert self._ledger is not None
+        growing = GROWING in self._ledger.digests.get(name, ())
+        return growing or self._listed.get(name) == self._hash(name)
+
     def _ours(self, name: str) -> bool:
         """True for a file in the folder that we wrote and nobody changed since."""
         assert self._ledger is not None
-        known = {*self._ledger.known.get(name, ()), self._listed.get(name)} - {None}
-        return bool(known) and _is_inside(self.path, name) and self._hash(name) in known
+        digests = {*self._ledger.digests.get(name, ()), self._listed.get(name)} - {None}
+        return bool(digests) and _is_inside(self.path, name) and self._hash(name) in digests
 
     def _may(self, name: str, digest: str) -> bool:
         """True where nothing is lost by writing a file of this hash: none there, or ours."""
         path = self.path / name
         try:
-            found = path.lstat()
+            status = path.lstat()
         except (OSError, ValueError):  # whatever stops the writing will tell
             return True
-        return _is_empty(found) or self._hash(name) == digest or self._ours(name)
+        return _is_empty(status) or self._hash(name) == digest or self._ours(name)
 
     def _hash(self, name: str) -> str | None:
         """Hash of a plain file in the folder; None of all else."""
@@ -276,10 +296,10 @@ class Folder:
         """Raise OutputError for the files that were left alone, a line each."""
         if not self.left:
             return
-        told = [f"{str(self.path / name)!r}: {NOT_OURS}" for name in self.left[:NAMED]]
+        lines = [f"{str(self.path / name)!r}: {NOT_OURS}" for name in self.left[:NAMED]]
         more = len(self.left) - NAMED
         self.left = []
-        raise OutputError("\n".join(told + ([f"and {more} more files"] if more > 0 else [])))
+        raise OutputError("\n".join(lines + ([f"and {more} more files"] if more > 0 else [])))
 
 
 def _files_of(facts: dict[str, Any]) -> dict[str, str]:
@@ -304,13 +324,13 @@ def _is_inside(folder: Path, name: str) -> bool:
 
 def versions() -> dict[str, str]:
     """Versions of walkergen, Python and the libraries that shape the files."""
-    found = {"walkergen": __version__, "python": platform.python_version()}
+    by_library = {"walkergen": __version__, "python": platform.python_version()}
     for library in LIBRARIES:
         try:
-            found[library] = version(library)
+            by_library[library] = version(library)
         except PackageNotFoundError:  # vendored without metadata, as in some distributions
-            found[library] = "unknown"
-    return found
+            by_library[library] = "unknown"
+    return by_library
 
 
 def results(path: Path, out: Path | None, what: str) -> Path:

@@ -28,11 +28,11 @@ def line(text: str, widest: int = WIDEST) -> str:
 
     Its end stays, because there stands what to do.
     """
-    found = plain(text.replace("\n", "\\n"))
-    if len(found) <= widest:
-        return found
+    shown = plain(text.replace("\n", "\\n"))
+    if len(shown) <= widest:
+        return shown
     end = widest // 3
-    return f"{found[: widest - end - 5]} ... {found[len(found) - end :]}"
+    return f"{shown[: widest - end - 5]} ... {shown[len(shown) - end :]}"
 
 
 class Plain:
@@ -51,7 +51,7 @@ class Plain:
     def write(self, text: str) -> int:
         """Write text, made plain; return the number of its letters."""
         if self.widest is not None:
-            text = "\n".join(line(one, self.widest) for one in text.split("\n"))
+            text = "\n".join(line(row, self.widest) for row in text.split("\n"))
         self.rich_proxied_file.write(plain(text))
         return len(text)
 
@@ -62,8 +62,8 @@ def guard() -> None:
     sys.stderr = cast("TextIO", Plain(sys.stderr, WIDEST))
 
 
-def _escaped(found: re.Match[str]) -> str:
-    code = ord(found[0])
+def _escaped(match: re.Match[str]) -> str:
+    code = ord(match[0])
     if code <= 0xFFFF:
         return f"\\u{code:04x}"
     return f"\\u{0xD800 + (code - 0x10000 >> 10):04x}\\u{0xDC00 + (code & 0x3FF):04x}"

@@ -55,12 +55,12 @@ def json_of(path: Path, most_bytes: int = MOST_BYTES) -> Any:
     Raises InputError when it cannot be read, exceeds `most_bytes` or is not JSON.
     """
     try:
-        found = json.loads(content(path, most_bytes, "a JSON file"))
-        json.dumps(found, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
-        return found
+        data = json.loads(content(path, most_bytes, "a JSON file"))
+        json.dumps(data, ensure_ascii=False, allow_nan=False).encode()  # NaN, halves of letters
+        return data
     except (ValueError, RecursionError) as error:
-        told = "nested too deeply" if isinstance(error, RecursionError) else str(error)
-        raise InputError(f"{path}: not valid JSON: {told}") from None
+        reason = "nested too deeply" if isinstance(error, RecursionError) else str(error)
+        raise InputError(f"{path}: not valid JSON: {reason}") from None
 
 
 def check(path: Path, format: str) -> None:
@@ -86,22 +86,24 @@ def by_library(source: str, kind: str) -> Iterator[None]:
     except WalkergenError:
         raise
     except Exception as error:
-        told = " ".join(str(error).split())[:100] or type(error).__name__
-        raise InputError(f"{source}: is no sound {kind} file: {told}") from None
+        reason = " ".join(str(error).split())[:100] or type(error).__name__
+        raise InputError(f"{source}: is no sound {kind} file: {reason}") from None
     finally:
         logging.disable(disabled)
 
 
-def lines(path: Path, format: str, most_bytes: int = MOST_BYTES) -> Iterator[str]:
+def lines(
+    path: Path, format: str, most_bytes: int = MOST_BYTES, newline: str | None = None
+) -> Iterator[str]:
     r"""Lines of a UTF-8 file, each with its "\n", read as they are asked for.
 
-    Every line end is "\n" and a byte order mark is left out. Raises InputError, when the first line
-    is asked for or a later one, if the file cannot be read, is not UTF-8, exceeds `most_bytes` or
-    has a line of more than MOST_LETTERS.
+    Every line end is "\n", unless `newline` is "", and a byte order mark is left out. Raises
+    InputError, when the first line is asked for or a later one, if the file cannot be read, is not
+    UTF-8, exceeds `most_bytes` or has a line of more than MOST_LETTERS.
     """
     with (
         _opened(path, format, most_bytes) as stream,
-        io.TextIOWrapper(stream, encoding="utf-8-sig") as text,
+        io.TextIOWrapper(stream, encoding="utf-8-sig", newline=newline) as text,
     ):
         read = 0
         while line := text.readline(MOST_LETTERS + 1):
@@ -143,14 +145,14 @@ def _opened(path: Path, format: str, most_bytes: int | None) -> Iterator[BinaryI
         raise InputError(f"{str(path)[:80]!r}: cannot be read: {reason}") from None
 
 
-def _check_kind(path: Path, found: os.stat_result, format: str, most_bytes: int | None) -> None:
+def _check_kind(path: Path, status: os.stat_result, format: str, most_bytes: int | None) -> None:
     """Raise InputError for a folder, a device, a pipe or a socket, and for too large a file."""
-    if stat.S_ISDIR(found.st_mode):
+    if stat.S_ISDIR(status.st_mode):
         raise InputError(f"{path}: is a folder; give {format}")
-    if not stat.S_ISREG(found.st_mode):
+    if not stat.S_ISREG(status.st_mode):
         raise InputError(f"{path}: is a pipe or a device; give {format} that lies on a disk")
-    if most_bytes is not None and found.st_size > most_bytes:
-        raise _too_large(path, found.st_size, most_bytes)
+    if most_bytes is not None and status.st_size > most_bytes:
+        raise _too_large(path, status.st_size, most_bytes)
 
 
 def _too_large(path: Path, seen: int, most_bytes: int) -> InputError:

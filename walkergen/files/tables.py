@@ -111,8 +111,10 @@ class Sizes(NamedTuple):
 
 def _sizes(table: "Table", index: int, console: "Console") -> Sizes:
     column = table.columns[index]
-    told = [column.header, *column.cells] if table.show_header else [*column.cells]
-    texts = [console.render_str(one).plain if isinstance(one, str) else str(one) for one in told]
+    cells = [column.header, *column.cells] if table.show_header else [*column.cells]
+    texts = [
+        console.render_str(cell).plain if isinstance(cell, str) else str(cell) for cell in cells
+    ]
     lines = [len(line) for text in texts for line in text.splitlines()]
     words = [len(word) for text in texts for word in text.split()]
     natural = max(lines, default=0)
@@ -125,40 +127,40 @@ def _pieces(
     """Columns of each piece: those that name the rows, and as many others as have room."""
     justify = [column.justify for column in table.columns[:2]]
     names = [0, 1] if justify == ["right", "left"] else [0]
-    found: list[list[int]] = []
+    pieces: list[list[int]] = []
     for column in range(len(names), len(sizes)):
-        own = [*(found[-1] if found else names), column]
-        if not found or sum(sizes[one].least + frame for one in own) > width:
+        own = [*(pieces[-1] if pieces else names), column]
+        if not pieces or sum(sizes[index].least + frame for index in own) > width:
             own = [*names, column]
-            found.append(own)
+            pieces.append(own)
         else:
-            found[-1] = own
-    return found or [names]
+            pieces[-1] = own
+    return pieces or [names]
 
 
 def _widths(sizes: Sequence[Sizes], room: int) -> list[int]:
     """Widths of columns: at least what each needs, and shares of the room for those that wrap."""
-    found = [size.least for size in sizes]
-    left = room - sum(found)
-    wanting = sorted(range(len(sizes)), key=lambda one: sizes[one].natural - sizes[one].least)
-    for place, one in enumerate(wanting):
-        more = min(sizes[one].natural - sizes[one].least, left // (len(wanting) - place))
-        found[one] += max(more, 0)
+    widths = [size.least for size in sizes]
+    left = room - sum(widths)
+    wanting = sorted(range(len(sizes)), key=lambda index: sizes[index].natural - sizes[index].least)
+    for place, index in enumerate(wanting):
+        more = min(sizes[index].natural - sizes[index].least, left // (len(wanting) - place))
+        widths[index] += max(more, 0)
         left -= max(more, 0)
-    return found
+    return widths
 
 
 def _of_columns(table: "Table", chosen: Sequence[int], widths: Sequence[int]) -> "Table":
     """A table's chosen columns, of given widths, as a table of its own, without its title."""
     from rich.table import Table
 
-    found = Table(
+    piece = Table(
         box=table.box, padding=table.padding, pad_edge=table.pad_edge,
         show_header=table.show_header, title_justify=table.title_justify,
     )  # fmt: skip
     columns = [table.columns[index] for index in chosen]
-    for one, width in zip(columns, widths, strict=True):
-        found.add_column(one.header, justify=one.justify, no_wrap=one.no_wrap, width=width)
-    for cells in zip(*(one.cells for one in columns), strict=True):
-        found.add_row(*cells)
-    return found
+    for column, width in zip(columns, widths, strict=True):
+        piece.add_column(column.header, justify=column.justify, no_wrap=column.no_wrap, width=width)
+    for cells in zip(*(column.cells for column in columns), strict=True):
+        piece.add_row(*cells)
+    return piece

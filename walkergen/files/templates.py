@@ -41,8 +41,8 @@ def find(name: str) -> Path:
     for kind in KINDS:
         if name in names(kind):
             return folder() / kind / f"{name}.toml"
-    known = ", ".join(name for kind in KINDS for name in names(kind))
-    raise InputError(f"{name!r}: no such template; known: {known}")
+    listed = ", ".join(name for kind in KINDS for name in names(kind))
+    raise InputError(f"{name!r}: no such template; known: {listed}")
 
 
 def renamed(path: Path, name: str) -> str:
@@ -94,9 +94,9 @@ def dump(model: Section, comment: str, every: bool = True) -> str:
 
 def listing() -> list[Entry]:
     """Every template with its description."""
-    found = []
+    entries = []
     for kind in KINDS:
         for name in names(kind):
             data = tomllib.loads((folder() / kind / f"{name}.toml").read_text(encoding="utf-8"))
-            found.append(Entry(kind, name, data["description"]))
-    return found
+            entries.append(Entry(kind, name, data["description"]))
+    return entries

@@ -56,22 +56,22 @@ def frame(parts: Sequence[Part], title: str) -> str:
     """
     seen = _fitting(parts)
     left_out = [part.name for part in parts[len(seen) :]]
-    told = []
+    html = []
     if seen:
         page = escape(_page(seen, title), quote=True)
         size = f"{len(page) / 1e6:.2f}"
-        told.append(
+        html.append(
             f'<iframe title="{escape(title)}" sandbox="allow-scripts" srcdoc="{page}" style="width:'
             f'100%;max-width:44rem;height:{HEIGHT_PX}px;border:0"></iframe>'
             f"<p><small>3D view: {size} MB of this notebook, nothing is fetched.</small></p>"
         )
     if left_out:
         names = ", ".join(left_out[:3]) + (" ..." if len(left_out) > 3 else "")
-        told.append(
+        html.append(
             f"<p>{len(left_out)} of {len(parts)} parts are not in the 3D view, which has "
             f"{MOST_TRIANGLES} triangles at most: {escape(names)}</p>"
         )
-    return "".join(told)
+    return "".join(html)
 
 
 def _fitting(parts: Sequence[Part]) -> Sequence[Part]:

@@ -37,8 +37,8 @@ def value(text: str) -> float | None:
 
     Python takes more for one: 1_0, digits of other scripts, nan, ends of lines around it.
     """
-    found = float(text) if NUMBER.fullmatch(text.strip(" \t")) else math.nan
-    return found + 0.0 if math.isfinite(found) else None
+    parsed = float(text) if NUMBER.fullmatch(text.strip(" \t")) else math.nan
+    return parsed + 0.0 if math.isfinite(parsed) else None
 
 
 def with_error(value: float, se: float) -> str:
@@ -61,9 +61,9 @@ def span(low: float | None, high: float | None, digits: int = 4) -> str:
     if low is None and high is None:
         return "any value"
     if low is None or high is None:
-        known = low if high is None else high
-        assert known is not None
-        return f"{'above' if high is None else 'below'} {number(known, digits)}"
+        end = low if high is None else high
+        assert end is not None
+        return f"{'above' if high is None else 'below'} {number(end, digits)}"
     return f"{number(low, digits)} to {number(high, digits)}"
 
 

@@ -41,12 +41,12 @@ class Emulator(NamedTuple):
 
         process = self.process
         variance, lengths = process.kernel_.k1.constant_value, process.kernel_.k2.length_scale
-        given = (x - self.centre) / self.scale
-        distance = math.sqrt(5.0) * cdist(given / lengths, process.X_train_ / lengths)
+        scaled = (x - self.centre) / self.scale
+        distance = math.sqrt(5.0) * cdist(scaled / lengths, process.X_train_ / lengths)
         alike = variance * (1.0 + distance + distance**2 / 3.0) * np.exp(-distance)
         mean = process._y_train_mean + process._y_train_std * (alike @ process.alpha_)
-        told = np.sum((alike @ self.factor.T) ** 2, axis=1)
-        sd = process._y_train_std * np.sqrt(np.maximum(variance - told, 0.0))
+        explained = np.sum((alike @ self.factor.T) ** 2, axis=1)
+        sd = process._y_train_std * np.sqrt(np.maximum(variance - explained, 0.0))
         return np.ravel(mean), sd
 
 

@@ -23,11 +23,11 @@ SOURCES = ("numerics/*.py", "shapes/crossings.py", "theory/*.py", "simulation/**
 @functools.cache
 def digest() -> str:
     """Hash of the sources that kernels are made of, 16 hexadecimal digits."""
-    found = hashlib.sha256()
+    hasher = hashlib.sha256()
     package = Path(__file__).parent.parent
     for source in sorted(path for pattern in SOURCES for path in package.glob(pattern)):
-        found.update(source.read_bytes())
-    return found.hexdigest()[:16]
+        hasher.update(source.read_bytes())
+    return hasher.hexdigest()[:16]
 
 
 _sums: dict[str, str] = {}
@@ -74,8 +74,8 @@ def _compiled(function: F, **options: Any) -> F:
     """Kernel of a function; the function itself where the compiler is off."""
     if numba.config.DISABLE_JIT:
         return function
-    found: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
-    return found  # type: ignore[no-any-return]
+    compiled: Any = Kernel(function, {"nogil": True, "error_model": "numpy", **options})
+    return compiled  # type: ignore[no-any-return]
 
 
 def kernel(function: F) -> F:

@@ -56,11 +56,11 @@ def layers_of(arrays: Mapping[str, Array], name: str) -> list[Layer]:
 
 def arrays_of(networks: Sequence[Sequence[Layer]], name: str) -> dict[str, Array]:
     """Arrays, in single precision, of networks of one form, by names that begin with `name`."""
-    found = {}
+    arrays = {}
     for place, layers in enumerate(zip(*networks, strict=True)):
-        found[f"{name}_weights{place}"] = np.stack([layer.weights for layer in layers])
-        found[f"{name}_bias{place}"] = np.stack([layer.bias for layer in layers])
-    return {key: value.astype(np.float32) for key, value in found.items()}
+        arrays[f"{name}_weights{place}"] = np.stack([layer.weights for layer in layers])
+        arrays[f"{name}_bias{place}"] = np.stack([layer.bias for layer in layers])
+    return {key: value.astype(np.float32) for key, value in arrays.items()}
 
 
 def features(inputs: Array) -> Array:
@@ -88,20 +88,20 @@ class Values(NamedTuple):
 
 
 def trained(
-    given: Values, hidden: Sequence[int], decay: float, steps: int, seed: int
+    training: Values, hidden: Sequence[int], decay: float, steps: int, seed: int
 ) -> list[Layer]:
     """Network with the least squares of weighted errors, and of `decay` times its own weights."""
     from scipy.optimize import minimize
 
     rng = np.random.default_rng(seed)
-    sizes = [given.inputs.shape[1], *hidden, given.factors.shape[1]]
+    sizes = [training.inputs.shape[1], *hidden, training.factors.shape[1]]
     start = []
     for wide, high in pairwise(sizes):
         start += [rng.normal(0.0, wide**-0.5, wide * high), np.zeros(high)]
 
     def loss(values: Array) -> tuple[float, Array]:
         layers = _layers(values, sizes)
-        return _loss(layers, given, decay)
+        return _loss(layers, training, decay)
 
     options = {"maxiter": steps, "maxfun": 2 * steps, "maxcor": 30}
     best = minimize(loss, np.concatenate(start), jac=True, method="L-BFGS-B", options=options)
@@ -120,22 +120,22 @@ def _layers(values: Array, sizes: Sequence[int]) -> list[Layer]:
     return layers
 
 
-def _loss(layers: Sequence[Layer], given: Values, decay: float) -> tuple[float, Array]:
+def _loss(layers: Sequence[Layer], training: Values, decay: float) -> tuple[float, Array]:
     """Loss of a network, and its derivatives by its numbers in their order."""
-    passed = [given.inputs]
+    passed = [training.inputs]
     for layer in layers[:-1]:
         passed.append(np.tanh(passed[-1] @ layer.weights + layer.bias))
     outputs = passed[-1] @ layers[-1].weights + layers[-1].bias
-    error = (outputs * given.factors).sum(axis=1) - given.values
-    found = 0.5 * float(given.weights @ error**2)
-    back = (given.weights * error)[:, None] * given.factors
+    error = (outputs * training.factors).sum(axis=1) - training.values
+    total = 0.5 * float(training.weights @ error**2)
+    back = (training.weights * error)[:, None] * training.factors
     slopes: list[Array] = []
     for place in range(len(layers) - 1, -1, -1):
         layer = layers[place]
-        found += 0.5 * decay * float(np.sum(layer.weights**2))
+        total += 0.5 * decay * float(np.sum(layer.weights**2))
         slopes = [
             (passed[place].T @ back + decay * layer.weights).ravel(), back.sum(axis=0), *slopes
         ]  # fmt: skip
         if place > 0:
             back = (back @ layer.weights.T) * (1.0 - passed[place] ** 2)
-    return found, np.concatenate(slopes)
+    return total, np.concatenate(slopes)

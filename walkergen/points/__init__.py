@@ -1,1 +1,1 @@
-"""Exploration: points of a design in a scene, wherever they come from and wherever they run."""
+"""Points of a design in a scene, wherever they come from and wherever they run."""

@@ -1,4 +1,4 @@
-"""Axes of an exploration: the values of a key, as lists or ranges, and samples between bounds."""
+"""Axes of points: the values of a key, as lists or ranges, and samples between bounds."""
 
 import itertools
 import math
@@ -84,13 +84,13 @@ def parse(text: str, option: str = "--set") -> Axis | Span:
 
 def of_text(key: str, value: str, source: str) -> Axis | Span:
     """Axis or span of a key from a text, as `parse` takes it after the sign. Raises InputError."""
-    found: list[Any] = []
+    values: list[Any] = []
     pieces = _split(value)
     for piece in pieces:
         numbers = piece.split(":")
-        ranged = 2 <= len(numbers) <= 3 and all(NUMBER.fullmatch(one) for one in numbers)
+        ranged = 2 <= len(numbers) <= 3 and all(NUMBER.fullmatch(number) for number in numbers)
         if ranged and len(numbers) == 3:
-            found += _range(numbers, source)
+            values += _range(numbers, source)
         elif ranged and len(pieces) == 1:
             return span(key, float(numbers[0]), float(numbers[1]), source)
         elif ranged:
@@ -100,10 +100,10 @@ def of_text(key: str, value: str, source: str) -> Axis | Span:
         elif not piece.strip():
             raise InputError(f"{source}: an empty value in the list: remove a comma")
         else:
-            found.append(assignments.value_of(piece.strip()))
-        if len(found) > MOST_VALUES:
+            values.append(assignments.value_of(piece.strip()))
+        if len(values) > MOST_VALUES:
             break
-    return axis(key, found, source)
+    return axis(key, values, source)
 
 
 def axis(key: str, values: Sequence[Any], source: str) -> Axis:
@@ -133,7 +133,7 @@ def span(key: str, low: float, high: float, source: str) -> Span:
 
 def check(axes: Sequence[Axis | Span]) -> None:
     """Raise InputError for a key that is given twice."""
-    keys = [one.key for one in axes]
+    keys = [entry.key for entry in axes]
     for key in keys:
         if keys.count(key) > 1:
             raise InputError(f"--set {key}: given {keys.count(key)} times; write its values once")
@@ -193,8 +193,8 @@ def _sampled(sample: Sample) -> Any:
     else:
         sequence = qmc.Sobol(wide, rng=rng)
         cube = sequence.random_base2(math.ceil(math.log2(max(sample.samples, 1))))[: sample.samples]
-    for one, column in zip(sample.spans, cube.T, strict=True):
-        digits = 8 - math.floor(math.log10(max(abs(one.low), abs(one.high))))
-        values = np.round(one.low + column * (one.high - one.low), min(digits, 300))
-        column[:] = np.clip(values, one.low, one.high)
+    for span, column in zip(sample.spans, cube.T, strict=True):
+        digits = 8 - math.floor(math.log10(max(abs(span.low), abs(span.high))))
+        values = np.round(span.low + column * (span.high - span.low), min(digits, 300))
+        column[:] = np.clip(values, span.low, span.high)
     return cube

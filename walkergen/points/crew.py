@@ -82,8 +82,8 @@ def dask(address: str) -> Iterator[Crew]:
     try:
         client = Client(address, timeout=ANSWER_S, set_as_default=False)
     except (OSError, ValueError, TimeoutError) as error:
-        told = str(error).partition("\n")[0][:200]
-        raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {told}") from None
+        reason = str(error).partition("\n")[0][:200]
+        raise InputError(f"--dask {address[:80]!r}: no scheduler answers there: {reason}") from None
     try:
         threads = client.nthreads()
         if not threads:
@@ -96,19 +96,19 @@ def dask(address: str) -> Iterator[Crew]:
 
 def _digests(client: Any) -> dict[str, str]:
     """Digest of the sources of each worker; the reason where there is none."""
-    found = client.run(digest, on_error="return")
+    answers = client.run(digest, on_error="return")
     return {
-        name: one if isinstance(one, str) else f"{type(one).__name__}: {one}"
-        for name, one in found.items()
+        name: answer if isinstance(answer, str) else f"{type(answer).__name__}: {answer}"
+        for name, answer in answers.items()
     }
 
 
 def check(digests: dict[str, str]) -> None:
     """Raise InputError for the first worker whose walkergen is not this one."""
-    for worker, found in digests.items():
-        if found != digest():
-            told = "another version of walkergen" if len(found) == 16 else found[:120]
+    for worker, reply in digests.items():
+        if reply != digest():
+            what = "another version of walkergen" if len(reply) == 16 else reply[:120]
             raise InputError(
-                f"--dask: worker {worker} has {told}, this machine {digest()}: install the same "
+                f"--dask: worker {worker} has {what}, this machine {digest()}: install the same "
                 f"walkergen there, for Python {sys.version_info.major}.{sys.version_info.minor}"
             )

@@ -112,30 +112,30 @@ def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     flat = Let(hand[0].height)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         level, *others = pool.map(lambda let: rebound(plan, let), [flat, *hand])
-    kept = np.array([one.ratio for one in others if one.ratio is not None])
+    kept = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
     sd = float(kept.std(ddof=1)) if len(kept) > 1 else 0.0
     mean = float(kept.mean()) if len(kept) else None
-    return Rebounds(level.ratio, mean, sd, len(kept), sum(one.fell for one in others))
+    return Rebounds(level.ratio, mean, sd, len(kept), sum(bounce.fell for bounce in others))
 
 
 def by_label(
     scene: Scene, design: Design, hand: Sequence[Let], progress: Progress
 ) -> list[Rebounds]:
     """Rebounds of a walker at every one of LABELS, flat and from the hand."""
-    found = []
+    rows = []
     for number, label in enumerate(LABELS):
         progress(f"restitution {label:g}", number, len(LABELS))
         plan = still.plan_of(still.with_contact(scene, restitution=label), design)
-        found.append(rebounds(plan, hand))
-    return found
+        rows.append(rebounds(plan, hand))
+    return rows
 
 
 def curve(rows: Sequence[Rebounds], flat: bool) -> Curve | None:
     """Curve from LABELS to the rebound, flat or from the hand; None with fewer than two points."""
-    known = [
-        (label, one.flat, 0.0, 1) if flat else (label, one.mean, one.sd, one.tries)
-        for label, one in zip(LABELS, rows, strict=True)
-        if (one.flat is not None if flat else one.tries > 1)
+    points = [
+        (label, row.flat, 0.0, 1) if flat else (label, row.mean, row.sd, row.tries)
+        for label, row in zip(LABELS, rows, strict=True)
+        if (row.flat is not None if flat else row.tries > 1)
     ]
-    columns = np.array(known, float)
+    columns = np.array(points, float)
     return Curve(*columns.T) if len(columns) > 1 else None

@@ -38,20 +38,20 @@ def refused(error: WalkergenError) -> Record:
 def _evaluated(point: Point) -> Record:
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
-    found: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
+    record: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}
     if point.predicted:
         row = prediction.predict(design, mass, scene)
         if point.simulated:
-            found["predicted_mm_s"] = row.speed_mm_s
+            record["predicted_mm_s"] = row.speed_mm_s
         else:
-            found |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
-        found["theory_mm_s"] = row.theory_mm_s
+            record |= {"speed_mm_s": row.speed_mm_s, "model": row.speed_by}
+        record["theory_mm_s"] = row.theory_mm_s
         if "spread" in keep:
             ends = [f"speed_{side}_{level}_mm_s" for level in (95, 68) for side in ("low", "high")]
-            found |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
+            record |= {end.replace("speed", "predicted"): getattr(row, end) for end in ends}
     if "masses" in keep:
-        leg = next((one for one in mass.legs if one.m > 0.0), None)
-        found |= {
+        leg = next((leg for leg in mass.legs if leg.m > 0.0), None)
+        record |= {
             "total_g": float(mass.total), "M_g": float(mass.M), "J_g_mm2": float(mass.J),
             "m_g": None if leg is None else float(leg.m),
             "j_g_mm2": None if leg is None else float(leg.j),
@@ -60,11 +60,11 @@ def _evaluated(point: Point) -> Record:
         assert point.printer is not None
         lying = solids.as_printed(design, solids.build(design).walker)
         findings = checks.of_part(design.name, design, lying, point.printer)
-        found |= {f"print_{level}s": sum(one.level == level for one in findings)
+        record |= {f"print_{level}s": sum(finding.level == level for finding in findings)
                   for level in ("error", "warning")}  # fmt: skip
-        worst = checks.grouped([one for one in findings if one.level != "advice"])
-        found["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
-    return found
+        worst = checks.grouped([finding for finding in findings if finding.level != "advice"])
+        record["print_told"] = checks.line(worst[0]).partition(": ")[2] if worst else None
+    return record
 
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
@@ -98,9 +98,9 @@ def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
         moved, _ = motion_of(good, scene.arena.kind == "lane")
     record: Record = {}
     for name in MOTION:
-        one = None if moved is None else moved.estimates.get(name)
-        record[f"{name}_{UNITS[name]}"] = None if one is None else one.value
-        record[f"{name}_se_{UNITS[name]}"] = None if one is None else one.se
+        estimate = None if moved is None else moved.estimates.get(name)
+        record[f"{name}_{UNITS[name]}"] = None if estimate is None else estimate.value
+        record[f"{name}_se_{UNITS[name]}"] = None if estimate is None else estimate.se
     return record
 
 

@@ -1,4 +1,4 @@
-"""A point of an exploration: a design in a scene, what shall be known of it, and its key."""
+"""A point: a design in a scene, what shall be known of it, and its key."""
 
 import functools
 import hashlib
@@ -41,8 +41,8 @@ class Point(NamedTuple):
     simulated: bool = False
     """False for the prediction alone."""
     keep: tuple[str, ...] = ("speed",)
-    """Some of KEPT; of a simulated point without any, the runs alone, which do not depend on how
-    speeds are predicted."""
+    """Groups of KEPT that shall be known. Without any, a simulated point is its runs alone: its key
+    then does not depend on how speeds are predicted."""
     wanted: Wanted | None = None
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None
@@ -74,11 +74,11 @@ def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), discrepancy.digest()] if point.predicted else []
-    asked = [
+    facts = [
         *points.facts(point.scene, point.design), *table,
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
     ]  # fmt: skip
-    return hashlib.sha256(json.dumps(asked, sort_keys=True).encode()).hexdigest()[:32]
+    return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
 
 @functools.cache
@@ -87,9 +87,9 @@ def digest() -> str:
 
     Pictures, commands and jobs do not count: they change no number of a point.
     """
-    package, found = Path(__file__).parent.parent, hashlib.sha256()
+    package, hasher = Path(__file__).parent.parent, hashlib.sha256()
     counted = ("*.py", "analysis/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
                "shapes/*.py", "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
-        found.update(source.read_bytes())
-    return found.hexdigest()[:16]
+        hasher.update(source.read_bytes())
+    return hasher.hexdigest()[:16]

@@ -1,4 +1,4 @@
-"""Request of an exploration: which keys vary, and what to know of each point."""
+"""Request of points: which keys vary, and what to know of each point."""
 
 import copy
 from collections.abc import Iterator, Mapping
@@ -60,7 +60,7 @@ class Request(NamedTuple):
             scene = scene.model_copy(update={"legs": legs})
         return Point(design, scene, self.model != PREDICTION, self.keep, self.wanted, self.printer)
 
-    def asked(self) -> Iterator[Asked]:
+    def points(self) -> Iterator[Asked]:
         """All points, in the order of `space.rows`."""
         keys = self.space.keys
         for row in self.space.rows():
@@ -93,7 +93,7 @@ def changed(
         key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)
     }
     if data is None or not own:
-        found = assignments.changed(design, own, source)
+        varied = assignments.changed(design, own, source)
     else:
-        found = assignments.assigned(design, copy.deepcopy(dict(data)), own, source)
-    return found, assignments.changed(scene, scenes, source, SCENE)
+        varied = assignments.assigned(design, copy.deepcopy(dict(data)), own, source)
+    return varied, assignments.changed(scene, scenes, source, SCENE)

@@ -16,11 +16,11 @@ AHEAD = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""
 
 BLOCK = 64
-"""Points that are looked up together, and predicted ones evaluated in one task: 2 ms each, of which
-sending one alone costs half."""
+"""Number of points that are looked up together, and of predicted ones in a task: a prediction takes
+2 ms, and as a task of its own half as much again to be sent."""
 
 MOST_AHEAD = 4096
-"""Points that may be ahead of one that takes long: they are kept, to be yielded in order."""
+"""Most points that are kept while an earlier one takes long: all are yielded in their order."""
 
 Asked = Point | Record
 """Point, or the record of one that was refused before it can be evaluated."""
@@ -34,7 +34,7 @@ class Done(NamedTuple):
     key: str
     """Key of the point; "" for one that was refused."""
     record: Record
-    known: bool
+    stored: bool
     """True when the store had it."""
 
 
@@ -53,14 +53,14 @@ class _Slot(NamedTuple):
     place: int = 0
 
 
-def each(asked: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iterator[Done]:
+def each(points: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iterator[Done]:
     """Evaluate points and yield them in their order; those that are evaluated are in the store.
 
     Without a crew they are evaluated here, in turn. Raises OutputError where the store fails, and
     WalkergenError when a worker is lost or has another version of walkergen; all that was finished
     is then in the store.
     """
-    stream = iter(asked)
+    stream = iter(points)
     if crew is None:
         while block := list(islice(stream, BLOCK)):
             yield from _here(block, store)
@@ -100,37 +100,37 @@ def _there(
 
 def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
     """Evaluate a block in this process; simulated points are saved one by one."""
-    keys = [key(one) if isinstance(one, Point) else "" for one in block]
-    known = store.get([one for one in keys if one])
+    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    stored = store.get([name for name in keys if name])
     unsaved: list[tuple[str, Record]] = []
-    found: list[Done] = []
-    for one, name in zip(block, keys, strict=True):
-        if not isinstance(one, Point):
-            found.append(Done(name, one, False))
-        elif name in known:
-            found.append(Done(name, known[name], True))
+    finished: list[Done] = []
+    for point, name in zip(block, keys, strict=True):
+        if not isinstance(point, Point):
+            finished.append(Done(name, point, False))
+        elif name in stored:
+            finished.append(Done(name, stored[name], True))
         else:
-            found.append(Done(name, evaluate(one), False))
-            unsaved.append((name, found[-1].record))
-            if one.simulated:
+            finished.append(Done(name, evaluate(point), False))
+            unsaved.append((name, finished[-1].record))
+            if point.simulated:
                 store.put(unsaved)
                 unsaved.clear()
-                yield from found
-                found.clear()
+                yield from finished
+                finished.clear()
     store.put(unsaved)
-    yield from found
+    yield from finished
 
 
 def _sent(block: Sequence[Asked], store: Store, crew: Crew) -> list[_Slot]:
     """Places of a block's points, the unknown ones sent to the crew."""
-    keys = [key(one) if isinstance(one, Point) else "" for one in block]
-    known = store.get([one for one in keys if one])
+    keys = [key(point) if isinstance(point, Point) else "" for point in block]
+    stored = store.get([name for name in keys if name])
     fresh = {
-        name: one
-        for name, one in zip(keys, block, strict=True)
-        if isinstance(one, Point) and name not in known
+        name: point
+        for name, point in zip(keys, block, strict=True)
+        if isinstance(point, Point) and name not in stored
     }
-    simulated = any(one.simulated for one in fresh.values())
+    simulated = any(point.simulated for point in fresh.values())
     size = 1 if simulated else BLOCK
     names = list(fresh)
     places: dict[str, tuple[_Task, int]] = {}
@@ -139,19 +139,19 @@ def _sent(block: Sequence[Asked], store: Store, crew: Crew) -> list[_Slot]:
         task = _Task(part, crew.executor.submit(_work, [fresh[name] for name in part]))
         places |= {name: (task, place) for place, name in enumerate(part)}
     slots = []
-    for name, one in zip(keys, block, strict=True):
-        if not isinstance(one, Point):
-            slots.append(_Slot(Done(name, one, False)))
-        elif name in known:
-            slots.append(_Slot(Done(name, known[name], True)))
+    for name, point in zip(keys, block, strict=True):
+        if not isinstance(point, Point):
+            slots.append(_Slot(Done(name, point, False)))
+        elif name in stored:
+            slots.append(_Slot(Done(name, stored[name], True)))
         else:
             slots.append(_Slot(None, *places[name]))
     return slots
 
 
-def _work(asked: Sequence[Point]) -> Answer:
+def _work(points: Sequence[Point]) -> Answer:
     """Records of points, and by which sources; runs on a worker."""
-    return digest(), [evaluate(one) for one in asked]
+    return digest(), [evaluate(point) for point in points]
 
 
 def _answer(future: "Future[Answer]") -> list[Record]:

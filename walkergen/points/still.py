@@ -10,8 +10,8 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 FINER = 0.25
-"""Steps over those of long runs: a single bounce shows where in a step it landed, by 0.02 of its
-rebound at their length, by 0.004 at a quarter (10 deg, 8 to 12 mm)."""
+"""Time step over that of long runs. A single rebound depends on where within a step a foot lands:
+by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
 def still(scene: Scene) -> Scene:

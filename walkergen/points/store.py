@@ -1,6 +1,6 @@
 """Store of evaluated points in the user's cache: a table of SQLite, which survives any kill.
 
-Points are found by their keys, so that explorations share them, and one that was stopped goes on.
+Points are found by their keys, so that jobs share them, and one that was stopped goes on.
 """
 
 import json
@@ -30,7 +30,7 @@ class Store:
                 "WITHOUT ROWID"
             )
         except sqlite3.Error as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
 
     def get(self, keys: Sequence[str]) -> dict[str, Record]:
         """Records of those keys that are known."""
@@ -41,7 +41,7 @@ class Store:
             ).fetchall()
             return {key: json.loads(text) for key, text in rows}
         except (sqlite3.Error, ValueError) as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
 
     def put(self, rows: Iterable[tuple[str, Record]]) -> None:
         """Save records, all of them or none; on the disk when this returns."""
@@ -58,13 +58,13 @@ class Store:
                 raise
             self._base.execute("COMMIT")
         except sqlite3.Error as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
 
     def close(self) -> None:
         """Close the file."""
         self._base.close()
 
-    def _told(self, error: Exception) -> OutputError:
+    def _failure(self, error: Exception) -> OutputError:
         return OutputError(
             f"{self.path}: the store of points cannot be used: {error}; make room, or delete the "
             "file, after which its points are computed anew"

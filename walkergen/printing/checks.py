@@ -57,8 +57,8 @@ def of_batch(
         ),
         *(
             finding
-            for number, one in enumerate(plates, start=1)
-            for finding in of_plate(f"plate {number}", one, parts, printer)
+            for number, plate in enumerate(plates, start=1)
+            for finding in of_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
 
@@ -68,7 +68,7 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
 
     The mesh is as it lies on the bed (solids.as_printed).
     """
-    found = [
+    findings = [
         *_walls(design, printer),
         *_gaps(design, printer),
         *_marks(design, printer),
@@ -78,10 +78,10 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
         *_repairs(design),
     ]
     if not solids.on_side(design):
-        found += legs_up.of_part(design, mesh, printer)
+        findings += legs_up.of_part(design, mesh, printer)
     if printer.brim_width_mm == 0.0:
-        found += _standing(design, mesh, printer)
-    return [finding._replace(where=name) for finding in found]
+        findings += _standing(design, mesh, printer)
+    return [finding._replace(where=name) for finding in findings]
 
 
 def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -> list[Finding]:
@@ -89,25 +89,25 @@ def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -
 
     Its masses are not predicted: only walls that fail or print otherwise than drawn count.
     """
-    found = [_wall(one.name, one.thickness, printer, TOLERATED_DEVIATION) for one in upright]
+    of_walls = [_wall(wall.name, wall.thickness, printer, TOLERATED_DEVIATION) for wall in upright]
     own = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
     if printer.brim_width_mm == 0.0:
         own += _upright(upright)
-    return [one._replace(where=name) for one in [*filter(None, found), *own]]
+    return [finding._replace(where=name) for finding in [*filter(None, of_walls), *own]]
 
 
 def of_printer(printer: Printer) -> list[Finding]:
     """Findings on a printer's settings, whatever it prints."""
     layer, nozzle, width = printer.layer_height_mm, printer.nozzle_mm, printer.line_width_mm
-    found = []
+    findings = []
     if layer > THICKEST_LAYER * nozzle + NOISE_MM:
         level: Level = "error" if layer > nozzle else "warning"
-        found.append(new(level, "layers are thick for the nozzle", layer, THICKEST_LAYER * nozzle,
-                          "mm", "lower layer_height_mm"))  # fmt: skip
+        findings.append(new(level, "layers are thick for the nozzle", layer,
+                            THICKEST_LAYER * nozzle, "mm", "lower layer_height_mm"))  # fmt: skip
     if width <= layer:
-        found.append(new("error", "lines are not wider than layers are high", width, layer,
+        findings.append(new("error", "lines are not wider than layers are high", width, layer,
                           "mm", "raise line_width_mm or lower layer_height_mm"))  # fmt: skip
-    return [finding._replace(where=printer.name) for finding in found]
+    return [finding._replace(where=printer.name) for finding in findings]
 
 
 def of_plate(name: str, plate: Plate, parts: Sequence[Part], printer: Printer) -> list[Finding]:
@@ -151,8 +151,8 @@ def line(finding: Finding) -> str:
 def _walls(design: Design, printer: Printer) -> Iterator[Finding]:
     mass_sd = 0.01 * design.weighed.mass_sd_percent
     for wall in walls.of_design(design):
-        if found := _wall(wall.name, wall.thickness, printer, mass_sd, wall.slant):
-            yield found
+        if finding := _wall(wall.name, wall.thickness, printer, mass_sd, wall.slant):
+            yield finding
 
 
 def _wall(
@@ -172,11 +172,11 @@ def _wall(
         return new("error", f"{walls.the(name)} gets no plastic, thin walls not being detected",
                    thickness, walls.vanishes_below(printer) * slant, "mm",
                    f"set thin_walls = true; or {change}")  # fmt: skip
-    told = f"{walls.the(name)} ({thickness:g} mm,"
+    wall = f"{walls.the(name)} ({thickness:g} mm,"
     if ONE_LINE[1] < lines < TWO_LINES[0]:
-        what = f"{told} plastic {expected:+.0%}) is more than one line and less than two"
+        what = f"{wall} plastic {expected:+.0%}) is more than one line and less than two"
         return new("warning", what, lines, ONE_LINE[1], "lines", change)
-    what = f"plastic in {told} {lines:.2f} lines) differs from the mesh's"
+    what = f"plastic in {wall} {lines:.2f} lines) differs from the mesh's"
     weigh = f"weigh it after the print{_instead_of_arachne(lines, printer)}"
     if abs(expected) > TOLERATED_DEVIATION:
         return new("warning", what, 100 * expected, 100 * TOLERATED_DEVIATION, "%",
@@ -201,7 +201,9 @@ def _nearest_good(thickness: float, printer: Printer, slant: float) -> float:
     """Closest good thickness in hundredths of a millimetre; all large thicknesses are good."""
     start, steps = round(100 * thickness), itertools.count()
     candidates = (max(0, start + sign * step) / 100 for step in steps for sign in (1, -1))
-    return next(one for one in candidates if one > 0 and _good(one / slant, printer))
+    return next(
+        candidate for candidate in candidates if candidate > 0 and _good(candidate / slant, printer)
+    )
 
 
 def _instead_of_arachne(lines: float, printer: Printer) -> str:
@@ -214,8 +216,8 @@ def _gaps(design: Design, printer: Printer) -> Iterator[Finding]:
     width = printer.line_width_mm
     for window, name in walls.alike(design, solids.window_width):
         if 0.0 < window < width:
-            told = "leg and brace" if name == "leg" else f"leg and brace of {name}"
-            yield new("warning", f"the window between {told} may fuse", window, width, "mm",
+            sides = "leg and brace" if name == "leg" else f"leg and brace of {name}"
+            yield new("warning", f"the window between {sides} may fuse", window, width, "mm",
                       "tilt the legs more, or less; the legs are braced either way")  # fmt: skip
     clearance = solids.clearance(design.limbs)
     if clearance < width:
@@ -315,9 +317,11 @@ def section_area(mesh: Mesh, height: float) -> float:
     lines: list[Array] = []
     # A corner alone on its side: the line runs between the two edges that leave it.
     for alone in range(3):
-        one = above[:, alone]
+        tip_above = above[:, alone]
         for side, turn in ((True, 1), (False, -1)):
-            cut = (one == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
+            cut = (
+                (tip_above == side) & (above[:, alone - 1] != side) & (above[:, alone - 2] != side)
+            )
             tip, left, right = (corners[cut, (alone + turn * k) % 3] for k in range(3))
             lines.append(np.stack([_crossing(tip, left, mesh, height),
                                    _crossing(tip, right, mesh, height)], axis=1))  # fmt: skip

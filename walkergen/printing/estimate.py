@@ -51,10 +51,10 @@ def sides(mesh: Mesh) -> float:
 
 
 def of_plate(
-    one: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer
+    plate: Plate, parts: Sequence[Part], loads: Sequence[Load], printer: Printer
 ) -> Estimate:
     """Estimate of a plate; `loads` are those of one copy of each of the parts, in their order."""
-    placed = [placement.part for placement in one.placements]
+    placed = [placement.part for placement in plate.placements]
     own, height = [loads[part] for part in placed], printer.layer_height_mm
     volume = sum(1e3 * load.grams / load.density for load in own)
     lines = volume / (height * (printer.line_width_mm - walls.line_rounding(printer)))

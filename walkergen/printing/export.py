@@ -147,19 +147,19 @@ class _Named(NamedTuple):
 def _model_settings(named: Sequence[_Named], title: str) -> bytes:
     """Names of copies, and the plate that holds them, as Bambu Studio and OrcaSlicer read them."""
     lines = ['<?xml version="1.0" encoding="UTF-8"?>', "<config>"]
-    for one in named:
+    for item in named:
         lines += [
-            f'  <object id="{one.number}">',
-            f"    {_setting('name', one.name)}",
-            f'    <part id="{one.solid_number}" subtype="normal_part">',
-            f"      {_setting('name', one.solid)}",
+            f'  <object id="{item.number}">',
+            f"    {_setting('name', item.name)}",
+            f'    <part id="{item.solid_number}" subtype="normal_part">',
+            f"      {_setting('name', item.solid)}",
             "    </part>",
             "  </object>",
         ]
     lines += ["  <plate>", *(f"    {_setting(*pair)}" for pair in
               (("plater_id", "1"), ("plater_name", title), ("locked", "false")))]  # fmt: skip
-    for one in named:
-        pairs = (("object_id", f"{one.number}"), ("instance_id", "0"))
+    for item in named:
+        pairs = (("object_id", f"{item.number}"), ("instance_id", "0"))
         settings = "".join(_setting(*pair) for pair in pairs)
         lines.append(f"    <model_instance>{settings}</model_instance>")
     return "\n".join([*lines, "  </plate>", "</config>", ""]).encode()

@@ -4,8 +4,7 @@ from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 from walkergen.files.tables import csv_text
-from walkergen.printing import checks, sheet, slicer
-from walkergen.printing import packing as plate
+from walkergen.printing import checks, packing, sheet, slicer
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
@@ -48,9 +47,9 @@ class Layout(NamedTuple):
     """Solids of the members, in their order."""
     meshes: Sequence[Mesh]
     """Meshes of the members as they lie on the bed, in their order."""
-    parts: Sequence[plate.Part]
+    parts: Sequence[packing.Part]
     """Bounding boxes and copies of the members, in their order."""
-    plates: Sequence[plate.Plate]
+    plates: Sequence[packing.Plate]
     findings: Sequence[Finding]
     """Findings of the printability checks on parts and plates."""
 
@@ -61,11 +60,11 @@ def arrange(
     copies: Sequence[int],
     printer: Printer,
     max_plates: int | None = None,
-    max_parts: int = plate.MOST_PARTS,
+    max_parts: int = packing.MOST_PARTS,
 ) -> Layout:
     """Arrange the wanted copies of each member. Raises PlateError when they do not fit."""
     empty = unplaced(members, built, copies, printer)
-    return checked(empty._replace(plates=plate.pack(empty.parts, printer, max_plates, max_parts)))
+    return checked(empty._replace(plates=packing.pack(empty.parts, printer, max_plates, max_parts)))
 
 
 def unplaced(
@@ -74,7 +73,7 @@ def unplaced(
     """Parts as they lie on the bed, on no plate yet and not checked."""
     meshes = as_printed(members, built)
     parts = [
-        plate.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
+        packing.Part.of(name, mesh, count, design.marks.serial if count == 1 else None)
         for design, name, mesh, count in zip(
             members, names.parts(members), meshes, copies, strict=True
         )
@@ -85,25 +84,26 @@ def unplaced(
 def as_printed(members: Sequence[Design], built: Sequence[Solids]) -> list[Mesh]:
     """Meshes of walkers as they lie on the bed, in their order."""
     return [
-        solids.as_printed(design, one.walker) for design, one in zip(members, built, strict=True)
+        solids.as_printed(design, built_solids.walker)
+        for design, built_solids in zip(members, built, strict=True)
     ]
 
 
 def checked(layout: Layout) -> Layout:
     """Run the printability checks on an arrangement; returns it with their findings."""
-    found = checks.of_batch(
+    findings = checks.of_batch(
         layout.members, layout.meshes, layout.parts, layout.plates, layout.printer
     )
-    return layout._replace(findings=found)
+    return layout._replace(findings=findings)
 
 
 def places(layout: Layout) -> list[Place]:
     """List the positions of all copies, plate by plate: the map."""
     rows = []
-    for number, one in enumerate(layout.plates, start=1):
-        for placed in one.placements:
+    for number, plate in enumerate(layout.plates, start=1):
+        for placed in plate.placements:
             design, part = layout.members[placed.part], layout.parts[placed.part]
-            item = plate.item_name(part, placed.copy)
+            item = packing.item_name(part, placed.copy)
             lengths = (placed.x, placed.y, part.width, part.depth)
             row = Place(
                 layout.printer.name, number, item, part.name, design.tilt_deg,
@@ -131,25 +131,27 @@ def files(
     yield f"{start}.md", _print_sheet(layout, start).encode()
     yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
     yield f"{start}_orca.json", slicer.orca_json(layout.printer)
-    for number, one in enumerate(layout.plates, start=1):
+    for number, plate in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None
         if pictures:
             from walkergen.printing import plate_map
 
-            view = layout.printer, layout.members, meshes, one
+            view = layout.printer, layout.members, meshes, plate
             yield f"{name}.png", plate_map.png(*view, name)
             thumbnail = plate_map.thumbnail(*view)
-        suffix, data = plate.plate_file(
-            one, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer
+        suffix, data = packing.plate_file(
+            plate, layout.parts, meshes, layout.printer, name, thumbnail, prusaslicer
         )
         yield f"{name}{suffix}", data
 
 
 def _print_sheet(layout: Layout, stem: str) -> str:
     weighed = [
-        sheet.weigh(part.name, design, one, layout.printer)
-        for part, design, one in zip(layout.parts, layout.members, layout.built, strict=True)
+        sheet.weigh(part.name, design, built_solids, layout.printer)
+        for part, design, built_solids in zip(
+            layout.parts, layout.members, layout.built, strict=True
+        )
     ]
     form = weights.form(layout.members, "DESIGN")
     printed = sheet.Batch(stem, layout.printer, layout.members, layout.plates, layout.parts, form)

@@ -71,10 +71,10 @@ def _stairs(design: Design, printer: Printer) -> Iterator[Finding]:
         step, limit = printer.layer_height_mm * slope, WIDEST_STEP * thickness
         if step > limit + NOISE_MM:
             lower = math.floor(100.0 * limit / slope) / 100.0
-            told = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
+            advice = f"lower layer_height_mm to {lower:g}, or " if lower > 0.0 else ""
             yield new("warning", f"{walls.the(name)} prints as a staircase: a layer's "
                       "step against half the thickness", step, limit, "mm",
-                      f"{told}make the leg thicker")  # fmt: skip
+                      f"{advice}make the leg thicker")  # fmt: skip
 
 
 def _soft(design: Design) -> Iterator[Finding]:

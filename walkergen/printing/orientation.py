@@ -27,9 +27,9 @@ def settings(members: Sequence[Design]) -> list[Setting]:
     return [
         Setting(
             "orientation" if len(lying) == 1 else f"orientation of {', '.join(designs)}",
-            f"as in the file: {told}",
-            "layers run across the leg's width" if told == ON_SIDE
+            f"as in the file: {way}",
+            "layers run across the leg's width" if way == ON_SIDE
             else "layers lie across the leg: weaker, softer",
         )
-        for told, designs in lying.items()
+        for way, designs in lying.items()
     ]  # fmt: skip

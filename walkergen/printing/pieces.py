@@ -47,15 +47,15 @@ class Laid(NamedTuple):
 
 def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> Laid:
     """Arrange and check pieces. Raises PlateError when they do not fit."""
-    parts = [Part.of(one.name, one.mesh, one.copies) for one in pieces]
+    parts = [Part.of(piece.name, piece.mesh, piece.copies) for piece in pieces]
     plates = packing.pack(parts, printer, max_plates)
     findings = [
         *checks.of_printer(printer),
-        *(finding for one in pieces for finding in one.findings),
+        *(finding for piece in pieces for finding in piece.findings),
         *(
             finding
-            for number, one in enumerate(plates, start=1)
-            for finding in checks.of_plate(f"plate {number}", one, parts, printer)
+            for number, plate in enumerate(plates, start=1)
+            for finding in checks.of_plate(f"plate {number}", plate, parts, printer)
         ),
     ]
     return Laid(printer, pieces, parts, plates, findings)
@@ -64,8 +64,10 @@ def lay(pieces: Sequence[Piece], printer: Printer, max_plates: int | None) -> La
 def loads(laid: Laid, density: float) -> list[Load]:
     """Plastic of each piece at a density, g/cm^3, as drawn."""
     return [
-        Load(float(mass.weigh(one.mesh, 1e-3 * density).mass), density, estimate.sides(one.mesh))
-        for one in laid.pieces
+        Load(
+            float(mass.weigh(piece.mesh, 1e-3 * density).mass), density, estimate.sides(piece.mesh)
+        )
+        for piece in laid.pieces
     ]
 
 
@@ -74,7 +76,7 @@ def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[
     start = f"{stem}_{laid.printer.name}"
     yield f"{start}.ini", slicer.prusaslicer_ini(laid.printer)
     yield f"{start}_orca.json", slicer.orca_json(laid.printer)
-    meshes = [one.mesh for one in laid.pieces]
+    meshes = [piece.mesh for piece in laid.pieces]
     for number, plate in enumerate(laid.plates, start=1):
         name, picture = f"{start}_{number}", None
         if pictures:
@@ -88,8 +90,8 @@ def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[
             plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer
         )
         yield f"{name}{suffix}", data
-    for one in laid.pieces:
-        yield f"{start}_stl/{one.name}.stl", export.stl_bytes(one.mesh, one.name)
+    for piece in laid.pieces:
+        yield f"{start}_stl/{piece.name}.stl", export.stl_bytes(piece.mesh, piece.name)
 
 
 def _map(laid: Laid, plate: Plate, title: str) -> "Figure":

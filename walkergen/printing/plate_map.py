@@ -62,27 +62,27 @@ THUMBNAIL_INCHES, THUMBNAIL_DPI = 2.56, 100
 
 @figures.style({})
 def png(
-    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, title: str
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, title: str
 ) -> bytes:
     """Draw the map of one plate as PNG; labels are the tilt in degrees and the copy's number.
 
     Where `members` are of several designs, labels begin with the design's letter.
     """
     letters = names.letters(members)
-    used = [members[part].name for part in sorted({placed.part for placed in one.placements})]
+    used = [members[part].name for part in sorted({placed.part for placed in plate.placements})]
     named = _named({name: letters[name] for name in used if letters})
     figure = Figure()
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    _draw_parts(axes, printer, members, meshes, one)
+    _draw_parts(axes, printer, members, meshes, plate)
     shown = _window(axes, printer)
     scale = INCHES / max(shown.width, shown.height)
-    told = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
-    count = f"{len(one.placements)} part{'s' if len(one.placements) > 1 else ''}"
-    heading = f"{title}: {count}; {told}"
+    labels = "design, tilt (deg) - copy" if letters else "tilt (deg) - copy"
+    count = f"{len(plate.placements)} part{'s' if len(plate.placements) > 1 else ''}"
+    heading = f"{title}: {count}; {labels}"
     key = 0.0 if shown.x0 < 0.0 else KEY * scale * shown.width
     _place(figure, axes, (scale * shown.width, scale * shown.height), key, (heading, *named))
     _show(axes, shown, printer)
-    _label_parts(axes, members, meshes, one, scale)
+    _label_parts(axes, members, meshes, plate, scale)
     axes.set_xlabel("\n".join(("x (mm), front", *named)), fontsize=WORDS)
     axes.set_ylabel("y (mm)", fontsize=WORDS)
     axes.set_title(heading, fontsize=WORDS)
@@ -114,7 +114,7 @@ def _window(axes: Axes, printer: Printer) -> Bbox:
     """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
     drawn = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
-    points = np.concatenate([np.asarray(one, float) for one in drawn])
+    points = np.concatenate([np.asarray(outline, float) for outline in drawn])
     margin = MARGIN * bed.max()
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     room = np.maximum(high - low, FLATTEST * (high - low).max())
@@ -147,23 +147,25 @@ def _show(axes: Axes, shown: Bbox, printer: Printer) -> None:
 
 @figures.style({})
 def thumbnail(
-    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
+    printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate
 ) -> bytes:
     """Draw a small picture of the plate without words: PNG, 256 pixels wide."""
     size = THUMBNAIL_INCHES, THUMBNAIL_INCHES * printer.bed_depth_mm / printer.bed_width_mm
     figure = Figure(figsize=size)
     axes = figure.add_axes((0.0, 0.0, 1.0, 1.0))
-    _draw_parts(axes, printer, members, meshes, one)
+    _draw_parts(axes, printer, members, meshes, plate)
     axes.set_axis_off()
     return figures.png(figure, THUMBNAIL_DPI)
 
 
 def _draw_parts(
-    axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate
+    axes: Axes, printer: Printer, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate
 ) -> None:
-    views = {part: _view(members[part], meshes[part]) for part in {p.part for p in one.placements}}
+    views = {
+        part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}
+    }
     for kind, colour in figures.COLOURS.items():
-        own = [placed for placed in one.placements if members[placed.part].kind == kind]
+        own = [placed for placed in plate.placements if members[placed.part].kind == kind]
         corners = [np.array((placed.x, placed.y)) for placed in own]
         for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
             triangles = [
@@ -237,12 +239,12 @@ def _named(letters: Mapping[str, str]) -> list[str]:
 
 
 def _label_parts(
-    axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], one: Plate, scale: float
+    axes: Axes, members: Sequence[Design], meshes: Sequence[Mesh], plate: Plate, scale: float
 ) -> None:
     """Write a label for each part, as large as fits: between two equal legs, else on the part."""
     letters = names.letters(members)
     rooms: dict[tuple[int, int], tuple[float, float, float]] = {}
-    for placed in one.placements:
+    for placed in plate.placements:
         design = members[placed.part]
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
         key = placed.part, len(label)

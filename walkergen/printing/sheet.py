@@ -50,8 +50,8 @@ def weigh(name: str, design: Design, built: Solids, printer: Printer) -> Weight:
         return LegWeight(grams, walls.leg_plastic(limb, printer, side), tolerance)
 
     whole = mass.weigh(built.walker, density).mass
-    each = [weight_of(limb) for limb in design.limbs]
-    sliced = whole + sum(leg.mesh_g * (leg.plastic - 1.0) for leg in each)
+    legs = [weight_of(limb) for limb in design.limbs]
+    sliced = whole + sum(leg.mesh_g * (leg.plastic - 1.0) for leg in legs)
     lying = solids.as_printed(design, built.walker)
     load = Load(float(sliced), design.material.density_g_cm3, estimate.sides(lying))
     return Weight(name, whole, walls.alike(design, weight_of), load)
@@ -74,7 +74,7 @@ def to_markdown(
 ) -> str:
     """Format the sheet as Markdown; `legend` tells printed parts apart, and may be empty."""
     sections = [
-        *of_print(batch, [one.load for one in weights], findings, legend),
+        *of_print(batch, [weight.load for weight in weights], findings, legend),
         _weighing(weights, batch),
     ]
     return "\n\n".join(sections) + "\n"
@@ -138,7 +138,7 @@ def body_facts(design: Design) -> dict[str, Any]:
 def _settings(batch: Batch) -> str:
     printer, stem = batch.printer, batch.stem
     listed = slicer.sheet_settings(printer, orientation.settings(batch.members))
-    rows = [(one.name, one.value, one.reason) for one in listed]
+    rows = [(setting.name, setting.value, setting.reason) for setting in listed]
     return (
         "## Settings on which the prediction rests\n\n"
         f"Printer profile {printer.name}; exact keys in `{stem}.ini`. What they lay down is "
@@ -149,23 +149,23 @@ def _settings(batch: Batch) -> str:
 
 def _contents(batch: Batch) -> str:
     rows = []
-    for number, one in enumerate(batch.plates, start=1):
+    for number, plate in enumerate(batch.plates, start=1):
         # Copies with serial numbers are parts of their own, under one name
-        counts = Counter(batch.parts[placement.part].name for placement in one.placements)
+        counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
         for name, copies in counts.items():
             rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", name, str(copies)))
-    told = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
-    return "## What is on which plate\n\n" + told + table(("file", "part", "copies"), rows)
+    note = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
+    return "## What is on which plate\n\n" + note + table(("file", "part", "copies"), rows)
 
 
 def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
     rows = []
-    for number, one in enumerate(batch.plates, start=1):
-        told = estimate.of_plate(one, batch.parts, loads, batch.printer)
-        rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"{told.grams:.2f}",
-                     f"{told.metres:.2f}", str(told.layers),
-                     estimate.duration(told.seconds / told.layers),
-                     estimate.duration(told.seconds)))  # fmt: skip
+    for number, plate in enumerate(batch.plates, start=1):
+        amounts = estimate.of_plate(plate, batch.parts, loads, batch.printer)
+        rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"{amounts.grams:.2f}",
+                     f"{amounts.metres:.2f}", str(amounts.layers),
+                     estimate.duration(amounts.seconds / amounts.layers),
+                     estimate.duration(amounts.seconds)))  # fmt: skip
     error = f"{100 * estimate.TIME_TOLERANCE:g} %"
     headings = ("file", "plastic, g", f"filament {slicer.FILAMENT_MM:g} mm, m", "layers",
                 "mean layer", f"all, ± {error}")  # fmt: skip
@@ -179,17 +179,19 @@ def _plastic(batch: Batch, loads: Sequence[Load]) -> str:
 
 
 def _findings(findings: Sequence[Finding]) -> str:
-    told = [f"- **{one.level}** {checks.line(one)}" for one in checks.grouped(findings)]
-    return "## Checks before the print\n\n" + ("\n".join(told) or "Nothing found.")
+    lines = [
+        f"- **{finding.level}** {checks.line(finding)}" for finding in checks.grouped(findings)
+    ]
+    return "## Checks before the print\n\n" + ("\n".join(lines) or "Nothing found.")
 
 
 def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
     rows = [
-        (one.name, f"{one.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
+        (weight.name, f"{weight.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
          f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
          "")
-        for one in {one.name: one for one in weights}.values()
-        for leg, name in one.legs
+        for weight in {weight.name: weight for weight in weights}.values()
+        for leg, name in weight.legs
     ]  # fmt: skip
     paired = all(len(design.limbs) == 2 for design in batch.members)
     share = "half of that is a leg" if paired else "that over their number is leg_g, the mean leg"

@@ -98,10 +98,13 @@ def alike(design: Design, key: Callable[[Limb], Key]) -> list[tuple[Key, str]]:
 
     It is "leg" where all do, else their numbers from 1, as in "legs[1], legs[3]".
     """
-    found: dict[Key, list[str]] = {}
+    sharing: dict[Key, list[str]] = {}
     for number, limb in enumerate(design.limbs, start=1):
-        found.setdefault(key(limb), []).append(f"legs[{number}]")
-    return [(one, "leg" if len(found) == 1 else ", ".join(names)) for one, names in found.items()]
+        sharing.setdefault(key(limb), []).append(f"legs[{number}]")
+    return [
+        (shared, "leg" if len(sharing) == 1 else ", ".join(names))
+        for shared, names in sharing.items()
+    ]
 
 
 def the(name: str) -> str:
@@ -159,7 +162,9 @@ def leg_plastic(limb: Limb, printer: Printer, side: bool = True) -> float:
     if limb.braced:
         pieces.append((limb.brace, limb.length * math.cos(limb.tilt)))
     drawn = sum(thickness * length for thickness, length in pieces)
-    return sum(printed_thickness(one, printer) * length for one, length in pieces) / drawn
+    return (
+        sum(printed_thickness(thickness, printer) * length for thickness, length in pieces) / drawn
+    )
 
 
 def vanishes_below(printer: Printer) -> float:

@@ -91,7 +91,9 @@ def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
         return []
     size = _size(entities, source)
     curves = [_points(entity, FLATNESS * size, source) for entity in entities]
-    return [Shape([scale * one for one in _joined(curves, GAP * size, source)], nonzero=False)]
+    return [
+        Shape([scale * polygon for polygon in _joined(curves, GAP * size, source)], nonzero=False)
+    ]
 
 
 def _document(data: bytes) -> "Drawing":
@@ -141,9 +143,9 @@ def _entities(document: "Drawing", source: str) -> Iterator[Any]:
             continue
         if kind == "INSERT" and entity.mcount > 1:
             copies = itertools.islice(entity.multi_insert(), MOST_ENTITIES + 1)
-            waiting += [(one, depth + 1) for one in copies]
+            waiting += [(part, depth + 1) for part in copies]
         elif kind in COMPOSITE and not _straight(entity):
-            waiting += [(one, depth + 1) for one in entity.virtual_entities()]
+            waiting += [(part, depth + 1) for part in entity.virtual_entities()]
         elif kind not in ANNOTATIONS:
             yield entity
 

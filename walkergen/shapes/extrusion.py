@@ -62,8 +62,8 @@ def extruded(
         )
     if engraving.profiles:
         solid = _engraved(solid, engraving, depth, scale)
-    made = modeller.mesh_of(solid)
-    return made._replace(vertices=made.vertices / scale)
+    mesh = modeller.mesh_of(solid)
+    return mesh._replace(vertices=mesh.vertices / scale)
 
 
 def _without_slivers(section: manifold3d.CrossSection) -> manifold3d.CrossSection:

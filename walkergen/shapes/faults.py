@@ -115,11 +115,11 @@ def _of_triangles(mesh: Mesh) -> str:
 
 
 def _of_edges(mesh: Mesh) -> str:
-    found = edges(mesh.triangles)
+    wrong = edges(mesh.triangles)
     for pairs, words in (
-        (found.open, "is open: {} edges belong to one triangle only"),
-        (found.crowded, "is not a solid's surface: {} edges belong to three triangles or more"),
-        (found.disagreeing, "is partly inside out: at {} edges two triangles disagree"),
+        (wrong.open, "is open: {} edges belong to one triangle only"),
+        (wrong.crowded, "is not a solid's surface: {} edges belong to three triangles or more"),
+        (wrong.disagreeing, "is partly inside out: at {} edges two triangles disagree"),
     ):
         if len(pairs):
             where = places(mesh.vertices[pairs[0]])
@@ -127,24 +127,26 @@ def _of_edges(mesh: Mesh) -> str:
     return ""
 
 
-def _of_shells(mesh: Mesh, found: Shells) -> str:
+def _of_shells(mesh: Mesh, shells: Shells) -> str:
     size = float((mesh.vertices.max(axis=0) - mesh.vertices.min(axis=0)).max())
-    volume = float(found.volumes.sum())
+    volume = float(shells.volumes.sum())
     if abs(volume) <= FLATTEST * size**3:
         return f"encloses nothing: its volume is {volume:.3g} mm^3 in a box of {size:.4g} mm"
-    outward = np.flatnonzero(found.volumes > 0.0)
+    outward = np.flatnonzero(shells.volumes > 0.0)
     if len(outward) == 0:
         return f"is inside out: its volume is {volume:.4g} mm^3; try repair = true, which turns it"
     if len(outward) > 1:
-        sizes = np.sort(found.volumes[outward])[::-1]
-        listed = ", ".join(f"{one:.4g}" for one in sizes[:5]) + (", ..." if len(sizes) > 5 else "")
+        sizes = np.sort(shells.volumes[outward])[::-1]
+        listed = ", ".join(f"{size:.4g}" for size in sizes[:5]) + (
+            ", ..." if len(sizes) > 5 else ""
+        )
         return (
             f"holds {len(outward)} bodies of {listed} mm^3; give one, or try repair = true, which "
             "unites those that overlap"
         )
-    outer = Mesh(mesh.vertices, mesh.triangles[found.label == outward[0]])
-    for cavity in np.flatnonzero(found.volumes <= 0.0):
-        inner = mesh.triangles[found.label == cavity]
+    outer = Mesh(mesh.vertices, mesh.triangles[shells.label == outward[0]])
+    for cavity in np.flatnonzero(shells.volumes <= 0.0):
+        inner = mesh.triangles[shells.label == cavity]
         if abs(winding(outer, mesh.vertices[inner[0, 0]]) - 1.0) > 0.5:
             where = places(mesh.vertices[inner[0]])
             return f"holds a second body, inside out, at {where}; remove it or turn it"
@@ -153,12 +155,12 @@ def _of_shells(mesh: Mesh, found: Shells) -> str:
 
 def _of_crossings(mesh: Mesh) -> str:
     limit = tolerance(mesh)
-    found = crossings.find(mesh.vertices, mesh.triangles, limit)
-    if not found.number:
+    pairs = crossings.find(mesh.vertices, mesh.triangles, limit)
+    if not pairs.number:
         return ""
-    where = places(mesh.vertices[mesh.triangles[list(found.pair)]])
+    where = places(mesh.vertices[mesh.triangles[list(pairs.pair)]])
     return (
-        f"crosses itself: {found.number} pairs of triangles (deeper than {limit:.2g} mm), one at "
+        f"crosses itself: {pairs.number} pairs of triangles (deeper than {limit:.2g} mm), one at "
         f"{where}; unite its parts in the program that made it (Blender: remesh)"
     )
 

@@ -138,11 +138,11 @@ def union_with_legs(body: Body, legs: Sequence[Mesh], key: str = "legs") -> Mesh
     """
     parts = [body.solid, *(modeller.solid(leg) for leg in legs)]
     whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(parts, manifold3d.OpType.Add))
-    found = modeller.bodies(whole)
-    if len(found) != 1:
+    pieces = modeller.bodies(whole)
+    if len(pieces) != 1:
         raise GeometryError(
-            f"{key}: body and {len(legs)} legs are {len(found)} pieces, must be one; let every leg "
-            "reach into the body"
+            f"{key}: body and {len(legs)} legs are {len(pieces)} pieces, must be one; let every "
+            "leg reach into the body"
         )
     volumes = [part.volume() for part in parts]
     if not max(volumes) * (1.0 - CRUMB) <= whole.volume() <= sum(volumes) * (1.0 + CRUMB):

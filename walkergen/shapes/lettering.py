@@ -69,7 +69,7 @@ def _check_connected(text: str, where: str) -> None:
     """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
     if _pieces(text) == 1:
         return
-    broken = [one for one in dict.fromkeys(text) if one != " " and _pieces(one) > 1]
+    broken = [letter for letter in dict.fromkeys(text) if letter != " " and _pieces(letter) > 1]
     if broken:
         named = ", ".join(map(repr, broken))
         raise GeometryError(
@@ -77,8 +77,8 @@ def _check_connected(text: str, where: str) -> None:
             "engrave the text"
         )
     apart = next(
-        f"{one!r} and {two!r}" for one, two in pairwise(text)
-        if _pieces(one + two) != 1
+        f"{left!r} and {right!r}" for left, right in pairwise(text)
+        if _pieces(left + right) != 1
     )  # fmt: skip
     raise GeometryError(
         f"{where}: {apart} do not touch, a body is one piece; use one letter, or engrave the text"

@@ -53,7 +53,7 @@ def load(path: Path, source: str) -> Loaded:
         )
     data = reading.content(path, MOST_BYTES)
     with reading.by_library(source, kind.upper()):
-        parts = [_part(source, *one) for one in _raw(data, kind, source)]
+        parts = [_part(source, *raw) for raw in _raw(data, kind, source)]
     count = sum(len(part.triangles) for part in parts)
     if count == 0:
         raise InputError(f"{source}: holds no triangles; export the body as a mesh")
@@ -137,7 +137,7 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
     except Exception as error:  # trimesh raises anything: every kind means that it cannot be read
         reason = str(error).splitlines()[:1] or [type(error).__name__]
         raise InputError(f"{source}: not a readable {kind} mesh: {reason[0][:120]}") from None
-    found = []
+    parts = []
     for name, matrix, geometry in placed:
         mesh = scene.geometry[geometry]
         if not isinstance(mesh, trimesh.Trimesh):
@@ -148,8 +148,8 @@ def _by_trimesh(data: bytes, kind: str, source: str) -> list[Part]:
             triangles = triangles[:, ::-1]
         with np.errstate(invalid="ignore"):  # what is not finite is refused by _part
             vertices = np.asarray(mesh.vertices, np.float64) @ turn.T + shift
-        found.append(Part(str(name), vertices, triangles))
-    return found
+        parts.append(Part(str(name), vertices, triangles))
+    return parts
 
 
 def _refuse_bombs(data: bytes, source: str) -> None:

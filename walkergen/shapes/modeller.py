@@ -19,21 +19,21 @@ def solid(mesh: Mesh) -> manifold3d.Manifold:
     return evaluated(manifold3d.Manifold(manifold3d.Mesh64(vertices, triangles)))
 
 
-def evaluated(made: manifold3d.Manifold) -> manifold3d.Manifold:
+def evaluated(manifold: manifold3d.Manifold) -> manifold3d.Manifold:
     """The same solid, once its operations are done. Raises SolidError when one of them failed."""
-    if made.status() != manifold3d.Error.NoError:
-        raise SolidError(f"the solid modeller gave no body: {made.status().name}")
-    return made
+    if manifold.status() != manifold3d.Error.NoError:
+        raise SolidError(f"the solid modeller gave no body: {manifold.status().name}")
+    return manifold
 
 
-def mesh_of(made: manifold3d.Manifold) -> Mesh:
+def mesh_of(manifold: manifold3d.Manifold) -> Mesh:
     """Closed mesh of a solid, vertices as float64."""
-    raw = made.to_mesh64()
+    raw = manifold.to_mesh64()
     vertices = np.asarray(raw.vert_properties, dtype=np.float64)[:, :3]
     return Mesh(vertices, np.asarray(raw.tri_verts, dtype=np.int64))
 
 
-def bodies(made: manifold3d.Manifold) -> list[manifold3d.Manifold]:
+def bodies(manifold: manifold3d.Manifold) -> list[manifold3d.Manifold]:
     """Bodies of a solid, largest first; the closed cavities of a body are none of their own."""
-    outward = [piece for piece in made.decompose() if piece.volume() > 0.0]
+    outward = [piece for piece in manifold.decompose() if piece.volume() > 0.0]
     return sorted(outward, key=lambda piece: -piece.volume())

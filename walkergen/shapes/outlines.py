@@ -87,8 +87,9 @@ def from_file(
 
     Units are those that the file states, unless `scale_mm` gives the mm per unit of the drawing.
     Paths inside others are holes, and so on alternately, colours aside; in one SVG path, its fill
-    rule decides. Raises InputError for a file that cannot be read as such (files/svg.py, files/
-    dxf.py), GeometryError for a shape that `sound` refuses; both begin with `source` = the name.
+    rule decides. Raises InputError for a file that cannot be read as such (shapes/svg.py,
+    shapes/dxf.py), GeometryError for a shape that `sound` refuses; both begin with `source` = the
+    name.
     """
     where = f"{source} = {path.name!r}"
     if scale_mm is not None and not (np.isfinite(scale_mm) and scale_mm > 0.0):
@@ -180,8 +181,8 @@ def _check_simple(contour: Polygon) -> None:
         raise GeometryError("has points on a line, which enclose no area")
     enclosed = Area(contour)
     if not enclosed.is_valid:
-        found = re.search(r"\[(\S+) (\S+)\]", explain_validity(enclosed))
-        place = f" at ({float(found[1]):.6g}, {float(found[2]):.6g}) mm" if found else ""
+        match = re.search(r"\[(\S+) (\S+)\]", explain_validity(enclosed))
+        place = f" at ({float(match[1]):.6g}, {float(match[2]):.6g}) mm" if match else ""
         raise GeometryError(f"crosses or touches itself{place}; draw it as one simple loop")
 
 
@@ -190,9 +191,9 @@ def _check_apart(contours: Sequence[Polygon]) -> None:
     from shapely import STRtree, linearrings
 
     rings = [linearrings(contour) for contour in contours]
-    for one, other in STRtree(rings).query(rings, predicate="intersects").T:
-        if one < other:
-            common = rings[one].intersection(rings[other]).representative_point()
+    for first, second in STRtree(rings).query(rings, predicate="intersects").T:
+        if first < second:
+            common = rings[first].intersection(rings[second]).representative_point()
             raise GeometryError(
                 f"has two paths that cross or touch at ({common.x:.6g}, {common.y:.6g}) mm; unite "
                 "them, or leave one out if it is drawn twice"
@@ -213,12 +214,12 @@ def _levels(shapes: Sequence[Shape], contours: Sequence[Polygon]) -> list[int | 
 
     def drawn(number: int) -> bool:
         own = owners[number]
-        outside = sum(turns[one] for one in around[number] if owners[one] == own)
+        outside = sum(turns[outer] for outer in around[number] if owners[outer] == own)
         return not shapes[own].nonzero or (outside == 0) != (outside + turns[number] == 0)
 
     seen = [drawn(number) for number in range(len(contours))]
     return [
-        sum(seen[one] for one in around[number]) % 2 if seen[number] else None
+        sum(seen[outer] for outer in around[number]) % 2 if seen[number] else None
         for number in range(len(contours))
     ]
 

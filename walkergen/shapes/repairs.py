@@ -29,16 +29,16 @@ def repair(mesh: Mesh) -> tuple[Mesh, tuple[str, ...]]:
     steps: tuple[Callable[[Mesh], tuple[Mesh, str]], ...] = (
         _merged, _without_doubles, _filled, _turned, _united,
     )  # fmt: skip
-    before, told = mesh, []
+    before, changes = mesh, []
     for step in steps:
         mesh, change = step(mesh)
         if change:
-            told.append(change)
+            changes.append(change)
         if len(mesh.triangles) == 0:
             break
-    if told and len(mesh.triangles):
-        told.append(f"volume {_volume(before)} -> {_volume(mesh)} mm^3")
-    return mesh, tuple(told)
+    if changes and len(mesh.triangles):
+        changes.append(f"volume {_volume(before)} -> {_volume(mesh)} mm^3")
+    return mesh, tuple(changes)
 
 
 def _volume(mesh: Mesh) -> str:
@@ -66,8 +66,8 @@ def _merged(mesh: Mesh) -> tuple[Mesh, str]:
     np.minimum.at(first, label, rim)
     index = np.arange(len(mesh.vertices))
     index[rim] = first[label]
-    told = f"merged {len(rim) - number} vertices with others less than {within:.2g} mm away"
-    return Mesh(mesh.vertices, index[mesh.triangles]), told
+    change = f"merged {len(rim) - number} vertices with others less than {within:.2g} mm away"
+    return Mesh(mesh.vertices, index[mesh.triangles]), change
 
 
 def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
@@ -86,8 +86,8 @@ def _without_doubles(mesh: Mesh) -> tuple[Mesh, str]:
     wanted = np.flatnonzero(turned * np.sign(net)[index] > 0)
     keep = np.sort(wanted[np.unique(index[wanted], return_index=True)[1]])
     flat, doubled = int((~real).sum()), len(triangles) - len(keep)
-    told = [f"{flat} triangles without area"] * (flat > 0) + [f"{doubled} doubled"] * (doubled > 0)
-    return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(told)}" if told else ""
+    drops = [f"{flat} triangles without area"] * (flat > 0) + [f"{doubled} doubled"] * (doubled > 0)
+    return Mesh(mesh.vertices, triangles[keep]), f"dropped {' and '.join(drops)}" if drops else ""
 
 
 def _filled(mesh: Mesh) -> tuple[Mesh, str]:
@@ -97,28 +97,28 @@ def _filled(mesh: Mesh) -> tuple[Mesh, str]:
         return mesh, ""
     import trimesh
 
-    given = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
-    trimesh.repair.fill_holes(given, use_fan=True)
-    triangles = np.asarray(given.faces, np.int64)
+    filled = trimesh.Trimesh(mesh.vertices, mesh.triangles, process=False)
+    trimesh.repair.fill_holes(filled, use_fan=True)
+    triangles = np.asarray(filled.faces, np.int64)
     added = len(triangles) - len(mesh.triangles)
-    told = f"filled holes of {number} open edges by {added} triangles" if added else ""
-    return Mesh(np.asarray(given.vertices, np.float64), triangles), told
+    change = f"filled holes of {number} open edges by {added} triangles" if added else ""
+    return Mesh(np.asarray(filled.vertices, np.float64), triangles), change
 
 
 def _turned(mesh: Mesh) -> tuple[Mesh, str]:
     """Turn triangles until neighbours agree, then every piece that is inside out and no cavity."""
     triangles = mesh.triangles
-    found = faults.edges(triangles)
-    if len(found.disagreeing):
+    edges = faults.edges(triangles)
+    if len(edges.disagreeing):
         import trimesh
 
-        given = trimesh.Trimesh(mesh.vertices, triangles, process=False)
-        trimesh.repair.fix_winding(given)
-        triangles = np.asarray(given.faces, np.int64)
-    if not len(found.open):
+        agreeing = trimesh.Trimesh(mesh.vertices, triangles, process=False)
+        trimesh.repair.fix_winding(agreeing)
+        triangles = np.asarray(agreeing.faces, np.int64)
+    if not len(edges.open):
         triangles = _outward(Mesh(mesh.vertices, triangles))
     ahead = [np.roll(triangles, shift, axis=1) for shift in range(3)]
-    same = np.any([(mesh.triangles == one).all(axis=1) for one in ahead], axis=0)
+    same = np.any([(mesh.triangles == shifted).all(axis=1) for shifted in ahead], axis=0)
     number = int((~same).sum())
     turned = Mesh(mesh.vertices, np.ascontiguousarray(triangles))
     return turned, f"turned {number} of {len(same)} triangles" if number else ""
@@ -139,8 +139,8 @@ def _outward(mesh: Mesh) -> faults.Indices:
 
 def _united(mesh: Mesh) -> tuple[Mesh, str]:
     """Unite bodies that overlap; keep the largest if the others are crumbs."""
-    found = faults.edges(mesh.triangles)
-    if any(len(pairs) for pairs in found):
+    edges = faults.edges(mesh.triangles)
+    if any(len(pairs) for pairs in edges):
         return mesh, ""
     pieces = faults.shells(mesh)
     outward = np.flatnonzero(pieces.volumes > 0.0)
@@ -153,8 +153,8 @@ def _united(mesh: Mesh) -> tuple[Mesh, str]:
     whole = modeller.evaluated(manifold3d.Manifold.batch_boolean(solids, manifold3d.OpType.Add))
     bodies = sorted(whole.decompose(), key=lambda body: -body.volume())
     rest = sum(abs(body.volume()) for body in bodies[1:])
-    told = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
+    change = f"united {len(solids)} bodies to {len(bodies)}" if len(bodies) < len(solids) else ""
     if len(bodies) > 1 and rest <= CRUMBS * bodies[0].volume():
         dropped = f"dropped {len(bodies) - 1} bodies of {rest:.3g} mm^3 together"
-        return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (told, dropped)))
-    return (modeller.mesh_of(whole), told) if told else (mesh, "")
+        return modeller.mesh_of(bodies[0]), "; ".join(filter(None, (change, dropped)))
+    return (modeller.mesh_of(whole), change) if change else (mesh, "")

@@ -99,7 +99,7 @@ def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
             root.attrib.pop(key, None)
     try:
         parsed = svgelements.SVG.parse(io.BytesIO(ET.tostring(root)), reify=False, on_error="raise")
-        drawn = [svgelements.Path(one) for one in parsed.elements(_visible)]
+        drawn = [svgelements.Path(element) for element in parsed.elements(_visible)]
         size = _size(drawn)
         if not math.isfinite(size):
             raise InputError(f"{source}: a coordinate is not finite; give numbers up to 1e300")
@@ -147,7 +147,10 @@ def _refuse_unreadable(root: ET.Element, source: str) -> None:
 
 
 def _repeated(
-    element: ET.Element, targets: dict[str, ET.Element], known: dict[ET.Element, float], source: str
+    element: ET.Element,
+    targets: dict[str, ET.Element],
+    counts: dict[ET.Element, float],
+    source: str,
 ) -> float:
     """Number of elements that are drawn, those that <use> repeats counted every time.
 
@@ -157,16 +160,16 @@ def _repeated(
     while stack:
         top = stack[-1]
         below = [*top, *_used(top, targets, source)]
-        if top not in known:
-            known[top] = math.nan  # being counted: met again, it uses itself
+        if top not in counts:
+            counts[top] = math.nan  # being counted: met again, it uses itself
             stack += below
             continue
         stack.pop()
-        if math.isnan(known[top]):
-            known[top] = 1.0 + sum(known[one] for one in below)
-            if math.isnan(known[top]):
+        if math.isnan(counts[top]):
+            counts[top] = 1.0 + sum(counts[child] for child in below)
+            if math.isnan(counts[top]):
                 raise InputError(f"{source}: a <use> repeats itself without end")
-    return known[element]
+    return counts[element]
 
 
 def _used(element: ET.Element, targets: dict[str, ET.Element], source: str) -> Iterator[ET.Element]:
@@ -215,9 +218,9 @@ def _scale(root: ET.Element, source: str) -> tuple[float, float]:
 
 def _length(text: str) -> float | None:
     """Length with a physical unit, in mm; None for any other."""
-    found = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
+    match = re.fullmatch(r"\s*([0-9.eE+-]+)\s*([a-zA-Z]+)\s*", text)
     try:
-        return float(found[1]) * MM[found[2].lower()] if found else None
+        return float(match[1]) * MM[match[2].lower()] if match else None
     except (ValueError, KeyError):
         return None
 
@@ -261,16 +264,16 @@ def _shape(path: "svgelements.Path", size: float, scale: tuple[float, float], so
 
 def _points(subpath: Any, tolerance: float) -> Array:
     """Points of a subpath, from its start, in the coordinates of its element, shape (n, 2)."""
-    found: list[Any] = []
+    points: list[Any] = []
     for segment in subpath:
         kind = type(segment).__name__
         if kind == "Move":
-            found.append(segment.end)
+            points.append(segment.end)
         elif kind in ("Line", "Close"):
-            found += [segment.start, segment.end]
+            points += [segment.start, segment.end]
         else:
-            found += list(flatten(partial(_at, segment), tolerance))
-    return _array(found)
+            points += list(flatten(partial(_at, segment), tolerance))
+    return _array(points)
 
 
 def _at(segment: Any, at: Array) -> Array:

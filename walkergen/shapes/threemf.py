@@ -61,31 +61,31 @@ def read(data: bytes, source: str) -> list[Part]:
         model.QueryReader("3mf").ReadFromBuffer(data)
         unit = MM[int(model.GetUnit())]
         items = model.GetBuildItems()
-        found: list[Part] = []
+        parts: list[Part] = []
         while items.MoveNext():
             item = items.GetCurrent()
-            thing = item.GetObjectResource()
-            name = item.GetPartNumber() or thing.GetName() or f"item {len(found) + 1}"
-            found += _meshes(thing, name, [item], unit, source)
+            resource = item.GetObjectResource()
+            name = item.GetPartNumber() or resource.GetName() or f"item {len(parts) + 1}"
+            parts += _meshes(resource, name, [item], unit, source)
     except lib3mf.ELib3MFException as error:
         raise InputError(f"{source}: not a readable 3mf mesh: {str(error)[:120]}") from None
-    return found
+    return parts
 
 
-def _meshes(thing: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Part]:
+def _meshes(resource: Any, name: str, chain: list[Any], unit: float, source: str) -> list[Part]:
     """Meshes of an object, or of its components, moved by all the transforms that lead to it."""
-    if thing.IsMeshObject():
+    if resource.IsMeshObject():
         # lib3mf gives lists of C structures, which join as the bytes that they are
-        vertices = np.frombuffer(b"".join(thing.GetVertices()), "<f4").reshape(-1, 3)
-        triangles = np.frombuffer(b"".join(thing.GetTriangleIndices()), "<u4").reshape(-1, 3)
+        vertices = np.frombuffer(b"".join(resource.GetVertices()), "<f4").reshape(-1, 3)
+        triangles = np.frombuffer(b"".join(resource.GetTriangleIndices()), "<u4").reshape(-1, 3)
         return [_placed(name, vertices.astype(np.float64), triangles.astype(np.int64), chain, unit)]
-    if not thing.IsComponentsObject() or len(chain) > DEEPEST:
+    if not resource.IsComponentsObject() or len(chain) > DEEPEST:
         raise InputError(f"{source}: {name[:40]!r} is no mesh; give triangles")
-    found = []
-    for number in range(thing.GetComponentCount()):
-        part = thing.GetComponent(number)
-        found += _meshes(part.GetObjectResource(), name, [*chain, part], unit, source)
-    return found
+    parts = []
+    for number in range(resource.GetComponentCount()):
+        part = resource.GetComponent(number)
+        parts += _meshes(part.GetObjectResource(), name, [*chain, part], unit, source)
+    return parts
 
 
 def _placed(

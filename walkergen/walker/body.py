@@ -68,9 +68,11 @@ class Body(Section):
 
     @model_validator(mode="after")
     def _one_source(self) -> "Body":
-        given = [key for key in SOURCES if getattr(self, key) is not None]
-        if len(given) > 1:
-            raise ValueError(f"{' and '.join(given)} each give the body a shape: keep one of them")
+        sources = [key for key in SOURCES if getattr(self, key) is not None]
+        if len(sources) > 1:
+            raise ValueError(
+                f"{' and '.join(sources)} each give the body a shape: keep one of them"
+            )
         if (self.points_mm is not None) != (self.outline == "polygon"):
             raise ValueError('points_mm and outline = "polygon" go together')
         if self.scale_mm is not None and not (self.mesh or self._drawing):
@@ -84,7 +86,7 @@ class Body(Section):
                 self.outline or "", {"length_mm", "depth_mm"}
             ),
         }  # fmt: skip
-        for key in given:
+        for key in sources:
             if wrong := sorted(sized[key] & self.model_fields_set):
                 raise ValueError(f"{wrong[0]} follows from {key}: leave it out")
         return self
@@ -144,16 +146,16 @@ class Shape(NamedTuple):
     """Body and legs of a mesh that was a whole walker, in the design's frame."""
 
 
-def beside(table: Any, folder: Path) -> Any:
+def located(table: Any, folder: Path) -> Any:
     """Table [body] as in a file, its drawing or mesh found from the folder of that file."""
     if not isinstance(table, Mapping):
         return table
-    found = dict(table)
+    own = dict(table)
     for key in ("outline", "mesh"):
-        name = found.get(key)
+        name = own.get(key)
         if isinstance(name, str) and name and name not in DRAWN:
-            found[key] = str(folder / name)
-    return found
+            own[key] = str(folder / name)
+    return own
 
 
 @lru_cache(maxsize=64)
@@ -171,16 +173,16 @@ def _shape(keys: str) -> Shape:
     if body.mesh is not None:
         from walkergen.walker import own_mesh
 
-        found = own_mesh.read(
+        own = own_mesh.read(
             Path(body.mesh), body.scale_mm or 1.0, body.up, body.forward, body.repair
         )
         if body.legs_below_mm is not None:
             from walkergen.walker import whole_mesh
 
-            cut = whole_mesh.centred(whole_mesh.cut_legs(found.mesh, body.legs_below_mm))
+            cut = whole_mesh.centred(whole_mesh.cut_legs(own.mesh, body.legs_below_mm))
             size = _size_of(cut.body)
-            return Shape(size, None, (), cut.body, found.sha256, found.changes, cut)
-        return Shape(_size_of(found.mesh), None, (), found.mesh, found.sha256, found.changes)
+            return Shape(size, None, (), cut.body, own.sha256, own.changes, cut)
+        return Shape(_size_of(own.mesh), None, (), own.mesh, own.sha256, own.changes)
     if body.profile_mm is not None:
         (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
         length, thickness = np.ptp(side, axis=0)

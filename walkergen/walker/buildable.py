@@ -20,23 +20,23 @@ ROUNDING_MM = 1e-9
 
 def of_pair(legs: Legs, size: Size) -> list[str]:
     """Problems of two equal legs, with the largest tilt that is possible."""
-    found = []
+    problems = []
     for text in _impossible_pair(legs, size, legs.tilt_deg):
         limit = _largest_tilt(legs, size)
         hint = f"; tilt up to {limit:.2f} deg is possible" if limit is not None else ""
-        found.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
-    return found
+        problems.append(f"legs.tilt_deg = {legs.tilt_deg:g} ({legs.kind}): {text}{hint}")
+    return problems
 
 
 def of_list(limbs: Sequence[Limb], size: Size) -> list[str]:
     """Problems of a list of legs: of each, of pairs that cross, and of how they stand."""
-    found = []
+    problems = []
     for number, limb in enumerate(limbs, start=1):
-        texts = [*_too_short(limb), *_off_body(limb, size[0]), *_off_side(limb, size[2])]
+        texts = [*_too_short(limb), *_off_body(limb, size.length), *_off_side(limb, size.depth)]
         if limb.braced:
-            texts += [*_thick_brace(limb), *_brace_off_body([limb], size[0])]
-        found += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
-    return found or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
+            texts += [*_thick_brace(limb), *_brace_off_body([limb], size.length)]
+        problems += [f"legs[{number}].along_mm = {limb.along:g}: {text}" for text in texts]
+    return problems or [*_crossing(limbs), *_uneven(limbs), *_falling(limbs)]
 
 
 def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
@@ -44,23 +44,27 @@ def _impossible_pair(legs: Legs, size: Size, tilt_deg: float) -> list[str]:
     length, thickness, depth = size
     trial = legs.model_copy(update={"tilt_deg": tilt_deg})
     back, front = pair_of(trial, depth, -0.5 * thickness)
-    found = [*_too_short(back), *_off_body(_farther(back, front), length), *_off_side(back, depth)]
+    problems = [
+        *_too_short(back),
+        *_off_body(_farther(back, front), length),
+        *_off_side(back, depth),
+    ]
     spacing = legs.contact_spacing_mm
     if 2.0 * back.half_width >= spacing:
-        found.append(
+        problems.append(
             f"the legs run into each other: each is {2.0 * back.half_width:.3f} mm wide along "
             f"the plate, the contact spacing is {spacing:g} mm"
         )
     if back.braced:
-        found += _thick_brace(back)
+        problems += _thick_brace(back)
         brace_x = abs(back.brace_offset)
         if brace_x + back.half_width + 0.5 * back.brace >= spacing:
-            found.append(
+            problems.append(
                 f"a leg crosses the other leg's brace: it spans {brace_x:.3f} mm, the contact "
                 f"spacing is {spacing:g} mm"
             )
-        found += _brace_off_body((back, front), length)
-    return found
+        problems += _brace_off_body((back, front), length)
+    return problems
 
 
 def _farther(back: Limb, front: Limb) -> Limb:
@@ -137,7 +141,7 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
     """Pairs of legs that take the same place."""
     import shapely
 
-    found = []
+    problems = []
     sections = [
         shapely.union_all(
             [
@@ -147,33 +151,33 @@ def _crossing(limbs: Sequence[Limb]) -> list[str]:
         )
         for limb in limbs
     ]
-    for (i, one), (j, other) in itertools.combinations(enumerate(limbs), 2):
-        apart = abs(one.across - other.across) - 0.5 * (one.width + other.width)
+    for (i, limb), (j, other) in itertools.combinations(enumerate(limbs), 2):
+        apart = abs(limb.across - other.across) - 0.5 * (limb.width + other.width)
         if apart >= -ROUNDING_MM:
             continue
         shared = sections[i].intersection(sections[j]).area
         if shared > ROUNDING_MM:
-            found.append(
+            problems.append(
                 f"legs[{j + 1}].along_mm = {other.along:g}: the leg crosses leg {i + 1} (seen from "
                 f"the side they share {shared:.3g} mm2): move them apart, along or across"
             )
-    return found
+    return problems
 
 
 def _uneven(limbs: Sequence[Limb]) -> list[str]:
     """Feet that do not reach the plate while the body stands level."""
     lowest = min(limb.foot_height for limb in limbs)
-    found = []
+    problems = []
     for number, limb in enumerate(limbs, start=1):
         short = limb.foot_height - lowest
         if short > LEVEL_MM:
             longer = limb.length + short / math.cos(limb.tilt)
-            found.append(
+            problems.append(
                 f"legs[{number}].length_mm = {limb.length:g}: the foot ends {short:.3f} mm above "
                 f"the lowest, so that the walker does not stand level: {longer:.4f} mm would reach "
                 "the plate"
             )
-    return found
+    return problems
 
 
 def _falling(limbs: Sequence[Limb]) -> list[str]:
@@ -193,7 +197,7 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
 
     outer, *holes = shape.plan
     ground = shapely.Polygon(outer, holes)
-    found = []
+    problems = []
     for number, limb in enumerate(limbs, start=1):
         x, half = limb.anchor[0], limb.half_width
         left, right = x - half, x + half
@@ -205,9 +209,9 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
         )
         outside = top.difference(ground.buffer(ROUNDING_MM)).area
         if outside > 0.0:
-            found.append(
+            problems.append(
                 f"legs[{number}].along_mm = {limb.along:g}: {100 * outside / top.area:.0f} % of "
                 "the top of the leg lies beyond the outline or under a hole: move it, or make it "
                 "narrower (width_mm)"
             )
-    return found
+    return problems

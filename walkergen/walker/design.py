@@ -26,7 +26,7 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
 from walkergen.walker import buildable
-from walkergen.walker.body import Body, Size, beside
+from walkergen.walker.body import Body, Size, located
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 
@@ -91,13 +91,13 @@ class Design(Section):
         return stance.level(data, FOLLOWED if follow is None else follow)
 
     @classmethod
-    def beside(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
+    def located(cls, data: Mapping[str, Any], folder: Path) -> dict[str, Any]:
         """Data of a file, the files that it names found from its folder."""
-        found = dict(data)
+        own = dict(data)
         for table in ("body", "walker"):
-            if table in found:
-                found[table] = beside(found[table], folder)
-        return found
+            if table in own:
+                own[table] = located(own[table], folder)
+        return own
 
     name: Name = "walker"
     description: Annotated[str, Field(max_length=2000)] = ""
@@ -127,17 +127,17 @@ class Design(Section):
     @model_validator(mode="after")
     def _buildable(self) -> "Design":
         if isinstance(self.legs, Legs):
-            found = [] if self.whole else buildable.of_pair(self.legs, self.size)
+            faults = [] if self.whole else buildable.of_pair(self.legs, self.size)
         else:
-            found = buildable.of_list(self.limbs, self.size)
-        if not found and self.body.flat:
-            found = buildable.off_outline(self.limbs, self.body.shape)
+            faults = buildable.of_list(self.limbs, self.size)
+        if not faults and self.body.flat:
+            faults = buildable.off_outline(self.limbs, self.body.shape)
         in_letters = bool(self.letters) and self.body.flat
         marks = self.marks
         if not (self.body.plain or in_letters or marks == marks.bare):
             number = f"marks.serial = {marks.serial}"
             key = number if marks.kind == "none" else f"marks.kind = {marks.kind!r}"
-            found.append(
+            faults.append(
                 f"{key}: only a rectangular body in side view bears marks, and a body in plan view "
                 "text: leave them out"
             )
@@ -146,9 +146,9 @@ class Design(Section):
             thickness, depth = depth, thickness
             marks = marks.model_copy(update={"kind": "text"})
         size = (length, thickness, depth)
-        found += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
-        if found:
-            raise GeometryError("\n".join(found))
+        faults += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
+        if faults:
+            raise GeometryError("\n".join(faults))
         return self
 
     @property
@@ -173,14 +173,14 @@ class Design(Section):
             )
         depth, bottom = shape.size.depth, -0.5 * shape.size.thickness
         if isinstance(self.legs, Legs):
-            found = pair_of(self.legs, depth, bottom)
+            limbs = pair_of(self.legs, depth, bottom)
         else:
-            found = tuple(limb_of(leg, self._followed, depth, bottom) for leg in self.legs)
+            limbs = tuple(limb_of(leg, self._followed, depth, bottom) for leg in self.legs)
         if self.body.plain or self.body.flat:
-            return found
+            return limbs
         from walkergen.walker import landing
 
-        return landing.landed(self.body.key, found)
+        return landing.landed(self.body.key, limbs)
 
     @property
     def kind(self) -> Kind:
@@ -235,10 +235,10 @@ class Design(Section):
             return True
         if len(self.limbs) != 2:
             return False
-        one, other = self.limbs
-        image = other._replace(along=0.0 - other.along)
-        own = one.friction is not None or one.restitution is not None
-        return one == image and one.across == 0.0 and not own
+        first, second = self.limbs
+        image = second._replace(along=0.0 - second.along)
+        own = first.friction is not None or first.restitution is not None
+        return first == image and first.across == 0.0 and not own
 
     @property
     def symmetric(self) -> bool:
@@ -304,17 +304,17 @@ class Design(Section):
                 f"{self.name}: weighed.leg_mass_g is the mass of a {self.kind} leg; "
                 f"make one kind only (--legs {self.kind}) or remove the key"
             )
-        found: list[Design] = []
+        variants: list[Design] = []
         problems: list[str] = []
         for kind in chosen:
             for tilt in tilts:
                 try:
-                    found.append(self.variant(tilt_deg=tilt, kind=kind))
+                    variants.append(self.variant(tilt_deg=tilt, kind=kind))
                 except GeometryError as error:
                     problems.append(str(error))
         if problems:
             raise GeometryError("\n".join(problems))
-        return found
+        return variants
 
     def _repr_html_(self) -> str:
         """Walker on its feet in 3D, with a table below it, for a notebook."""
@@ -343,8 +343,8 @@ def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
     """Data in which a finished walker, [walker], is the body that is cut. Raises GeometryError."""
     if "walker" not in data:
         return data
-    found, table = dict(data), data["walker"]
-    del found["walker"]
+    whole, table = dict(data), data["walker"]
+    del whole["walker"]
     if not isinstance(table, Mapping) or not {"mesh", "legs_below_mm"} <= set(table):
         raise GeometryError(
             "walker = ...: a finished walker needs a table [walker] with mesh and legs_below_mm, "
@@ -353,7 +353,7 @@ def _one_body(data: Mapping[str, Any]) -> Mapping[str, Any]:
     if "body" in data or "legs" in data:
         raise GeometryError("walker = ...: a finished walker has its body and legs: leave out "
                             "[body] and [legs]")  # fmt: skip
-    found["body"] = {key: value for key, value in table.items() if key != "legs"}
+    whole["body"] = {key: value for key, value in table.items() if key != "legs"}
     if "legs" in table:
-        found["legs"] = {"kind": table["legs"]}
-    return found
+        whole["legs"] = {"kind": table["legs"]}
+    return whole

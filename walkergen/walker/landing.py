@@ -63,10 +63,10 @@ def _landed(ground: joining.Body, limb: Limb, number: int) -> Limb:
     direction = np.array([sin, cos, 0.0])
     end = anchor - limb.length * direction
     key = f"legs[{number}].along_mm"
-    found = joining.footing(ground, end, direction, limb.thickness, limb.width, key)
-    length = float(np.linalg.norm(found.anchor - end))
-    over = max(found.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
-    met = limb._replace(length=length, bottom=float(found.anchor[1]))
+    footing = joining.footing(ground, end, direction, limb.thickness, limb.width, key)
+    length = float(np.linalg.norm(footing.anchor - end))
+    over = max(footing.reach - length, 0.0) * cos + 0.5 * limb.thickness * abs(sin)
+    met = limb._replace(length=length, bottom=float(footing.anchor[1]))
     if limb.braced:
         brace = np.array([met.anchor[0] + met.brace_offset, end[1], anchor[2]])
         rise = joining.footing(ground, brace, UP, limb.brace, limb.width, key).reach

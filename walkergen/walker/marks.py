@@ -96,10 +96,10 @@ def lettered(marks: Marks) -> str:
 
 def _digits(marks: Marks, tilt_deg: float) -> str:
     """Digits that are engraved: the tilt's, the serial number, or both as in 10-7; "" without."""
-    found = [digits_of(tilt_deg)] if marks.kind == "digits" else []
+    numbers = [digits_of(tilt_deg)] if marks.kind == "digits" else []
     if marks.serial is not None and marks.kind != "text":
-        found.append(str(marks.serial))
-    return "-".join(found)
+        numbers.append(str(marks.serial))
+    return "-".join(numbers)
 
 
 def digits_of(tilt_deg: float) -> str:
@@ -117,11 +117,11 @@ def notches(
     if marks.kind != "notches":
         return []
     unit, top = 2.0 * marks.line_mm, 0.5 * thickness
-    found, right = [], 0.5 * length - unit
+    grooves, right = [], 0.5 * length - unit
     for width in _widths(tilts_deg, tilt_deg):
-        found.append(Rectangle(right - width * unit, top - marks.depth_mm, right, top))
+        grooves.append(Rectangle(right - width * unit, top - marks.depth_mm, right, top))
         right -= (width + 1) * unit
-    return found
+    return grooves
 
 
 def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
@@ -137,13 +137,13 @@ def strokes(marks: Marks, tilt_deg: float, thickness: float) -> list[Rectangle]:
     height = room - 2.0 * line
     width = 0.6 * height
     left = -0.5 * _text_length(text, height, line)
-    found = []
+    bars = []
     for glyph in text:
         drawn = _segments(left, height, width, line)
-        found += [drawn[segment] for segment in SEGMENTS[glyph]]
+        bars += [drawn[segment] for segment in SEGMENTS[glyph]]
         left += _advance(glyph, height, line)
     down = 0.5 * _notched(marks)
-    return [one._replace(bottom=one.bottom - down, top=one.top - down) for one in found]
+    return [bar._replace(bottom=bar.bottom - down, top=bar.top - down) for bar in bars]
 
 
 def _notched(marks: Marks) -> float:
@@ -158,12 +158,12 @@ def problems(
     length, thickness, depth = body
     if marks.kind == "text" and marks.depth_mm > 0.5 * depth:
         return [f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of {depth:.4g} mm"]
-    found = []
+    reasons = []
     if marks.kind == "notches":
-        found += _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
+        reasons += _unfit_notches(marks, tilts_deg, tilt_deg, length, thickness)
     if text := _digits(marks, tilt_deg):
-        found += _unfit_digits(marks, text, length, thickness - _notched(marks), depth)
-    return found
+        reasons += _unfit_digits(marks, text, length, thickness - _notched(marks), depth)
+    return reasons
 
 
 def _unfit_notches(
@@ -174,34 +174,34 @@ def _unfit_notches(
             f"marks.kind = 'notches': they count the tilts in family.tilt_deg, which lack "
             f"{tilt_deg:g}: add it there, so that its notches never mean another tilt"
         ]
-    found = []
+    reasons = []
     widths = [START] + [WIDE] * _places(tilts_deg)
     room = 2.0 * marks.line_mm * (sum(widths) + len(widths) + 1)
     if room > length:
-        found.append(
+        reasons.append(
             f"marks.line_mm = {marks.line_mm:g}: notches for {len(tilts_deg)} tilts need "
             f"{room:.2f} mm, the body is {length:g} mm long: make the line at most "
             f"{marks.line_mm * length / room:.3f} mm, the family smaller, or use kind = 'digits'"
         )
     if marks.depth_mm > thickness / 3.0:
-        found.append(
+        reasons.append(
             f"marks.depth_mm = {marks.depth_mm:g}: must be at most a third of the body's "
             f"thickness, {thickness / 3.0:.3f} mm, for notches"
         )
-    return found
+    return reasons
 
 
 def _unfit_digits(
     marks: Marks, text: str, length: float, thickness: float, depth: float
 ) -> list[str]:
     """Reasons why digits do not fit onto a face of length and thickness, mm."""
-    found = []
+    reasons = []
     serial = marks.serial is not None
     shallower = "" if marks.kind != "notches" else ", below the notches"
     instead = "leave out the serial numbers" if serial else "use kind = 'notches'"
     line, height = marks.line_mm, thickness - 2.0 * marks.line_mm
     if height < SHORTEST_DIGIT * line:
-        found.append(
+        reasons.append(
             f"marks.line_mm = {line:g}: digits are at least {SHORTEST_DIGIT:g} lines high with "
             f"one free above and below, {(SHORTEST_DIGIT + 2) * line:.2f} mm; the body is "
             f"{thickness:g} mm thick{shallower}: make the line at most "
@@ -212,16 +212,16 @@ def _unfit_digits(
         if room > length:
             key = f"marks.serial = {marks.serial}" if serial else "marks.kind = 'digits'"
             rest = f"or {instead}" if serial else "or use 'notches'"
-            found.append(
+            reasons.append(
                 f"{key}: {text[:40]!r} needs {room:.2f} mm, the body is "
                 f"{length:g} mm long: round the tilt, lengthen the body, {rest}"
             )
     if marks.depth_mm > depth / 2.0:
-        found.append(
+        reasons.append(
             f"marks.depth_mm = {marks.depth_mm:g}: must be at most half of the body's depth, "
             f"{depth / 2.0:g} mm, for digits"
         )
-    return found
+    return reasons
 
 
 def _places(tilts_deg: Sequence[float]) -> int:

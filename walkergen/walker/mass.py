@@ -147,7 +147,7 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
     weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
-    found, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
+    placed, meshed = [], [weighed_once[id(mesh)] for mesh in legs]
     mean = sum(part.mass for part in meshed) / len(meshed)
     prisms = design.body.plain or design.body.flat
     for limb, part in zip(limbs, meshed, strict=True):
@@ -156,12 +156,12 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
         c_A = own.centre[:2]
         # A prism's centre lies at its middle; that of a leg cut flush with a slope across need not
         aside = 0.0 if prisms else float(own.centre[2]) - 0.5 * limb.width
-        found.append(LegMass(
+        placed.append(LegMass(
             own.mass, own.inertia, np.array(limb.anchor) - O, c_A,
             np.array(limb.anchor_to_foot) - c_A, limb.across + aside, own.tensor,
         ))  # fmt: skip
     across = float(top.centre[2]) - 0.5 * design.size.depth
-    loose = MassProperties(top.mass, top.inertia, tuple(found), False, Spatial(across, top.tensor))
+    loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
     return frozen(loose, [limb.braced for limb in limbs])
 
 
@@ -202,11 +202,11 @@ def scaled(mass: MassProperties, body: Values, leg: Values) -> MassProperties:
     if whole is not None:
         whole = whole._replace(body=whole.body * body[sides])
     legs = tuple(
-        one._replace(
-            m=one.m * leg, j=one.j * leg,
-            tensor=None if one.tensor is None else one.tensor * leg[sides],
+        own._replace(
+            m=own.m * leg, j=own.j * leg,
+            tensor=None if own.tensor is None else own.tensor * leg[sides],
         )
-        for one in mass.legs
+        for own in mass.legs
     )  # fmt: skip
     return mass._replace(M=mass.M * body, J=mass.J * body, legs=legs, spatial=whole)
 

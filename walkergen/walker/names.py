@@ -25,8 +25,8 @@ def tilt(design: Design) -> str:
 
 def race(members: Sequence[Design]) -> str:
     """Name of several walkers of a design together, such as race_t05.0-t10.0_flexible."""
-    tilts = dict.fromkeys(tilt(one) for one in members)
-    kinds = dict.fromkeys(one.kind for one in members)
+    tilts = dict.fromkeys(tilt(design) for design in members)
+    kinds = dict.fromkeys(design.kind for design in members)
     return f"race_{'-'.join(tilts)}_{'-'.join(kinds)}"
 
 
@@ -44,15 +44,15 @@ def legs(design: Design) -> tuple[str, ...]:
 def parts(members: Sequence[Design]) -> list[str]:
     """Names of walkers that are printed together: those of several designs begin with its name."""
     several = len(by_design(members)) > 1
-    return [part(one, one.name if several else STEM) for one in members]
+    return [part(design, design.name if several else STEM) for design in members]
 
 
 def by_design(members: Sequence[Design]) -> dict[str, list[Design]]:
     """Walkers by the names of their designs, in their order."""
-    found: dict[str, list[Design]] = {}
-    for one in members:
-        found.setdefault(one.name, []).append(one)
-    return found
+    groups: dict[str, list[Design]] = {}
+    for design in members:
+        groups.setdefault(design.name, []).append(design)
+    return groups
 
 
 def letters(members: Sequence[Design]) -> dict[str, str]:
@@ -85,8 +85,8 @@ def _legend_of_marks(members: Sequence[Design]) -> str:
         return ""
     lines = []
     for tilt, kinds in sorted(marks.items()):
-        told = dict.fromkeys(span(own, "`") for own in kinds.values())
-        lines.append(f"| {tilt:g} | {', '.join(told)} |")
+        spans = dict.fromkeys(span(own, "`") for own in kinds.values())
+        lines.append(f"| {tilt:g} | {', '.join(spans)} |")
     head = "| tilt (deg) | mark |\n|-----------:|:-----|"
     return f"{how_to_read(members[0].marks)}\n\n{head}\n" + "\n".join(lines) + "\n"
 
@@ -94,7 +94,7 @@ def _legend_of_marks(members: Sequence[Design]) -> str:
 def span(marks: Sequence[str], quote: str = "") -> str:
     """Marks of copies in words: one, or the first to the last of serial numbers."""
     ends = dict.fromkeys((marks[0], marks[-1]))
-    return " to ".join(f"{quote}{one}{quote}" for one in ends)
+    return " to ".join(f"{quote}{mark}{quote}" for mark in ends)
 
 
 def how_to_read(marks: Marks) -> str:
@@ -103,8 +103,10 @@ def how_to_read(marks: Marks) -> str:
     if marks.kind == "none":
         return f"Digits engraved into the body.{number}" if number else ""
     if marks.kind == "digits":
-        told = "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
-        return told + number
+        instruction = (
+            "Digits on the side that printed last: the tilt in degrees. Hold the legs down."
+        )
+        return instruction + number
     if marks.kind == "text":
         return f"Letters engraved into the body: they name the design, not the tilt.{number}"
     unit = 2.0 * marks.line_mm

@@ -50,8 +50,8 @@ def read(
     """
     source = f"{key} = {str(path)[-80:]!r}"
     turn = rotation(up, forward, key)
-    found = meshes.load(path, source)
-    part = meshes.joined(found.parts)
+    loaded = meshes.load(path, source)
+    part = meshes.joined(loaded.parts)
     mesh = Mesh(part.vertices * scale_mm, part.triangles)
     _refuse_size(mesh, source, scale_mm)
     changes: tuple[str, ...] = ()
@@ -60,7 +60,7 @@ def read(
         if len(mesh.triangles) == 0:
             raise InputError(f"{source}: repair leaves nothing: {'; '.join(changes)}")
     faults.refuse(mesh, f"{source} (repaired: {'; '.join(changes)})" if changes else source)
-    return OwnMesh(Mesh(_placed(mesh.vertices @ turn.T), mesh.triangles), found.sha256, changes)
+    return OwnMesh(Mesh(_placed(mesh.vertices @ turn.T), mesh.triangles), loaded.sha256, changes)
 
 
 def rotation(up: Axis, forward: Axis, key: str) -> Array:

@@ -28,7 +28,7 @@ def in_plane(design: Design, mass: MassProperties) -> Planar:
     for limb, leg in zip(design.limbs, mass.legs, strict=True):
         key = limb._replace(width=0.0, across=0.0, thickness_sd=0.0)
         groups.setdefault(key, []).append((limb, leg))
-    merged = sorted((_merged(group) for group in groups.values()), key=lambda one: one[0].along)
+    merged = sorted((_merged(group) for group in groups.values()), key=lambda pair: pair[0].along)
     return Planar(
         mass._replace(legs=tuple(leg for _, leg in merged)), tuple(limb for limb, _ in merged)
     )
@@ -37,6 +37,6 @@ def in_plane(design: Design, mass: MassProperties) -> Planar:
 def _merged(group: list[tuple[Limb, LegMass]]) -> tuple[Limb, LegMass]:
     (limb, leg), legs = group[0], [leg for _, leg in group]
     return (
-        limb._replace(width=sum(one.width for one, _ in group)),
-        leg._replace(m=sum(one.m for one in legs), j=sum(one.j for one in legs)),
+        limb._replace(width=sum(limb.width for limb, _ in group)),
+        leg._replace(m=sum(leg.m for leg in legs), j=sum(leg.j for leg in legs)),
     )

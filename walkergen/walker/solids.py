@@ -161,35 +161,35 @@ class _Section(NamedTuple):
 
 def _sections(limbs: Sequence[Limb], foot_segments: int) -> list[_Section]:
     """Profiles of legs; legs of one shape share theirs, the same object."""
-    made: dict[Limb, _Section] = {}
-    found = []
+    by_shape: dict[Limb, _Section] = {}
+    sections = []
     for limb in limbs:
         shape = limb._replace(along=0.0, across=0.0, bottom=0.0, friction=None, restitution=None)
-        if shape not in made:
+        if shape not in by_shape:
             below = profiles.limb(limb, foot_segments)
             raised = tuple(profiles.raised(part, limb.embedding) for part in below)
-            made[shape] = _Section(below, raised)
-        found.append(made[shape])
-    return found
+            by_shape[shape] = _Section(below, raised)
+        sections.append(by_shape[shape])
+    return sections
 
 
 def _bars(limbs: Sequence[Limb], sections: Sequence[_Section], depth: float) -> list[Mesh]:
     """Legs that reach into the body, where they stand in the design's frame."""
-    found = []
+    bars = []
     for limb, section in zip(limbs, sections, strict=True):
         mesh = extruded([part + np.array(limb.anchor) for part in section.raised], limb.width)
         shift = np.array([0.0, 0.0, _left_side(limb, depth)])
-        found.append(mesh._replace(vertices=mesh.vertices + shift))
-    return found
+        bars.append(mesh._replace(vertices=mesh.vertices + shift))
+    return bars
 
 
 def _legs(limbs: Sequence[Limb], sections: Sequence[_Section]) -> tuple[Mesh, ...]:
     """Meshes of the legs outside the body, anchors at the origin; equal legs share theirs."""
-    made: dict[int, Mesh] = {}
+    meshes: dict[int, Mesh] = {}
     for limb, section in zip(limbs, sections, strict=True):
-        if id(section) not in made:
-            made[id(section)] = extruded(section.below, limb.width)
-    return tuple(made[id(section)] for section in sections)
+        if id(section) not in meshes:
+            meshes[id(section)] = extruded(section.below, limb.width)
+    return tuple(meshes[id(section)] for section in sections)
 
 
 def _left_side(limb: Limb, depth: float) -> float:
@@ -274,9 +274,9 @@ def window_width(limb: Limb) -> float:
 def clearance(limbs: Sequence[Limb]) -> float:
     """Least distance along the run between two legs (or their braces) that stand in line, mm."""
     apart = [math.inf]
-    for one, other in itertools.combinations(limbs, 2):
-        back, front = sorted((one, other), key=lambda limb: limb.along)
-        if abs(one.across - other.across) >= 0.5 * (one.width + other.width):
+    for first, second in itertools.combinations(limbs, 2):
+        back, front = sorted((first, second), key=lambda limb: limb.along)
+        if abs(first.across - second.across) >= 0.5 * (first.width + second.width):
             continue
         spacing = front.along - back.along
         if back.tilt == front.tilt:

@@ -43,5 +43,5 @@ def _rows(design: "Design") -> Iterator[tuple[str, str]]:
     yield "tilt (deg)", f"{design.tilt_deg:g}"
     yield "body (mm)", f"{size.length:g} x {size.depth:g} x {size.thickness:g}"
     material = design.material
-    told = f"{material.density_g_cm3:g} g/cm³, {material.youngs_modulus_gpa:g} GPa"
-    yield "material", told
+    constants = f"{material.density_g_cm3:g} g/cm³, {material.youngs_modulus_gpa:g} GPa"
+    yield "material", constants

@@ -88,28 +88,28 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     """
     rows = _rows(path)
     parts, others = _parts(members), False
-    found: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
+    masses: dict[str, dict[str, list[float]]] = defaultdict(lambda: defaultdict(list))
     problems = []
     for line, row in rows:
         try:
             if values := _values(row):
-                part = _known(row["part"].strip(), parts, members)
+                part = _part_of(row["part"].strip(), parts, members)
                 if part is None:
                     others = True
                     continue
                 for quantity, value in values.items():
-                    found[part][quantity].append(value)
+                    masses[part][quantity].append(value)
         except InputError as error:
             problems.append(f"{path}:{line}: {error}")
     if problems:
         raise InputError("\n".join(problems))
-    if others and not found:
+    if others and not masses:
         raise InputError(f"{path}: no masses of the walkers of --tilt and --legs, only of others")
-    if not found:
+    if not masses:
         raise InputError(f"{path}: no masses; fill in {', '.join(QUANTITIES)} of some part")
     return {
         part: Weighings(**{quantity: _mean(values) for quantity, values in quantities.items()})
-        for part, quantities in found.items()
+        for part, quantities in masses.items()
     }
 
 
@@ -132,7 +132,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     density = 1e-3 * design.material.density_g_cm3
     count, body = len(parts.legs), mass.weigh(parts.body, density).mass
     leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count
-    grams, body_g, leg_g = (None if one is None else one.mean for one in weighed)
+    grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
         raise InputError(f"{name}: grams, body_g and leg_g are one too many: leave one empty")
     if grams is not None:
@@ -149,8 +149,8 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
                 f"{name}: a {what} of {value:.4g} g by the balance, {meshed:.4g} g by the mesh: "
                 f"more than {FACTOR:g} times apart; are these grams, and of this part?"
             )
-    known = {"body_mass_g": body_g, "leg_mass_g": leg_g}
-    own = {key: value for key, value in known.items() if value is not None}
+    masses = {"body_mass_g": body_g, "leg_mass_g": leg_g}
+    own = {key: value for key, value in masses.items() if value is not None}
     return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
 
 
@@ -164,25 +164,25 @@ def total_error(weighed: Weighings, legs: int) -> float | None:
     """Standard error of a whole walker's mass, g, by its number of legs; None when not known."""
     if weighed.grams is not None:
         return weighed.grams.error
-    body, leg = (one and one.error for one in (weighed.body_g, weighed.leg_g))
+    body, leg = (weighing and weighing.error for weighing in (weighed.body_g, weighed.leg_g))
     return None if body is None or leg is None else math.hypot(body, legs * leg)
 
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows of a weights.csv by their lines, cells by column; raises InputError."""
-    found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
-    wrong = [name for name in found.names if name not in ("part", *QUANTITIES)]
-    if wrong or "part" not in found.names or len(found.names) < 2:
+    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    wrong = [name for name in table.names if name not in ("part", *QUANTITIES)]
+    if wrong or "part" not in table.names or len(table.names) < 2:
         raise InputError(
-            f"{path}:1: columns {', '.join(found.names)[:80]!r}: must be part and any of "
+            f"{path}:1: columns {', '.join(table.names)[:80]!r}: must be part and any of "
             f"{', '.join(QUANTITIES)}, separated by commas"
         )
-    return found.rows
+    return table.rows
 
 
 def _values(row: Mapping[str, str]) -> dict[str, float]:
     """Masses of a row in g by quantity, without blank cells; raises InputError."""
-    found = {}
+    values = {}
     for quantity in QUANTITIES:
         if cell := row.get(quantity, "").strip():
             value = words.value(cell)
@@ -191,8 +191,8 @@ def _values(row: Mapping[str, str]) -> dict[str, float]:
                     f"{quantity} = {cell[:30]!r}: must be a number in {LIGHTEST:g}..{HEAVIEST:g}, "
                     "in grams"
                 )
-            found[quantity] = value
-    return found
+            values[quantity] = value
+    return values
 
 
 def _parts(members: Sequence[Design]) -> dict[str, str]:
@@ -209,29 +209,29 @@ def _named(name: str, parts: Mapping[str, str]) -> str | None:
     return parts.get(name) or parts.get(COPY.sub("", name))
 
 
-def _known(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
+def _part_of(name: str, parts: Mapping[str, str], members: Sequence[Design]) -> str | None:
     """Part of a name; None for another walker of the members' designs. Raises InputError."""
     if (part := _named(name, parts)) or _another(COPY.sub("", name), members):
         return part
-    known = list(dict.fromkeys(parts.values()))
-    near = difflib.get_close_matches(name, known, n=3, cutoff=0.6)
-    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(known[:3])} ..."
+    listed = list(dict.fromkeys(parts.values()))
+    near = difflib.get_close_matches(name, listed, n=3, cutoff=0.6)
+    hint = f"did you mean {', '.join(near)}?" if near else f"known: {', '.join(listed[:3])} ..."
     raise InputError(f"part {name[:60]!r} is not among those of --tilt and --legs; {hint}")
 
 
 def _another(name: str, members: Sequence[Design]) -> bool:
     """True for the name that a member's design gives to its walker of another tilt or kind."""
-    found = PART.fullmatch(name)
-    if found is None:
+    match = PART.fullmatch(name)
+    if match is None:
         return False
     for own in names.by_design(members).values():
-        kind: Any = found["kind"]
+        kind: Any = match["kind"]
         try:
-            one = own[0].variant(tilt_deg=float(found["tilt"]), kind=kind)
+            variant = own[0].variant(tilt_deg=float(match["tilt"]), kind=kind)
         except (InputError, GeometryError, ValueError):  # the design has no such walker
             continue
-        stem = found["stem"]
-        if stem in (one.name, names.STEM) and names.part(one, stem) == name:
+        stem = match["stem"]
+        if stem in (variant.name, names.STEM) and names.part(variant, stem) == name:
             return True
     return False
 

@@ -26,7 +26,7 @@ SMALLEST_STRUT = 1e-6
 """Area of a strut's section over the largest of a leg, below which it is rounding."""
 
 
-class FoundLeg(NamedTuple):
+class CutLeg(NamedTuple):
     """Leg of a finished walker, measured; places in the mesh's frame, mm."""
 
     mesh: Mesh
@@ -54,7 +54,7 @@ class CutWalker(NamedTuple):
     """Finished walker, cut."""
 
     body: Mesh
-    legs: tuple[FoundLeg, ...]
+    legs: tuple[CutLeg, ...]
     """Legs from back to front, those at one place from z = 0 on."""
     whole: Mesh
     """Walker before the cut."""
@@ -111,7 +111,7 @@ def _shifted(mesh: Mesh, shift: Array) -> Mesh:
     return mesh._replace(vertices=mesh.vertices + shift)
 
 
-def limb_of(leg: FoundLeg, kind: Kind, number: int, depth: float) -> Limb:
+def limb_of(leg: CutLeg, kind: Kind, number: int, depth: float) -> Limb:
     """Leg of a finished walker as the rest of the program knows legs; its foot counts as flat.
 
     Raises GeometryError for a leg with a brace that is said to be flexible.
@@ -129,7 +129,7 @@ def limb_of(leg: FoundLeg, kind: Kind, number: int, depth: float) -> Limb:
     )  # fmt: skip
 
 
-def _measured(piece: manifold3d.Manifold, height: float, source: str) -> FoundLeg:
+def _measured(piece: manifold3d.Manifold, height: float, source: str) -> CutLeg:
     """Leg of a piece below the cut. Raises GeometryError when it is not a leg that reaches up."""
     mesh = modeller.mesh_of(piece)
     struts = _struts(mesh, height)
@@ -140,7 +140,7 @@ def _measured(piece: manifold3d.Manifold, height: float, source: str) -> FoundLe
     foot = _foot(mesh)
     dx, dy = anchor[0] - foot[0], anchor[1] - foot[1]
     tilt = math.atan2(dx, dy)
-    return FoundLeg(
+    return CutLeg(
         mesh, anchor, foot, tilt, math.hypot(dx, dy), float(extent[0]) * math.cos(tilt),
         float(extent[2]), float(0.5 * (points[:, 2].max() + points[:, 2].min())), len(struts),
     )  # fmt: skip
@@ -170,14 +170,14 @@ def _struts(mesh: Mesh, height: float) -> list[tuple[Array, Array]]:
     _, label = csgraph.connected_components(coo_matrix(links, size), directed=False)
     corners = mesh.vertices[lids]
     areas = 0.5 * np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])[:, 1]
-    found = []
+    struts = []
     for strut in np.unique(label[lids[:, 0]]):
         mine = label[lids[:, 0]] == strut
         area = float(areas[mine].sum())
         if area > 0.0:
             centroid = areas[mine] @ corners[mine].mean(axis=1) / area
-            found.append((area, corners[mine].reshape(-1, 3), centroid))
-    found.sort(key=lambda one: -one[0])
+            struts.append((area, corners[mine].reshape(-1, 3), centroid))
+    struts.sort(key=lambda strut: -strut[0])
     return [
-        (points, middle) for area, points, middle in found if area > SMALLEST_STRUT * found[0][0]
+        (points, middle) for area, points, middle in struts if area > SMALLEST_STRUT * struts[0][0]
     ]

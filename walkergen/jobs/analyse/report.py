@@ -269,7 +269,8 @@ def _drawn(motion: Motion) -> Iterator[str]:
 
 def _draw(name: str, tracks: Tracks, motion: Motion, title: str) -> "Figure":
     from walkergen.jobs.analyse import figures
+    from walkergen.points.track_figure import tracks_figure
 
     if name == "trajectories":
-        return figures.tracks_figure(tracks, title)
+        return tracks_figure(tracks, title)
     return figures.OF_MOTION[name](motion, title)

@@ -65,20 +65,20 @@ def drop(
     by_label = drops.by_label(scene, design, hand, progress)
     few = hand[:FEW]
     rows: list[tuple[str, float, Scene, Design, Sequence[Let]]] = []
-    rows += [("tilt", tilt, scene, one, few) for tilt, one in _tilted(design)]
+    rows += [("tilt", tilt, scene, variant, few) for tilt, variant in _tilted(design)]
     for friction in FRICTIONS:
         rows.append(
             ("friction", friction, still.with_contact(scene, friction=friction), design, few)
         )
     for other in HEIGHTS:
         rows.append(("height", other, scene, design, [let._replace(height=other) for let in few]))
-    found: dict[str, list[tuple[float, Rebounds]]] = {}
+    by_condition: dict[str, list[tuple[float, Rebounds]]] = {}
     for number, (what, at, surroundings, walker, chosen) in enumerate(rows):
         progress(f"{what} {at:g}", number, len(rows) + 1)
         plan = still.plan_of(surroundings, walker)
-        found.setdefault(what, []).append((at, rebounds(plan, chosen)))
+        by_condition.setdefault(what, []).append((at, rebounds(plan, chosen)))
     progress("first turn", len(rows), len(rows) + 1)
-    return Dropped(by_label, found, _by_turn(own, height))
+    return Dropped(by_label, by_condition, _by_turn(own, height))
 
 
 def _tilted(design: Design) -> list[tuple[float, Design]]:
@@ -86,13 +86,13 @@ def _tilted(design: Design) -> list[tuple[float, Design]]:
     from walkergen.errors import GeometryError
 
     tilts = sorted({*TILTS, design.tilt_deg})
-    found = []
+    variants = []
     for tilt in tilts:
         try:
-            found.append((tilt, design.variant(tilt_deg=tilt)))
+            variants.append((tilt, design.variant(tilt_deg=tilt)))
         except GeometryError:
             continue  # no room for so steep a leg, or no leg that follows: the table ends there
-    return found
+    return variants
 
 
 def _by_turn(plan: Plan, height: float) -> list[tuple[float, float | None, float | None]]:

@@ -19,11 +19,11 @@ GREEN, GREY = "#009E73", "0.45"
 
 
 @style()
-def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
+def of_drop(dropped: Dropped, title: str, turn_deg: float, measured: Measured | None) -> Figure:
     """Draw the rebound against the feet's restitution, let go flat and from the hand."""
     figure, axes = axes_of(title)
     axes.plot((0, 1), (0, 1), ":", color=GREY, linewidth=0.9, label="a ball")
-    flat, hand = found.curve(flat=True), found.curve(flat=False)
+    flat, hand = dropped.curve(flat=True), dropped.curve(flat=False)
     if flat is not None:
         axes.plot(flat.at, flat.seen, "o-", color=BLUE, markersize=4, label="let go flat")
     if hand is not None and turn_deg > 0.0:
@@ -41,25 +41,27 @@ def of_drop(found: Dropped, title: str, turn_deg: float, measured: Measured | No
 
 
 @style()
-def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
+def of_slide(incline: Incline, title: str, measured: Measured | None) -> Figure:
     """Draw the slope at which a walker gives way against friction, by the way it faces."""
     figure, axes = axes_of(title)
-    fine = np.linspace(0.0, max(found.frictions), 200)
+    fine = np.linspace(0.0, max(incline.frictions), 200)
     axes.plot(fine, np.degrees(np.arctan(fine)), ":", color=GREY, label="a rigid block")
-    looks = zip(found.by_heading.items(), ((BLUE, "o"), (ORANGE, "s"), (GREEN, "^")), strict=True)
+    looks = zip(incline.by_heading.items(), ((BLUE, "o"), (ORANGE, "s"), (GREEN, "^")), strict=True)
     for (facing, row), (colour, marker) in looks:
-        known = [
-            (friction, one.angle, one.toppled)
-            for friction, one in zip(found.frictions, row, strict=True)
-            if one.angle is not None
+        points = [
+            (friction, outcome.angle, outcome.toppled)
+            for friction, outcome in zip(incline.frictions, row, strict=True)
+            if outcome.angle is not None
         ]
-        slid = [(friction, angle) for friction, angle, toppled in known if not toppled]
-        fell = [(friction, angle) for friction, angle, toppled in known if toppled]
+        slid = [(friction, angle) for friction, angle, toppled in points if not toppled]
+        fell = [(friction, angle) for friction, angle, toppled in points if toppled]
         axes.plot(*np.array(slid).reshape(-1, 2).T, marker, color=colour, markersize=5,
                   label=f"facing {facing}")  # fmt: skip
         axes.plot(*np.array(fell).reshape(-1, 2).T, marker, color=colour, markersize=5,
                   markerfacecolor="none")  # fmt: skip
-    slips = [pair for pair in zip(found.frictions, found.slips, strict=True) if pair[1] is not None]
+    slips = [
+        pair for pair in zip(incline.frictions, incline.slips, strict=True) if pair[1] is not None
+    ]
     if slips:
         axes.plot(*np.array(slips, float).T, "--", color=ORANGE, linewidth=0.9,
                   label="upper foot slips (statics)")  # fmt: skip
@@ -73,18 +75,18 @@ def of_slide(found: Incline, title: str, measured: Measured | None) -> Figure:
 
 
 @style()
-def of_pluck(found: Plucked, title: str, measured: Measured | None, curve: Points) -> Figure:
+def of_pluck(plucked: Plucked, title: str, measured: Measured | None, curve: Points) -> Figure:
     """Draw a leg of the model ringing, and the frequency heard against Young's modulus."""
     figure = Figure(figsize=(COLUMN, 4.2), layout="constrained")
     top, bottom = figure.subplots(2, 1)
     figure.suptitle(wrapped(title, COLUMN - 0.1))
-    ringing = found.held
+    ringing = plucked.held
     top.plot(1e3 * ringing.times, 1e3 * ringing.angles, color=BLUE)
     top.set_xlabel("time (ms)")
     top.set_ylabel("the model's leg (mrad)")
     at, hertz = np.array(curve).T
     bottom.plot(at, hertz, "o-", color=BLUE, markersize=4, label="printed leg, first mode")
-    hinge = hertz * found.held.frequency / found.cantilever
+    hinge = hertz * plucked.held.frequency / plucked.cantilever
     bottom.plot(at, hinge, "--", color=ORANGE, linewidth=0.9, label="the model's hinge")
     _draw_measured(bottom, measured)
     bottom.set_xlabel("Young's modulus (GPa)")

@@ -58,26 +58,28 @@ def dropped(test: Test, how: Drop, folder: Path, progress: Progress) -> BenchRep
     _check("--height-mm", how.height, 0.01, HIGHEST_MM)
     _check("--roll-deg", how.turn_deg, 0.0, STEEPEST_DEG)
     _check("--drops", how.drops, 2, MOST_DROPS)
-    found = drop.drop(test.scene, test.design, *how, progress)
-    report = tables.of_drop(found, test.scene, test.design, how.height, how.turn_deg, test.measured)
+    result = drop.drop(test.scene, test.design, *how, progress)
+    report = tables.of_drop(
+        result, test.scene, test.design, how.height, how.turn_deg, test.measured
+    )
 
     def draw() -> "Figure":
         from walkergen.jobs.bench import figures
 
-        return figures.of_drop(found, report.title, how.turn_deg, test.measured)
+        return figures.of_drop(result, report.title, how.turn_deg, test.measured)
 
     return _written(report, test, how._asdict(), draw, folder)
 
 
 def slid(test: Test, folder: Path, progress: Progress) -> BenchReport:
     """Tilt the plate under a walker; writes slide.csv, figure and page."""
-    found = slide.slide(test.scene, test.design, progress)
-    report = tables.of_slide(found, test.scene, test.design, test.measured)
+    result = slide.slide(test.scene, test.design, progress)
+    report = tables.of_slide(result, test.scene, test.design, test.measured)
 
     def draw() -> "Figure":
         from walkergen.jobs.bench import figures
 
-        return figures.of_slide(found, report.title, test.measured)
+        return figures.of_slide(result, report.title, test.measured)
 
     return _written(report, test, {}, draw, folder)
 
@@ -90,17 +92,17 @@ def plucked(
     Raises InputError for legs that do not swing.
     """
     progress("plucking", 0, 1)
-    found = pluck.pluck(test.scene, test.design)
-    report = tables.of_pluck(found, test.scene, test.design, test.measured, decrement)
+    result = pluck.pluck(test.scene, test.design)
+    report = tables.of_pluck(result, test.scene, test.design, test.measured, decrement)
 
     def draw() -> "Figure":
         from walkergen.jobs.bench import figures
 
-        curve = pluck.by_modulus(test.design, found.leg_mass)
-        return figures.of_pluck(found, report.title, test.measured, curve)
+        curve = pluck.by_modulus(test.design, result.leg_mass)
+        return figures.of_pluck(result, report.title, test.measured, curve)
 
-    given = None if decrement is None else decrement._asdict()
-    return _written(report, test, {"decrement": given}, draw, folder)
+    decrement_facts = None if decrement is None else decrement._asdict()
+    return _written(report, test, {"decrement": decrement_facts}, draw, folder)
 
 
 def _check(flag: str, value: float, low: float, high: float) -> None:

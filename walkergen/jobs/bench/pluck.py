@@ -109,7 +109,7 @@ def modulus(design: Design, leg_mass: float, frequency: float) -> float:
     return design.material.youngs_modulus_gpa * (frequency / own) ** 2
 
 
-class Known(NamedTuple):
+class Errors(NamedTuple):
     """Errors of what a frequency is turned into, relative standard deviations."""
 
     modulus: float
@@ -120,7 +120,7 @@ class Known(NamedTuple):
     """Of the product E s^3, which is what the model's hinge needs."""
 
 
-def errors(design: Design, relative: float) -> Known:
+def errors(design: Design, relative: float) -> Errors:
     """Errors that follow from that of the frequency, `relative`, and from those of the design.
 
     E I = f^2 m l^3 up to a number: I goes as s^3, and so does m as s where the mesh weighs the leg.
@@ -131,7 +131,7 @@ def errors(design: Design, relative: float) -> Known:
     thick = limb.thickness_sd / limb.thickness
     stiff = design.material.youngs_modulus_sd_gpa / design.material.youngs_modulus_gpa
     power = 3.0 if weighed else 2.0
-    return Known(
+    return Errors(
         math.hypot(2.0 * relative, power * thick, mass),
         math.hypot(2.0 * relative, stiff, mass) / power,
         math.hypot(2.0 * relative, 0.0 if weighed else thick, mass),
@@ -219,5 +219,5 @@ def _modes(plan: Plan) -> tuple[float, ...]:
     squares, shapes = np.linalg.eig(walker.hinge_mobility * walker.stiffness)
     energy = walker.stiffness[:, None] * np.abs(shapes) ** 2
     bends = energy[:: walker.freedoms].sum(axis=0) > 0.5 * energy.sum(axis=0)
-    found = np.sqrt(np.sort(squares.real[bends])) / (2.0 * math.pi)
-    return tuple(float(one) for one in found)
+    frequencies = np.sqrt(np.sort(squares.real[bends])) / (2.0 * math.pi)
+    return tuple(float(hertz) for hertz in frequencies)

@@ -15,7 +15,7 @@ class Answer(NamedTuple):
     """Answer to a number that was measured: under which condition, in words and in numbers."""
 
     condition: str
-    told: str
+    text: str
     inverse: Inverse
 
 
@@ -40,7 +40,10 @@ def of(
     notes: Sequence[str], settings: Mapping[str, float],
 ) -> BenchReport:  # fmt: skip
     """Report of a bench test: drop, slide or pluck; the caption names walker, feet and plate."""
-    lines = [f"{one.condition}: {one.told}" if one.condition else one.told for one in answers]
+    lines = [
+        f"{answer.condition}: {answer.text}" if answer.condition else answer.text
+        for answer in answers
+    ]
     if settings:
         keys = ", ".join(f"{key} = {words.number(value, 4)}" for key, value in settings.items())
         lines.append(f"set {keys}")
@@ -48,7 +51,7 @@ def of(
         "bench": bench,
         "caption": caption,
         "tables": {table.name: list(table) for table in tables},
-        "answers": [_facts(one) for one in answers],
+        "answers": [_facts(answer) for answer in answers],
         "settings": dict(settings),
         "notes": list(notes),
     }
@@ -61,7 +64,7 @@ def of(
 def _facts(answer: Answer) -> dict[str, Any]:
     return {
         "condition": answer.condition,
-        "told": answer.told,
+        "told": answer.text,
         "branches": [branch._asdict() for branch in answer.inverse.branches],
         "everywhere": answer.inverse.everywhere,
         "nearest": answer.inverse.nearest,

@@ -164,14 +164,14 @@ class Incline(NamedTuple):
 
     def curve(self, facing: str) -> Curve | None:
         """Curve from friction to the angle of sliding; None with fewer than two points."""
-        known = [
-            (friction, one.angle)
-            for friction, one in zip(self.frictions, self.by_heading[facing], strict=True)
-            if one.angle is not None and not one.toppled
+        points = [
+            (friction, slid.angle)
+            for friction, slid in zip(self.frictions, self.by_heading[facing], strict=True)
+            if slid.angle is not None and not slid.toppled
         ]
-        if len(known) < 2:
+        if len(points) < 2:
             return None
-        at, seen = np.array(known).T
+        at, seen = np.array(points).T
         return Curve(at, seen, np.zeros(len(at)), np.ones(len(at)))
 
     def off(self, facing: str) -> float:
@@ -194,12 +194,12 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     ]
     lean = sum(math.tan(limb.tilt) for limb in design.limbs)
     backward = 180.0 if lean < 0.0 else 0.0  # it runs toward -x
-    found: dict[str, list[Slid]] = {}
+    by_heading: dict[str, list[Slid]] = {}
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         for number, (facing, heading) in enumerate(HEADINGS.items()):
             progress(f"facing {facing}", number, len(HEADINGS))
             turned = [heading + backward] * len(plans)
-            found[facing] = list(pool.map(friction_angle, plans, turned))
+            by_heading[facing] = list(pool.map(friction_angle, plans, turned))
     tilt = design.limbs[0].tilt
     slips = [
         first_slip(plan, tilt, friction)
@@ -210,4 +210,4 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
     edges = {
         facing: edge_angle(plans[0], heading + backward) for facing, heading in HEADINGS.items()
     }
-    return Incline(FRICTIONS, found, slips, edges)
+    return Incline(FRICTIONS, by_heading, slips, edges)

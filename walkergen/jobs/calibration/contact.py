@@ -37,6 +37,15 @@ class Value(NamedTuple):
         return self.chi2 <= 4.0 * max(len(self.parts) - 1, 1)
 
 
+class _Single(NamedTuple):
+    """Value by one part's readings alone."""
+
+    part: str
+    value: float
+    error: float
+    tries: int
+
+
 class Rebound(NamedTuple):
     """Rebound of a dropped walker."""
 
@@ -60,15 +69,17 @@ def density(readings: Readings) -> Value | None:
     if any(name not in own for name in needed):
         return None
     mass, *sizes = (own[name][0] for name in needed)
-    volume = parts.block_volume(*(one.value for one in sizes))
-    found = 1e3 * mass.value / volume if volume > 0.0 else math.inf
-    if not LIGHTEST <= found <= HEAVIEST:
+    volume = parts.block_volume(*(size.value for size in sizes))
+    density_g_cm3 = 1e3 * mass.value / volume if volume > 0.0 else math.inf
+    if not LIGHTEST <= density_g_cm3 <= HEAVIEST:
         raise InputError(
-            f"block: mass and sizes tell a density of {found:.3g} g/cm3: must lie in "
+            f"block: mass and sizes tell a density of {density_g_cm3:.3g} g/cm3: must lie in "
             f"{LIGHTEST:g}..{HEAVIEST:g}: are these grams and millimetres?"
         )
-    sd = found * math.hypot(*(one.error / one.value for one in (mass, *sizes)))
-    return Value(found, sd, sum(one.tries for one in (mass, *sizes)), ("block",), 0.0)
+    sd = density_g_cm3 * math.hypot(*(reading.error / reading.value for reading in (mass, *sizes)))
+    return Value(
+        density_g_cm3, sd, sum(reading.tries for reading in (mass, *sizes)), ("block",), 0.0
+    )
 
 
 def missing_of_density(readings: Readings) -> list[str]:
@@ -81,13 +92,14 @@ def missing_of_density(readings: Readings) -> list[str]:
 
 def friction(readings: Readings) -> Value | None:
     """Friction, tan of the angle at which block and walker slide; None without any."""
-    found = []
+    singles = []
     for part in CARRIERS:
-        for one in readings.get(part, {}).get("slides_deg", ()):
-            angle = math.radians(one.value)
+        for reading in readings.get(part, {}).get("slides_deg", ()):
+            angle = math.radians(reading.value)
             slope = 1.0 + math.tan(angle) ** 2
-            found.append((part, math.tan(angle), slope * math.radians(one.error), one.tries))
-    return _mean(found)
+            error = slope * math.radians(reading.error)
+            singles.append(_Single(part, math.tan(angle), error, reading.tries))
+    return _mean(singles)
 
 
 def damping(readings: Readings) -> Value | None:
@@ -95,12 +107,13 @@ def damping(readings: Readings) -> Value | None:
 
     Air and clamp take their part, and a strip's plastic is that of a leg.
     """
-    found = []
+    singles = []
     for part in sorted(readings):
-        for one in readings[part].get("swings_to_half", ()):
-            ratio = damping_ratio(math.log(2.0) / one.value)
-            found.append((part, ratio, ratio * one.error / one.value, one.tries))
-    return _mean(found)
+        for reading in readings[part].get("swings_to_half", ()):
+            ratio = damping_ratio(math.log(2.0) / reading.value)
+            error = ratio * reading.error / reading.value
+            singles.append(_Single(part, ratio, error, reading.tries))
+    return _mean(singles)
 
 
 def rebound(readings: Readings) -> Rebound | None:
@@ -109,35 +122,37 @@ def rebound(readings: Readings) -> Rebound | None:
     After a fall by h it flies for t = 2 sqrt(2 h_2 / g), and sqrt(h_2 / h) is t sqrt(g / (8 h)).
     Raises InputError for one above 1.
     """
-    found = readings.get("walker", {}).get("flight_s", ())
-    if not found:
+    flights = readings.get("walker", {}).get("flight_s", ())
+    if not flights:
         return None
-    ratios = np.array([one.value * math.sqrt(GRAVITY / (8.0 * one.at_mm)) for one in found])
-    for one, ratio in zip(found, ratios, strict=True):
+    ratios = np.array(
+        [flight.value * math.sqrt(GRAVITY / (8.0 * flight.at_mm)) for flight in flights]
+    )
+    for flight, ratio in zip(flights, ratios, strict=True):
         if ratio > 1.0:
             raise InputError(
-                f"walker: flight_s = {one.value:.3g} after a drop of {one.at_mm:g} mm: it would "
-                f"come up {ratio**2:.2f} times as high: are these seconds, not of a film in slow "
-                "motion, and millimetres?"
+                f"walker: flight_s = {flight.value:.3g} after a drop of {flight.at_mm:g} mm: it "
+                f"would come up {ratio**2:.2f} times as high: are these seconds, not of a film in "
+                "slow motion, and millimetres?"
             )
     errors = np.array([
-        ratio * math.hypot(one.stated / one.value, 0.5 * AT_SD_MM / one.at_mm)
-        for one, ratio in zip(found, ratios, strict=True)
+        ratio * math.hypot(flight.stated / flight.value, 0.5 * AT_SD_MM / flight.at_mm)
+        for flight, ratio in zip(flights, ratios, strict=True)
     ])  # fmt: skip
-    tries = np.array([one.tries for one in found])
+    tries = np.array([flight.tries for flight in flights])
     shares = tries / tries.sum()
-    heights = np.array([one.at_mm for one in found])
+    heights = np.array([flight.at_mm for flight in flights])
     sd = float(np.hypot.reduce(shares * errors))
     measured = Measured(float(shares @ ratios), sd, int(tries.sum()))
-    return Rebound(measured, float(shares @ heights), _spread(found, ratios))
+    return Rebound(measured, float(shares @ heights), _spread(flights, ratios))
 
 
-def _spread(found: Sequence[Reading], ratios: np.ndarray) -> float:
+def _spread(flights: Sequence[Reading], ratios: np.ndarray) -> float:
     """Standard deviation from drop to drop, from whatever height, beyond that of the clock."""
-    tries = np.array([one.tries for one in found])
-    per_second = ratios / np.array([one.value for one in found])
-    within = np.array([(one.tries - 1) * (one.scatter or 0.0) ** 2 for one in found])
-    clock = np.array([one.tries * one.stated**2 for one in found]) * per_second**2
+    tries = np.array([flight.tries for flight in flights])
+    per_second = ratios / np.array([flight.value for flight in flights])
+    within = np.array([(flight.tries - 1) * (flight.scatter or 0.0) ** 2 for flight in flights])
+    clock = np.array([flight.tries * flight.stated**2 for flight in flights]) * per_second**2
     freedoms = int(tries.sum()) - 1
     if not freedoms:
         return 0.0
@@ -146,16 +161,18 @@ def _spread(found: Sequence[Reading], ratios: np.ndarray) -> float:
     return math.sqrt(max(squares / freedoms - tries @ clock / tries.sum(), 0.0))
 
 
-def _mean(found: Sequence[tuple[str, float, float, int]]) -> Value | None:
-    """Mean of (part, value, error, readings), weighted; None without any.
+def _mean(singles: Sequence[_Single]) -> Value | None:
+    """Mean of single values, weighted by their errors; None without any.
 
     Where they disagree its error grows by the root of chi2 over the degrees of freedom (Birge).
     """
-    if not found:
+    if not singles:
         return None
-    values, errors = (np.array([one[place] for one in found]) for place in (1, 2))
+    values = np.array([single.value for single in singles])
+    errors = np.array([single.error for single in singles])
     weights = errors**-2
     mean = float(weights @ values / weights.sum())
     chi2 = float((((values - mean) / errors) ** 2).sum())
-    sd = float(weights.sum() ** -0.5) * math.sqrt(max(1.0, chi2 / max(len(found) - 1, 1)))
-    return Value(mean, sd, sum(one[3] for one in found), tuple(one[0] for one in found), chi2)
+    sd = float(weights.sum() ** -0.5) * math.sqrt(max(1.0, chi2 / max(len(singles) - 1, 1)))
+    carriers = tuple(single.part for single in singles)
+    return Value(mean, sd, sum(single.tries for single in singles), carriers, chi2)

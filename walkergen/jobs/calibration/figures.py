@@ -29,22 +29,23 @@ def of_strips(bent: Bent, title: str) -> Figure:
     fit = bent.fit
     axes.axhspan(fit.modulus - fit.sd, fit.modulus + fit.sd, color="0.85", linewidth=0)
     quality = "" if fit.probability is None else f", chi² {fit.chi2:.1f} for {fit.dof}"
-    told = f"{NAMES[bent.by]}: {fit.modulus:.2f} ± {fit.sd:.2f} GPa{quality}"
-    axes.axhline(fit.modulus, color="0.35", linewidth=0.9, label=told)
-    step = APART * max(one.thickness for one in bent.points)
+    label = f"{NAMES[bent.by]}: {fit.modulus:.2f} ± {fit.sd:.2f} GPa{quality}"
+    axes.axhline(fit.modulus, color="0.35", linewidth=0.9, label=label)
+    step = APART * max(point.thickness for point in bent.points)
     for method, (colour, marker, filled, side, words) in LOOKS.items():
-        own = [one for one in bent.points if one.method == method]
+        own = [point for point in bent.points if point.method == method]
         if own:
-            at = np.array([one.thickness for one in own]) + side * step
+            at = np.array([point.thickness for point in own]) + side * step
             axes.errorbar(
-                at, [one.modulus for one in own], [one.sd for one in own], fmt=marker,
+                at, [point.modulus for point in own], [point.sd for point in own], fmt=marker,
                 color=colour, fillstyle="full" if filled == "full" else "none", markersize=6,
                 capsize=3, label=words,
             )  # fmt: skip
-    for one in {one.strip: one for one in bent.points}.values():
+    for point in {point.strip: point for point in bent.points}.values():
         axes.annotate(
-            one.strip.replace("_", " "), (one.thickness, 0.0), xycoords=("data", "axes fraction"),
-            xytext=(0, 4), textcoords="offset points", ha="center", fontsize=7.5, color="0.3",
+            point.strip.replace("_", " "), (point.thickness, 0.0),
+            xycoords=("data", "axes fraction"), xytext=(0, 4), textcoords="offset points",
+            ha="center", fontsize=7.5, color="0.3",
         )  # fmt: skip
     axes.set_xlim(left=0.0)
     axes.margins(y=0.15)

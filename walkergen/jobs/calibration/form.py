@@ -155,48 +155,50 @@ def read(path: Path) -> Readings:
     problems = []
     for line, row in rows:
         try:
-            if one := _row(row):
-                key, value, error = one
+            if triple := _row(row):
+                key, value, error = triple
                 tries[key].append((value, error))
         except InputError as problem:
             problems.append(f"{path}:{line}: {problem}")
     if problems:
         more = len(problems) - NAMED
-        told = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:NAMED] + told))
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join(problems[:NAMED] + tail))
     if not any(name != AIR for _, name, _, _ in tries):
         raise InputError(f"{path}: no readings; fill in the column reading of some row")
-    found: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
+    readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
     for (part, name, weight, at), pairs in tries.items():
-        found[part][name].append(_mean(pairs, weight, at))
-    return {part: dict(own) for part, own in found.items()}
+        readings[part][name].append(_mean(pairs, weight, at))
+    return {part: dict(own) for part, own in readings.items()}
 
 
 def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows by their lines, cells by column. Raises InputError for other columns."""
-    found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
-    missing = [name for name in HEADER if name not in found.names]
-    unknown = [name for name in found.names if name not in HEADER]
+    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    missing = [name for name in HEADER if name not in table.names]
+    unknown = [name for name in table.names if name not in HEADER]
     if missing or unknown:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
         raise InputError(
             f"{path}:1: {what}; columns are {', '.join(HEADER)}: start from the form that "
             "walkergen plate --calibration writes"
         )
-    return found.rows
+    return table.rows
 
 
 def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, float] | None:
     """Condition, value and error of a row; None without a reading. Raises InputError."""
     part, name = row["part"].strip(), row["measured"].strip()
-    known = quantities(part)
-    if known is None:
+    measurable = quantities(part)
+    if measurable is None:
         raise InputError(f"part {part[:40]!r}: must be strip_1, strip_2 ..., block or walker")
-    if name not in known:
-        raise InputError(f"measured {name[:40]!r}: of {part} must be one of {', '.join(known)}")
+    if name not in measurable:
+        raise InputError(
+            f"measured {name[:40]!r}: of {part} must be one of {', '.join(measurable)}"
+        )
     if not row["reading"].strip():
         return None
-    quantity = known[name]
+    quantity = measurable[name]
     beside = {}
     for column in ("unloaded_mm", "weight_g", "at_mm"):
         cell = row[column].strip()
@@ -209,10 +211,10 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
     value = _number("reading", row["reading"], 1e5, zero=True)
     if "unloaded_mm" in quantity.beside:
         value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
-    told = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
+    what = "reading less unloaded_mm" if "unloaded_mm" in quantity.beside else "reading"
     if not quantity.least < value <= quantity.most:
         raise InputError(
-            f"{name}: {told} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
+            f"{name}: {what} = {value:g}: must be > {quantity.least:g} and <= {quantity.most:g}"
             + quantity.slip
         )
     for column in quantity.beside:

@@ -59,21 +59,21 @@ def calibrate(path: Path, job: Job, folder: Path, progress: Progress) -> Calibra
     readings = form.read(path)
     density = contact.density(readings)
     bent, notes = _bent(readings, density, job)
-    found = Calibrated(
+    result = Calibrated(
         bent, density, contact.friction(readings), contact.damping(readings), None, notes, {},
         job.design, job.scene,
     )  # fmt: skip
-    found = _with_settings(found, job, path)
+    result = _with_settings(result, job, path)
     seen = contact.rebound(readings)
     if seen is not None:
-        found = _with_settings(
-            found._replace(bounced=_bounced(seen, found, job, progress)), job, path
+        result = _with_settings(
+            result._replace(bounced=_bounced(seen, result, job, progress)), job, path
         )
-    missing = _missing(found, readings)
-    if not found.settings and found.bounced is None:
-        raise InputError(f"{path}: tells nothing: {'; '.join([*found.notes, *missing])}")
-    found = found._replace(notes=[*_notes(found), *missing])
-    return _written(report.of(found, path, folder), job, path)
+    missing = _missing(result, readings)
+    if not result.settings and result.bounced is None:
+        raise InputError(f"{path}: tells nothing: {'; '.join([*result.notes, *missing])}")
+    result = result._replace(notes=[*_notes(result), *missing])
+    return _written(report.of(result, path, folder), job, path)
 
 
 def _check(flag: str, value: float, low: float, high: float) -> None:
@@ -91,25 +91,25 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
         density = Density(material.density_g_cm3, modulus.DENSITY_SD * material.density_g_cm3)
     else:
         density = Density(measured.value, measured.sd)
-    given = strips, density
-    rough = modulus.rough(*given)
+    inputs = strips, density
+    rough = modulus.rough(*inputs)
     slips.refuse(rough)
     notes += slips.notes(rough, material.youngs_modulus_gpa)
     chosen = strips if job.by == "both" else specimens.only(strips, job.by)
     if not chosen:
         raise InputError(f"--by {job.by}: no strip has readings of that kind")
-    found = Bent(
-        modulus.fit(chosen, density), modulus.points(*given), density, job.by,
-        modulus.ring_over_bend(*given), modulus.offset(*given),
+    bent = Bent(
+        modulus.fit(chosen, density), modulus.points(*inputs), density, job.by,
+        modulus.ring_over_bend(*inputs), modulus.offset(*inputs),
     )  # fmt: skip
-    return found, notes
+    return bent, notes
 
 
-def _bounced(seen: Rebound, found: Calibrated, job: Job, progress: Progress) -> Bounced | None:
+def _bounced(seen: Rebound, result: Calibrated, job: Job, progress: Progress) -> Bounced | None:
     """Restitution of the feet from a rebound, by simulated drops with what else was measured."""
-    still.one_material(found.design, "restitution")
-    hand = drops.from_hand(seen.height, job.turn_deg, job.drops, found.scene.run.seed)
-    rows = drops.by_label(found.scene, found.design, hand, progress)
+    still.one_material(result.design, "restitution")
+    hand = drops.from_hand(seen.height, job.turn_deg, job.drops, result.scene.run.seed)
+    rows = drops.by_label(result.scene, result.design, hand, progress)
     curve = drops.curve(rows, flat=job.turn_deg == 0.0)
     if curve is None:
         return None
@@ -117,55 +117,55 @@ def _bounced(seen: Rebound, found: Calibrated, job: Job, progress: Progress) -> 
     curve = curve._replace(spread=np.maximum(curve.spread, seen.spread))
     answer = inverse.invert(curve, seen.measured)
     ends = float(curve.at[0]), float(curve.at[-1])
-    told = inverse.in_words(answer, "restitution", ends, f" at {found.design.tilt_deg:g} deg")
-    return Bounced(seen, curve, answer, told)
+    text = inverse.in_words(answer, "restitution", ends, f" at {result.design.tilt_deg:g} deg")
+    return Bounced(seen, curve, answer, text)
 
 
-def _with_settings(found: Calibrated, job: Job, path: Path) -> Calibrated:
+def _with_settings(result: Calibrated, job: Job, path: Path) -> Calibrated:
     """Results with the keys that they set, and design and scene in which these are set."""
     own: dict[str, float] = {}
-    if found.bent is not None:
-        own["material.youngs_modulus_gpa"] = found.bent.fit.modulus
-        own["material.youngs_modulus_sd_gpa"] = found.bent.fit.sd
-    if found.density is not None:
-        own["material.density_g_cm3"] = found.density.value
-    for name, value in (("contact.friction", found.friction),
-                        ("legs.damping_ratio", found.damping)):  # fmt: skip
+    if result.bent is not None:
+        own["material.youngs_modulus_gpa"] = result.bent.fit.modulus
+        own["material.youngs_modulus_sd_gpa"] = result.bent.fit.sd
+    if result.density is not None:
+        own["material.density_g_cm3"] = result.density.value
+    for name, value in (("contact.friction", result.friction),
+                        ("legs.damping_ratio", result.damping)):  # fmt: skip
         if value is not None:
             own |= {f"scene.{name}": value.value, f"scene.{name}_sd": value.sd}
-    if found.bounced is not None and (one := found.bounced.single):
-        own["scene.contact.restitution"] = one.value
-        own["scene.contact.restitution_sd"] = 0.5 * (one.high - one.low)
+    if result.bounced is not None and (branch := result.bounced.single):
+        own["scene.contact.restitution"] = branch.value
+        own["scene.contact.restitution_sd"] = 0.5 * (branch.high - branch.low)
     own = {key: float(f"{value:.{DIGITS}g}") for key, value in own.items()}
     outside = {key.removeprefix("scene."): v for key, v in own.items() if key.startswith("scene.")}
     inside = {key: value for key, value in own.items() if not key.startswith("scene.")}
-    return found._replace(
+    return result._replace(
         settings=own,
         design=_renamed(job.design, path, inside),
         scene=_renamed(job.scene, path, outside),
     )
 
 
-def _renamed(one: Any, path: Path, keys: Mapping[str, float]) -> Any:
+def _renamed(original: Any, path: Path, keys: Mapping[str, float]) -> Any:
     """Design or scene with these keys, named after the file of measurements."""
-    name = f"{one.name[:30]}-{output.named_after(path)[:28]}"
-    told = f"As {one.name}, measured: {path.name[:200]}"
-    return one.variant(**keys, name=name, description=told)
+    name = f"{original.name[:30]}-{output.named_after(path)[:28]}"
+    description = f"As {original.name}, measured: {path.name[:200]}"
+    return original.variant(**keys, name=name, description=description)
 
 
-def _notes(found: Calibrated) -> list[str]:
+def _notes(result: Calibrated) -> list[str]:
     """Notes on what the readings say beside their values."""
-    notes = list(found.notes)
-    if found.bent is not None:
-        notes += _on_strips(found.bent)
-        notes += _on_leg(found.bent, found.design)
-    for what, value in (("friction", found.friction), ("damping", found.damping)):
+    notes = list(result.notes)
+    if result.bent is not None:
+        notes += _on_strips(result.bent)
+        notes += _on_leg(result.bent, result.design)
+    for what, value in (("friction", result.friction), ("damping", result.damping)):
         if value is not None and not value.agrees:
             notes.append(f"{what}: {', '.join(value.parts)} disagree: the error is larger by that")
-    if found.bounced is not None:
-        if found.bounced.single is None:
+    if result.bounced is not None:
+        if result.bounced.single is None:
             notes.append("contact.restitution stays as the scene has it")
-        seen = found.bounced.rebound
+        seen = result.bounced.rebound
         notes.append(
             f"rebound {seen.measured.value:.3f} from {seen.height:.3g} mm, of the whole walker: "
             "the restitution is that of its feet in the model in space"
@@ -181,11 +181,11 @@ def _on_strips(bent: Bent) -> list[str]:
             "the strips disagree beyond their errors: the error of the modulus is larger by that"
         )
     if (ring := bent.ring_over_bend) is not None and ring.seen:
-        told = ("creep under the weight, or a density too high" if ring.value > 0.0
+        cause = ("creep under the weight, or a density too high" if ring.value > 0.0
                 else "a clamp that gives way, or a density too low")  # fmt: skip
         notes.append(
             f"the ring tells {100 * ring.value:+.0f} ± {100 * ring.sd:.0f} % against the weights: "
-            f"{told}; legs swing as fast as the ring or faster: --by ring takes it alone"
+            f"{cause}; legs swing as fast as the ring or faster: --by ring takes it alone"
         )
     if (off := bent.offset) is not None and off.seen:
         notes.append(
@@ -201,7 +201,7 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     It is not set: the key is also what is printed.
     """
     drawn = design.limbs[0].thickness
-    near = min(bent.points, key=lambda one: abs(one.thickness - drawn))
+    near = min(bent.points, key=lambda point: abs(point.thickness - drawn))
     off = near.thickness - drawn
     if abs(off) > LIKE * drawn or abs(off) <= 2.0 * near.thickness_sd:
         return []
@@ -212,28 +212,28 @@ def _on_leg(bent: Bent, design: Design) -> list[str]:
     ]
 
 
-def _missing(found: Calibrated, readings: Readings) -> list[str]:
+def _missing(result: Calibrated, readings: Readings) -> list[str]:
     """Notes on what is not estimated, and why."""
     notes = []
-    if found.bent is None:
+    if result.bent is None:
         notes.append("no strip with sizes and a deflection or a ring: no Young's modulus")
-    if found.density is None:
+    if result.density is None:
         lacking = contact.missing_of_density(readings)
-        told = f"the block lacks {', '.join(lacking)}" if lacking else "the block has no readings"
+        lack = f"the block lacks {', '.join(lacking)}" if lacking else "the block has no readings"
         assumed = (
             f": strips count with the design's, ± {100 * modulus.DENSITY_SD:g} %"
-            if found.bent is not None else ""
+            if result.bent is not None else ""
         )  # fmt: skip
-        notes.append(f"{told}: no density{assumed}")
+        notes.append(f"{lack}: no density{assumed}")
     for what, value, needs in (
-        ("friction", found.friction, "slides_deg of block or walker"),
-        ("damping of the legs", found.damping, "swings_to_half of a strip"),
+        ("friction", result.friction, "slides_deg of block or walker"),
+        ("damping of the legs", result.damping, "swings_to_half of a strip"),
     ):
         if value is None:
             notes.append(f"no {needs}: no {what}")
     if "flight_s" not in readings.get("walker", {}):
         notes.append("no flight_s of the walker: no restitution")
-    elif found.bounced is None:
+    elif result.bounced is None:
         notes.append(
             "the walker fell over in nearly all simulated drops: no restitution: drop it lower, or "
             "flatter (--roll-deg)"
@@ -241,14 +241,16 @@ def _missing(found: Calibrated, readings: Readings) -> list[str]:
     return notes
 
 
-def _written(made: CalibrationReport, job: Job, path: Path) -> CalibrationReport:
+def _written(calibration: CalibrationReport, job: Job, path: Path) -> CalibrationReport:
     """Report, once it is written with the design and scene that go on."""
-    assert made.folder is not None
-    with Folder(made.folder) as target:
-        made.write(target, job.pictures)
+    assert calibration.folder is not None
+    with Folder(calibration.folder) as target:
+        calibration.write(target, job.pictures)
         comment = f"Measured: {path.name}"
-        target.write("design.toml", templates.dump(made.design, comment, every=False).encode())
-        target.write("scene.toml", templates.dump(made.scene, comment, every=False).encode())
+        target.write(
+            "design.toml", templates.dump(calibration.design, comment, every=False).encode()
+        )
+        target.write("scene.toml", templates.dump(calibration.scene, comment, every=False).encode())
         target.finish({
             "file": path.name,
             "design": job.design.model_dump(mode="json"),
@@ -256,6 +258,6 @@ def _written(made: CalibrationReport, job: Job, path: Path) -> CalibrationReport
             "by": job.by,
             "roll_deg": job.turn_deg,
             "drops": job.drops,
-            "settings": made.settings,
+            "settings": calibration.settings,
         })  # fmt: skip
-    return made
+    return calibration

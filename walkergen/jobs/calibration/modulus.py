@@ -26,7 +26,8 @@ PA, GRAM = 1e9, 1e-3
 """Units inside over those outside: Pa in a GPa, g/mm^3 in a g/cm^3."""
 
 OFFSET = "offset"
-"""What a fit may free beside: a length on all thicknesses; RINGS: a modulus of the ring's own."""
+"""Name of a length that is added to all thicknesses, which a fit may leave free; as RINGS, by which
+the ring has a modulus of its own."""
 
 WEIGHT_SD, AT_SD_MM = 0.01, 0.5
 """Errors assumed of weights, relative, and of the places where they hang."""
@@ -48,7 +49,8 @@ LEFT_OPEN = 1e-7
 """Least singular value of the slopes, over the largest, below which readings leave numbers open."""
 
 ROUNDS = 2
-"""Fits, of which each takes the errors that grow with a deflection from the one before."""
+"""Number of fits, one after the other: errors that grow with a deflection are those of the fit
+before."""
 
 
 class Density(NamedTuple):
@@ -110,7 +112,7 @@ def fit(strips: Sequence[Specimen], density: Density) -> Fit:
     solved = _solve(strips, density, ())
     if not SOFTEST <= solved.modulus <= STIFFEST:
         raise InputError(
-            f"{', '.join(one.name for one in strips)}: the readings tell a modulus of "
+            f"{', '.join(strip.name for strip in strips)}: the readings tell a modulus of "
             f"{solved.modulus:.3g} GPa: plastics have {SOFTEST:g}..{STIFFEST:g}: are these mm, g, "
             "s and Hz, and is a film's slow motion undone?"
         )
@@ -128,16 +130,16 @@ def fit(strips: Sequence[Specimen], density: Density) -> Fit:
 
 def points(strips: Sequence[Specimen], density: Density) -> list[Point]:
     """Modulus by each strip and each method alone, with the error of all that it rests on."""
-    found = []
-    for one in strips:
+    by_method = []
+    for strip in strips:
         for method in (BENDS, RINGS):
-            for own in only([one], method):
+            for own in only([strip], method):
                 alone = fit([own], density)
                 count = sum(reading.tries for reading in (*own.bends, *own.rings))
                 thickness = own.sizes["thickness_mm"]
-                told = thickness.value, thickness.error, alone.modulus, alone.sd, count
-                found.append(Point(one.name, method, *told))
-    return found
+                numbers = thickness.value, thickness.error, alone.modulus, alone.sd, count
+                by_method.append(Point(strip.name, method, *numbers))
+    return by_method
 
 
 def ring_over_bend(strips: Sequence[Specimen], density: Density) -> Systematic | None:
@@ -149,12 +151,12 @@ def ring_over_bend(strips: Sequence[Specimen], density: Density) -> Systematic |
         return None
     solved = _solve(strips, density, (RINGS,))
     excess = solved.extras[0]
-    return _known(Systematic(math.expm1(excess), math.exp(excess) * solved.errors[1]), 1.0)
+    return _if_resolved(Systematic(math.expm1(excess), math.exp(excess) * solved.errors[1]), 1.0)
 
 
-def _known(one: Systematic, most: float) -> Systematic | None:
+def _if_resolved(number: Systematic, most: float) -> Systematic | None:
     """Number whose error is at most `most`; None of one that the readings leave open."""
-    return one if one.sd <= most else None
+    return number if number.sd <= most else None
 
 
 def offset(strips: Sequence[Specimen], density: Density) -> Systematic | None:
@@ -167,8 +169,8 @@ def offset(strips: Sequence[Specimen], density: Density) -> Systematic | None:
         return None
     both = bool(only(strips, BENDS)) and bool(only(strips, RINGS))
     solved = _solve(strips, density, (OFFSET, RINGS) if both else (OFFSET,))
-    thinnest = min(one.sizes["thickness_mm"].value for one in strips)
-    return _known(Systematic(solved.extras[0], solved.errors[1]), thinnest)
+    thinnest = min(strip.sizes["thickness_mm"].value for strip in strips)
+    return _if_resolved(Systematic(solved.extras[0], solved.errors[1]), thinnest)
 
 
 class _Solved(NamedTuple):
@@ -194,60 +196,62 @@ def _solve(strips: Sequence[Specimen], density: Density, extras: Sequence[str]) 
 
     own = 1 + len(extras)
     first = np.zeros(own + OTHERS + 3 * len(strips))
-    first[0] = math.log(np.median([one.modulus for one in rough(strips, density)]))
+    first[0] = math.log(np.median([single.modulus for single in rough(strips, density)]))
     spread: Array | None = None
     for _ in range(ROUNDS):
         at_last, errors = first, spread
         if errors is None:
-            errors = _errors(strips, np.array([one.value for each in strips for one in each.bends]))
+            errors = _errors(
+                strips, np.array([bend.value for strip in strips for bend in strip.bends])
+            )
 
         def misses(at: Array, errors: Array = errors) -> Array:
             bends, rings = _model(strips, density, at, extras)
-            heard = [one for each in strips for one in each.rings]
-            seen = [one.value for each in strips for one in each.bends]
+            heard = [ring for strip in strips for ring in strip.rings]
+            seen = [bend.value for strip in strips for bend in strip.bends]
             return np.concatenate([
                 (bends - np.array(seen)) / errors,
-                [(hz - one.value) / one.error for hz, one in zip(rings, heard, strict=True)],
+                [(hz - ring.value) / ring.error for hz, ring in zip(rings, heard, strict=True)],
                 at[own:],
             ])  # fmt: skip
 
-        found = least_squares(misses, at_last, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
-        first = found.x
+        solution = least_squares(misses, at_last, x_scale="jac", xtol=1e-12, ftol=1e-12, gtol=1e-12)
+        first = solution.x
         spread = _errors(strips, _model(strips, density, first, extras)[0])
-    across = np.linalg.pinv(found.jac)  # its product is the covariance
+    across = np.linalg.pinv(solution.jac)  # its product is the covariance
     errors = np.sqrt((across**2).sum(axis=1)[:own])
-    if np.linalg.matrix_rank(found.jac, rtol=LEFT_OPEN) < len(first):
+    if np.linalg.matrix_rank(solution.jac, rtol=LEFT_OPEN) < len(first):
         errors[1:] = math.inf
     return _Solved(
-        float(math.exp(first[0])), [float(one) for one in first[1:own]],
-        errors, float(2.0 * found.cost), len(found.fun), len(first),
+        float(math.exp(first[0])), [float(extra) for extra in first[1:own]],
+        errors, float(2.0 * solution.cost), len(solution.fun), len(first),
     )  # fmt: skip
 
 
 def rough(strips: Sequence[Specimen], density: Density) -> list[Rough]:
     """Modulus by each reading alone: forms grow as it, or as its root."""
     at = np.zeros(1 + OTHERS + 3 * len(strips))
-    found = []
-    for one in strips:
-        for bend in one.bends:
-            sizes = [one.sizes[name].value for name in SIZES]
+    roughs = []
+    for strip in strips:
+        for bend in strip.bends:
+            sizes = [strip.sizes[name].value for name in SIZES]
             stiff = bend.weight_g * GRAVITY * bend.at_mm**3 / (3.0 * bend.value)
-            found.append(Rough(one.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
-        heard = _model([one._replace(bends=())], density, at, ())[1]
-        found += [
-            Rough(one.name, RINGS, (ring.value / hertz) ** 2)
-            for ring, hertz in zip(one.rings, heard, strict=True)
+            roughs.append(Rough(strip.name, BENDS, stiff / beams.stiffness(PA, Strip(*sizes))))
+        heard = _model([strip._replace(bends=())], density, at, ())[1]
+        roughs += [
+            Rough(strip.name, RINGS, (ring.value / hertz) ** 2)
+            for ring, hertz in zip(strip.rings, heard, strict=True)
         ]
-    return found
+    return roughs
 
 
 def _errors(strips: Sequence[Specimen], sunk: Array) -> Array:
     """Errors of deflections, mm: of the readings, of the weights, of the places where they hang."""
-    read = [one for each in strips for one in each.bends]
-    reading = np.array([one.error for one in read])
-    place = np.array([3.0 * AT_SD_MM / one.at_mm for one in read])
-    found: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
-    return found
+    read = [bend for strip in strips for bend in strip.bends]
+    reading = np.array([bend.error for bend in read])
+    place = np.array([3.0 * AT_SD_MM / bend.at_mm for bend in read])
+    errors: Array = np.sqrt(reading**2 + sunk**2 * (WEIGHT_SD**2 + place**2))
+    return errors
 
 
 def _model(
@@ -262,21 +266,22 @@ def _model(
     heavy = GRAM * (density.value + density.sd * at[own])
     root = beams.ROOT + beams.ROOT_SD * at[own + 1]
     clamp = beams.CLAMP + beams.CLAMP_SD * at[own + 2]
-    filled = [1.0 - one.air[0] - one.air[1] * at[own + 3] for one in strips]
+    filled = [1.0 - specimen.air[0] - specimen.air[1] * at[own + 3] for specimen in strips]
     bends, rings = [], []
-    for number, one in enumerate(strips):
+    for number, specimen in enumerate(strips):
         first = own + OTHERS + 3 * number
         moved = at[first : first + 3]
-        sizes = [one.sizes[name].value + one.sizes[name].error * by
+        sizes = [specimen.sizes[name].value + specimen.sizes[name].error * by
                  for name, by in zip(SIZES, moved, strict=True)]  # fmt: skip
         strip = Strip(max(sizes[0] + added, 1e-6), max(sizes[1], 1e-6), sizes[2])
         stiff = beams.stiffness(slow, strip)
         bends += [
             beams.sunk(bend.weight_g, beams.effective(bend.at_mm, strip, root, clamp), stiff)
-            for bend in one.bends
+            for bend in specimen.bends
         ]
         rings += [
-            _rings(ring, strip, heavy * filled[number], fast, root, clamp) for ring in one.rings
+            _rings(ring, strip, heavy * filled[number], fast, root, clamp)
+            for ring in specimen.rings
         ]
     return np.array(bends), rings
 

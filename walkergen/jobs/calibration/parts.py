@@ -75,14 +75,14 @@ def strips(design: Design, printer: Printer) -> list[Drawn]:
     spacing = printer.line_width_mm - rounding
     width = max(1, round(WIDTH_MM / layer)) * layer
     longest = printer.bed_width_mm - 2.0 * border(printer) - CLAMP_MM[0]
-    found = []
+    drawn = []
     for lines in STRIPS:
         thickness = round(lines * spacing + rounding, 3)
         if abs(leg - thickness) < 0.5 * spacing:
             thickness = leg
         strip = Strip(thickness, width, _length(thickness, design, longest))
-        found.append(_drawn(f"strip_{lines}", strip, design))
-    return found
+        drawn.append(_drawn(f"strip_{lines}", strip, design))
+    return drawn
 
 
 def _length(thickness: float, design: Design, longest: float) -> float:
@@ -103,23 +103,23 @@ def _drawn(name: str, strip: Strip, design: Design) -> Drawn:
     return Drawn(name, strip, heavy, light, beams.rings(bending, mass, length))
 
 
-def strip_mesh(one: Drawn) -> Mesh:
+def strip_mesh(drawn: Drawn) -> Mesh:
     """Mesh of a strip in one piece with its block, as it prints, z up from the bed."""
     long, deep = CLAMP_MM
     block = np.array([(-long, -0.5 * deep), (0.0, -0.5 * deep), (0.0, 0.5 * deep),
                       (-long, 0.5 * deep)])  # fmt: skip
-    half, end = 0.5 * one.strip.thickness, one.strip.length
+    half, end = 0.5 * drawn.strip.thickness, drawn.strip.length
     # The strip reaches into the block, so that both become one
     bar = np.array([(-0.5 * long, -half), (end, -half), (end, half), (-0.5 * long, half)])
-    number = one.name.rpartition("_")[2]
+    number = drawn.name.rpartition("_")[2]
     middle = np.array([-0.5 * long, 0.0])
     digits = [glyph + middle for glyph in letters(number, DIGIT_MM, False, "strip")]
-    return extruded([block, bar], one.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
+    return extruded([block, bar], drawn.strip.width, 0, Engraving(digits, DIGIT_DEPTH_MM))
 
 
-def air_percent(one: Drawn, printer: Printer) -> float:
+def air_percent(drawn: Drawn, printer: Printer) -> float:
     """Share of a strip's outline, percent, that the printer's lines leave open."""
-    return max(-100.0 * walls.deviation(one.strip.thickness, printer), 0.0)
+    return max(-100.0 * walls.deviation(drawn.strip.thickness, printer), 0.0)
 
 
 def block_size(printer: Printer) -> tuple[float, float, float]:

@@ -59,44 +59,46 @@ def make(
     stays. `tell` is called with the checks' findings. Raises, before anything is written,
     PlateError for parts that do not fit and PrintabilityError for those that would not print.
     """
-    made = [(parts.strips(order.design, printer), printer) for printer in order.printers]
+    drawings = [(parts.strips(order.design, printer), printer) for printer in order.printers]
     laid = [
         pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates)
-        for drawn, printer in made
+        for drawn, printer in drawings
     ]
     findings = [
-        one._replace(where=f"{each.printer.name}: {one.where}") if len(laid) > 1 else one
-        for each in laid
-        for one in each.findings
+        finding._replace(where=f"{batch.printer.name}: {finding.where}")
+        if len(laid) > 1
+        else finding
+        for batch in laid
+        for finding in batch.findings
     ]
     tell(findings)
     checks.refuse(findings, order.strict)
     paths: list[Path] = []
-    for number, ((drawn, printer), each) in enumerate(zip(made, laid, strict=True)):
+    for number, ((drawn, printer), batch) in enumerate(zip(drawings, laid, strict=True)):
         progress(printer.name, number, len(laid))
-        paths += _write(order, drawn, each, folder / STEM)
+        paths += _write(order, drawn, batch, folder / STEM)
     path = folder / STEM / form.FILE
-    first, machine = made[0]
-    air = {one.name: parts.air_percent(one, machine) for one in first}
+    first, machine = drawings[0]
+    air = {strip.name: parts.air_percent(strip, machine) for strip in first}
     if form.write_template(path, air):
         paths.append(path)
-    return [row for each in laid for row in _places(each)], paths
+    return [row for batch in laid for row in _places(batch)], paths
 
 
 def _pieces(design: Design, drawn: Sequence[Drawn], printer: Printer) -> list[Piece]:
     """Strips, block and walker as they lie on the bed, checked each."""
-    found = []
-    for one in drawn:
-        mesh, strip = parts.strip_mesh(one), one.strip
+    checked = []
+    for part in drawn:
+        mesh, strip = parts.strip_mesh(part), part.strip
         wall = Wall("strip", strip.thickness, 1.0, strip.width)
-        seen = checks.of_piece(one.name, [wall], mesh, printer)
-        label = f"{one.name}: {strip.thickness:g} mm"
-        found.append(Piece(one.name, mesh, label, seen))
+        seen = checks.of_piece(part.name, [wall], mesh, printer)
+        label = f"{part.name}: {strip.thickness:g} mm"
+        checked.append(Piece(part.name, mesh, label, seen))
     mesh = parts.block_mesh(printer)
-    found.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
+    checked.append(Piece("block", mesh, "block", checks.of_piece("block", [], mesh, printer)))
     mesh = solids.as_printed(design, solids.build(design).walker)
     seen = checks.of_part("walker", design, mesh, printer)
-    return [*found, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
+    return [*checked, Piece("walker", mesh, f"walker, {design.tilt_deg:g} deg", seen)]
 
 
 def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> list[Path]:
@@ -122,13 +124,16 @@ def _sheet(design: Design, drawn: Sequence[Drawn], laid: Laid, stem: str) -> str
 
 
 def _places(laid: Laid) -> list[Place]:
-    return [
-        Place(laid.printer.name, number, packing.item_name(laid.parts[one.part], one.copy),
-              *(round(length, 6) for length in
-                (one.x, one.y, laid.parts[one.part].width, laid.parts[one.part].depth)))
-        for number, plate in enumerate(laid.plates, start=1)
-        for one in plate.placements
-    ]  # fmt: skip
+    rows = []
+    for number, plate in enumerate(laid.plates, start=1):
+        for placement in plate.placements:
+            part = laid.parts[placement.part]
+            item = packing.item_name(part, placement.copy)
+            lengths = (placement.x, placement.y, part.width, part.depth)
+            rows.append(
+                Place(laid.printer.name, number, item, *(round(length, 6) for length in lengths))
+            )
+    return rows
 
 
 def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
@@ -137,7 +142,7 @@ def _facts(order: Order, drawn: Sequence[Drawn], laid: Laid) -> dict[str, Any]:
         "design": order.design.model_dump(mode="json"),
         "bodies": {order.design.name: sheet.body_facts(order.design)},
         "printer": laid.printer.model_dump(mode="json"),
-        "strips": {one.name: one.strip._asdict() for one in drawn},
+        "strips": {part.name: part.strip._asdict() for part in drawn},
         "print": sheet.facts(laid.printer, laid.findings),
         "versions": output.versions(),
     }

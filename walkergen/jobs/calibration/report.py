@@ -57,12 +57,12 @@ MEASURED = (
 )
 
 
-def of(found: Calibrated, path: Path, folder: Path) -> CalibrationReport:
+def of(result: Calibrated, path: Path, folder: Path) -> CalibrationReport:
     """Report of what a filled form tells."""
-    tables = [report.table("calibration", list(rows(found)), MEASURED, "Measured")]
+    tables = [report.table("calibration", list(rows(result)), MEASURED, "Measured")]
     figures = {}
-    if found.bent is not None:
-        bent = found.bent
+    if result.bent is not None:
+        bent = result.bent
         tables.append(_strips(bent))
 
         def draw() -> Any:
@@ -72,47 +72,49 @@ def of(found: Calibrated, path: Path, folder: Path) -> CalibrationReport:
 
         figures["strips"] = draw
     return CalibrationReport(
-        name="calibration", title=path.name, tables=tables, facts=_facts(found),
-        lines=_lines(found), figures=figures, folder=folder,
-        design=found.design, scene=found.scene, settings=found.settings,
+        name="calibration", title=path.name, tables=tables, facts=_facts(result),
+        lines=_lines(result), figures=figures, folder=folder,
+        design=result.design, scene=result.scene, settings=result.settings,
     )  # fmt: skip
 
 
-def rows(found: Calibrated) -> Iterator[Row]:
+def rows(result: Calibrated) -> Iterator[Row]:
     """Rows of all numbers that were measured."""
-    if found.bent is not None:
-        fit, points = found.bent.fit, found.bent.points
-        counted = sum(one.readings for one in points if found.bent.by in (one.method, "both"))
+    if result.bent is not None:
+        fit, points = result.bent.fit, result.bent.points
+        counted = sum(
+            point.readings for point in points if result.bent.by in (point.method, "both")
+        )
         yield Row("Young's modulus", fit.modulus, fit.sd, "GPa", counted, fit.chi2, fit.dof,
                   "material.youngs_modulus_gpa")  # fmt: skip
-        ring, off = found.bent.ring_over_bend, found.bent.offset
+        ring, off = result.bent.ring_over_bend, result.bent.offset
         if ring is not None:
             yield Row("ring over weights", 100.0 * ring.value, 100.0 * ring.sd, "%",
                       0, 0.0, 0, "")  # fmt: skip
         if off is not None:
             yield Row("offset of thicknesses", off.value, off.sd, "mm", 0, 0.0, 0, "")
     for what, value, unit, key in (
-        ("density", found.density, "g/cm3", "material.density_g_cm3"),
-        ("friction", found.friction, "", "scene.contact.friction"),
-        ("damping ratio", found.damping, "", "scene.legs.damping_ratio"),
+        ("density", result.density, "g/cm3", "material.density_g_cm3"),
+        ("friction", result.friction, "", "scene.contact.friction"),
+        ("damping ratio", result.damping, "", "scene.legs.damping_ratio"),
     ):
         if value is not None:
             dof = len(value.parts) - 1
             yield Row(what, value.value, value.sd, unit, value.readings, value.chi2, dof, key)
-    if found.bounced is not None:
-        rebound = found.bounced.rebound
+    if result.bounced is not None:
+        rebound = result.bounced.rebound
         seen = rebound.measured
         yield Row("rebound of the walker", seen.value, rebound.sd, "", seen.tries, 0.0, 0, "")
-        if one := found.bounced.single:
-            yield Row("restitution of the feet", one.value, 0.5 * (one.high - one.low), "",
+        if branch := result.bounced.single:
+            yield Row("restitution of the feet", branch.value, 0.5 * (branch.high - branch.low), "",
                       seen.tries, 0.0, 0, "scene.contact.restitution")  # fmt: skip
 
 
 def _strips(bent: Bent) -> Table:
     """Modulus by each strip and method alone: the points of the figure."""
     values = [
-        ByStrip(one.strip, one.method, one.thickness, one.modulus, one.sd, one.readings)
-        for one in bent.points
+        ByStrip(point.strip, point.method, point.thickness, point.modulus, point.sd, point.readings)
+        for point in bent.points
     ]
 
     def away(row: ByStrip) -> str:
@@ -128,29 +130,29 @@ def _strips(bent: Bent) -> Table:
     return report.table("strips", values, columns, "Young's modulus by each strip alone")
 
 
-def _lines(found: Calibrated) -> Sequence[str]:
+def _lines(result: Calibrated) -> Sequence[str]:
     """Quality of the fit, answer of the drop test, and notes, a line each."""
     quality = []
-    if found.bent is not None and found.bent.fit.probability is not None:
-        fit = found.bent.fit
+    if result.bent is not None and result.bent.fit.probability is not None:
+        fit = result.bent.fit
         quality = [
             f"strips: chi2 {fit.chi2:.1f} for {fit.dof} degrees of freedom, probability "
             f"{fit.probability:.2g}"
         ]
-    answer = [] if found.bounced is None else [f"drop: {found.bounced.told}"]
-    return [*quality, *answer, *found.notes]
+    answer = [] if result.bounced is None else [f"drop: {result.bounced.text}"]
+    return [*quality, *answer, *result.notes]
 
 
-def _facts(found: Calibrated) -> Mapping[str, Any]:
-    bounced = found.bounced
+def _facts(result: Calibrated) -> Mapping[str, Any]:
+    bounced = result.bounced
     return {
-        "measured": [row._asdict() for row in rows(found)],
-        "strips": [] if found.bent is None else [one._asdict() for one in found.bent.points],
-        "probability": None if found.bent is None else found.bent.fit.probability,
+        "measured": [row._asdict() for row in rows(result)],
+        "strips": [] if result.bent is None else [point._asdict() for point in result.bent.points],
+        "probability": None if result.bent is None else result.bent.fit.probability,
         "drop": None if bounced is None else {
-            "told": bounced.told,
-            "branches": [one._asdict() for one in bounced.inverse.branches],
+            "told": bounced.text,
+            "branches": [branch._asdict() for branch in bounced.inverse.branches],
         },
-        "settings": found.settings,
-        "notes": found.notes,
+        "settings": result.settings,
+        "notes": result.notes,
     }  # fmt: skip

@@ -28,13 +28,13 @@ class Bounced(NamedTuple):
     curve: Curve
     """From the restitution of the feet to the rebound, drops from the hand."""
     inverse: Inverse
-    told: str
+    text: str
 
     @property
     def single(self) -> Branch | None:
         """The one range of restitutions that agrees, or None."""
-        found = self.inverse
-        return None if found.everywhere or len(found.branches) != 1 else found.branches[0]
+        inverse = self.inverse
+        return None if inverse.everywhere or len(inverse.branches) != 1 else inverse.branches[0]
 
 
 class Calibrated(NamedTuple):

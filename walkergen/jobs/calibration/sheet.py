@@ -25,7 +25,7 @@ NEAR = 0.35
 
 def near(grams: float) -> str:
     """Ordinary weight next to one that is wanted, g; "" where none is near."""
-    name, weight = min(ORDINARY, key=lambda one: abs(one[1] - grams))
+    name, weight = min(ORDINARY, key=lambda pair: abs(pair[1] - grams))
     return f"{name} ({weight:g})" if abs(weight - grams) <= NEAR * grams else ""
 
 
@@ -40,14 +40,14 @@ def to_markdown(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str
 
 def _parts(drawn: Sequence[Drawn], design: Design, printer: Printer) -> str:
     rows = [
-        (one.name, f"{one.strip.thickness:g} x {one.strip.width:g}", f"{one.strip.length:g}",
-         f"number {one.name.rpartition('_')[2]} on its block")
-        for one in drawn
+        (part.name, f"{part.strip.thickness:g} x {part.strip.width:g}", f"{part.strip.length:g}",
+         f"number {part.name.rpartition('_')[2]} on its block")
+        for part in drawn
     ]  # fmt: skip
     long, wide, high = parts.block_size(printer)
     rows.append(("block", f"{long:g} x {wide:g} x {high:g}", "", "the plain block"))
-    told = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
-    rows.append(("walker", told, "", "the walker"))
+    walker = f"{design.name}, {design.tilt_deg:g} deg, {design.kind} legs"
+    rows.append(("walker", walker, "", "the walker"))
     return (
         "## Measure: the parts\n\n"
         + table(("part", "drawn, mm", "free length, mm", "which"), rows)
@@ -70,9 +70,9 @@ def _sizes() -> str:
 
 def _bend(drawn: Sequence[Drawn]) -> str:
     rows = [
-        (one.name, f"{one.light_g:.2g}", near(one.light_g), f"{one.heavy_g:.2g}",
-         near(one.heavy_g), f"{parts.BEND * one.strip.length:.1f}")
-        for one in drawn
+        (part.name, f"{part.light_g:.2g}", near(part.light_g), f"{part.heavy_g:.2g}",
+         near(part.heavy_g), f"{parts.BEND * part.strip.length:.1f}")
+        for part in drawn
     ]  # fmt: skip
     return (
         "## Strips: deflection under a weight (ruler)\n\n"
@@ -94,8 +94,8 @@ def _bend(drawn: Sequence[Drawn]) -> str:
 
 def _ring(drawn: Sequence[Drawn]) -> str:
     rows = [
-        (one.name, f"{one.ring_hz:.0f}", f"{20.0 / one.ring_hz:.2f}",
-         f"{one.ring_hz * 4.0:.0f}") for one in drawn
+        (part.name, f"{part.ring_hz:.0f}", f"{20.0 / part.ring_hz:.2f}",
+         f"{part.ring_hz * 4.0:.0f}") for part in drawn
     ]  # fmt: skip
     return (
         "## Strips: ring of a plucked strip (phone)\n\n"

@@ -44,7 +44,10 @@ class Rough(NamedTuple):
 def refuse(rough: Sequence[Rough]) -> None:
     """Raise InputError for readings of which some cannot be of one plastic."""
     for method in (BENDS, RINGS):
-        own = sorted((one for one in rough if one.method == method), key=lambda one: one.modulus)
+        own = sorted(
+            (single for single in rough if single.method == method),
+            key=lambda single: single.modulus,
+        )
         if own and own[-1].modulus > ASTRAY * own[0].modulus:
             raise InputError(
                 f"{method}: {own[0].strip} tells a modulus of about {own[0].modulus:.2g} GPa and "
@@ -53,17 +56,17 @@ def refuse(rough: Sequence[Rough]) -> None:
             )
     ring, bend = (middle(rough, method) for method in (RINGS, BENDS))
     if ring and bend and not 1.0 / APART <= ring / bend <= APART:
-        told = _told(ring / bend, OF_TIMES) or _told(bend / ring, OF_WEIGHTS)
+        slip = _slip(ring / bend, OF_TIMES) or _slip(bend / ring, OF_WEIGHTS)
         raise InputError(
             f"the ring tells a modulus of about {ring:.2g} GPa and the weights {bend:.2g}: one "
             f"plastic has both within {APART:g} times: correct the readings, or leave one kind out"
-            f"{told}"
+            f"{slip}"
         )
 
 
 def middle(rough: Sequence[Rough], method: str) -> float | None:
     """Median modulus (GPa) by one method; None without readings."""
-    own = [one.modulus for one in rough if one.method == method]
+    own = [single.modulus for single in rough if single.method == method]
     return float(np.median(own)) if own else None
 
 
@@ -73,13 +76,13 @@ def notes(rough: Sequence[Rough], usual: float) -> list[str]:
     if ring and bend:
         return []
     alone = ring or bend or usual
-    told = _told(alone / usual, OF_TIMES if ring else OF_WEIGHTS)
-    if not told or 1.0 / APART <= alone / usual <= APART:
+    slip = _slip(alone / usual, OF_TIMES if ring else OF_WEIGHTS)
+    if not slip or 1.0 / APART <= alone / usual <= APART:
         return []
-    return [f"a modulus of about {alone:.2g} GPa, where the design has {usual:g}{told}"]
+    return [f"a modulus of about {alone:.2g} GPa, where the design has {usual:g}{slip}"]
 
 
-def _told(ratio: float, slips: Mapping[float, str]) -> str:
+def _slip(ratio: float, slips: Mapping[float, str]) -> str:
     """Slip that leaves such a ratio, in words; "" for none."""
-    like = min(slips, key=lambda one: abs(math.log(ratio / one)))
+    like = min(slips, key=lambda usual: abs(math.log(ratio / usual)))
     return f"; the ratio is near {slips[like]}" if 1 / CLOSE <= ratio / like <= CLOSE else ""

@@ -35,12 +35,12 @@ class Specimen(NamedTuple):
 
 def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
     """Strips that tell a modulus, and notes on those that do not. Raises InputError."""
-    found, notes = [], []
+    strips, notes = [], []
     for part in sorted(name for name in readings if name.startswith("strip_")):
         own = readings[part]
         rings = [
             *own.get("ring_hz", ()),
-            *(_as_frequency(one) for one in own.get("swings_20_s", ())),
+            *(_as_frequency(time) for time in own.get("swings_20_s", ())),
         ]
         bends = own.get("deflection_mm", ())
         if not (rings or bends):
@@ -51,27 +51,27 @@ def read(readings: Readings) -> tuple[list[Specimen], list[str]]:
             continue
         sizes = {name: own[name][0] for name in SIZES}
         _check_sizes(part, sizes)
-        for one in bends:
-            _check(part, one, sizes["free_length_mm"].value)
+        for bend in bends:
+            _check(part, bend, sizes["free_length_mm"].value)
         (air,) = own.get(AIR, [None])
         open_ = SOLID if air is None else (0.01 * air.value, 0.01 * air.error)
-        found.append(Specimen(part, sizes, bends, rings, open_))
-    return found, notes
+        strips.append(Specimen(part, sizes, bends, rings, open_))
+    return strips, notes
 
 
-def _as_frequency(one: Reading) -> Reading:
+def _as_frequency(time: Reading) -> Reading:
     """Frequency, Hz, of a time of 20 swings, s."""
-    hertz = 20.0 / one.value
-    scale = hertz / one.value
-    return one._replace(value=hertz, error=one.error * scale, stated=one.stated * scale)
+    hertz = 20.0 / time.value
+    scale = hertz / time.value
+    return time._replace(value=hertz, error=time.error * scale, stated=time.stated * scale)
 
 
 def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
     """Raise InputError for sizes that are hardly known, or no beam's."""
-    for name, one in sizes.items():
-        if one.error > WORST * one.value:
+    for name, size in sizes.items():
+        if size.error > WORST * size.value:
             raise InputError(
-                f"{part}: {name} = {one.value:.3g} ± {one.error:.2g}: its error must be at most "
+                f"{part}: {name} = {size.value:.3g} ± {size.error:.2g}: its error must be at most "
                 f"{WORST:.0%} of it: measure better or leave the strip out"
             )
     thick, wide, long = (sizes[name].value for name in SIZES)
@@ -87,21 +87,24 @@ def _check_sizes(part: str, sizes: Mapping[str, Reading]) -> None:
         )
 
 
-def _check(part: str, one: Reading, length: float) -> None:
+def _check(part: str, bend: Reading, length: float) -> None:
     """Raise InputError for a deflection that is no small bend of its strip."""
-    if one.at_mm > length:
+    if bend.at_mm > length:
         raise InputError(
-            f"{part}: at_mm = {one.at_mm:g}: beyond the strip's free_length_mm = {length:g}"
+            f"{part}: at_mm = {bend.at_mm:g}: beyond the strip's free_length_mm = {length:g}"
         )
-    if one.value > beams.LARGEST_BEND * one.at_mm:
+    if bend.value > beams.LARGEST_BEND * bend.at_mm:
         raise InputError(
-            f"{part}: deflection_mm of {one.value:.3g} under {one.weight_g:g} g at {one.at_mm:g} "
-            f"mm: is {one.value / one.at_mm:.1%} of the length, at most {beams.LARGEST_BEND:.0%} "
-            "counts as a bend: hang less, or nearer to the block"
+            f"{part}: deflection_mm of {bend.value:.3g} under {bend.weight_g:g} g at "
+            f"{bend.at_mm:g} mm: is {bend.value / bend.at_mm:.1%} of the length, at most "
+            f"{beams.LARGEST_BEND:.0%} counts as a bend: hang less, or nearer to the block"
         )
 
 
 def only(strips: Sequence[Specimen], method: str) -> list[Specimen]:
     """Strips with the readings of one method alone; those without any are left out."""
-    kept = [one._replace(rings=()) if method == BENDS else one._replace(bends=()) for one in strips]
-    return [one for one in kept if one.bends or one.rings]
+    kept = [
+        strip._replace(rings=()) if method == BENDS else strip._replace(bends=())
+        for strip in strips
+    ]
+    return [strip for strip in kept if strip.bends or strip.rings]

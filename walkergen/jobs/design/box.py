@@ -46,11 +46,11 @@ class Box(NamedTuple):
 
     def values(self, x: Sequence[float] | Array) -> dict[str, float]:
         """Values at coordinates, rounded to a step, never beyond the bounds."""
-        found = {}
+        rounded = {}
         for span, share in zip(self.spans, x, strict=True):
             value = round(span.low + float(share) * (span.high - span.low), self.digits(span))
-            found[span.key] = min(max(value, span.low), span.high) + 0.0
-        return found
+            rounded[span.key] = min(max(value, span.low), span.high) + 0.0
+        return rounded
 
     def place(self, values: Mapping[str, float]) -> Array:
         """Coordinates of values, shape (keys,)."""
@@ -65,13 +65,13 @@ def of_options(texts: Sequence[str], design: Design) -> Box:
     """Box of --vary KEY=LOW:HIGH, or of the legs' tilt and length. Raises InputError."""
     if not texts:
         return Box(_usual(design))
-    found = [axes.parse(text, "--vary") for text in texts]
+    parsed = [axes.parse(text, "--vary") for text in texts]
     spans = []
-    for text, one in zip(texts, found, strict=True):
-        request.check(one.key, f"--vary {one.key}")
-        if isinstance(one, Axis):
-            raise InputError(f"--vary {text[:60]!r}: write a range, {one.key}=LOW:HIGH")
-        spans.append(one)
+    for text, entry in zip(texts, parsed, strict=True):
+        request.check(entry.key, f"--vary {entry.key}")
+        if isinstance(entry, Axis):
+            raise InputError(f"--vary {text[:60]!r}: write a range, {entry.key}=LOW:HIGH")
+        spans.append(entry)
     keys = [span.key for span in spans]
     for key in keys:
         if keys.count(key) > 1:

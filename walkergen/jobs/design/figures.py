@@ -9,7 +9,7 @@ from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.files.key_names import label
 from walkergen.jobs.design.lab import Job
 from walkergen.jobs.design.report import title
-from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.search import Search
 from walkergen.jobs.design.verify import Verified
 from walkergen.jobs.design.wish import UNITS, Wish
 from walkergen.points.point import PREDICTION
@@ -24,16 +24,16 @@ BESIDE = ((8, 5), (-13, -13), (8, -13))
 
 
 @style()
-def trade_off(job: Job, found: Found, designs: Sequence[Verified]) -> Figure:
+def trade_off(job: Job, result: Search, designs: Sequence[Verified]) -> Figure:
     """Draw the wish's quantity against each key: surveyed, tried, and the designs, numbered."""
     count = len(job.box.spans)
     wide, high = min(count, ACROSS), -(-count // ACROSS)
     width = COLUMN if wide == 1 else PAGE
     figure = Figure(figsize=(width, 2.3 * high + 0.7), layout="constrained")
     panels = figure.subplots(high, wide, sharey=True, squeeze=False).ravel()
-    tried = [trial for trial in found.trials if trial.usable and trial.seen]
+    tried = [trial for trial in result.trials if trial.usable and trial.seen]
     levels = [trial.seen.value for trial in tried if trial.seen]
-    predicted = [trial for trial in found.survey.trials if trial.usable and trial.seen]
+    predicted = [trial for trial in result.survey.trials if trial.usable and trial.seen]
     for span, axes in zip(job.box.spans, panels, strict=False):
         if job.wish.of == "speed":
             axes.plot(
@@ -45,14 +45,14 @@ def trade_off(job: Job, found: Found, designs: Sequence[Verified]) -> Figure:
             axes.plot([trial.values[span.key] for trial in tried], levels, "o", color="0.25",
                       markersize=3.5, label=f"tried, model {job.model}")  # fmt: skip
         _wish(axes, job.wish)
-        for number, one in enumerate(designs, start=1):
-            shown = one.verified or one.chosen
+        for number, design in enumerate(designs, start=1):
+            shown = design.verified or design.chosen
             bars = [[0.0], [0.0]]
-            if one.bounds is not None and job.simulated:
-                bars = [[max(shown.value - one.bounds[0], 0.0)],
-                        [max(one.bounds[1] - shown.value, 0.0)]]  # fmt: skip
-            at = one.values[span.key]
-            axes.errorbar(at, shown.value, bars, fmt="s" if one.met else "X", color=FOUND,
+            if design.bounds is not None and job.simulated:
+                bars = [[max(shown.value - design.bounds[0], 0.0)],
+                        [max(design.bounds[1] - shown.value, 0.0)]]  # fmt: skip
+            at = design.values[span.key]
+            axes.errorbar(at, shown.value, bars, fmt="s" if design.met else "X", color=FOUND,
                           markersize=7, capsize=3, markeredgecolor="black", zorder=5,
                           label="designs" if number == 1 else None)  # fmt: skip
             axes.annotate(str(number), (at, shown.value), xytext=BESIDE[number - 1], zorder=6,

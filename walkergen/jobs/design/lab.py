@@ -30,18 +30,33 @@ FRICTION_STEP = {True: 0.2, False: 0.05}
 """Relative step to either side by which a speed is differentiated by friction: with runs, whose
 errors a small step would magnify, and of predictions."""
 
-Effort = tuple[int, float]
-"""Number of runs, and the measured time of each, s."""
 
-IN_A_PLANE = (8, 2.0), (24, 4.0), (48, 4.0)
-"""Runs of points that are spread, of those near the wish, and of a verification that no error
-stops."""
+class Effort(NamedTuple):
+    """Runs of a trial."""
 
-IN_SPACE = (8, 1.0), (12, 3.0), (16, 4.0)
-"""As these, of the model in space, a fifth as fast, whose step is a larger error than its runs."""
+    runs: int
+    seconds: float
+    """Measured time of each, s."""
 
-TURNING = (16, 6.0), (24, 12.0), (32, 16.0)
-"""As these, for what only longer runs tell: persistence and turning."""
+
+class Efforts(NamedTuple):
+    """Efforts of a search."""
+
+    spread: Effort
+    """That of trials spread over the box."""
+    close: Effort
+    """That of trials near the wish."""
+    verification: Effort
+    """That of a verification that no error stops."""
+
+
+IN_A_PLANE = Efforts(Effort(8, 2.0), Effort(24, 4.0), Effort(48, 4.0))
+
+IN_SPACE = Efforts(Effort(8, 1.0), Effort(12, 3.0), Effort(16, 4.0))
+"""Efforts of the model in space, a fifth as fast, whose step is a larger error than its runs."""
+
+TURNING = Efforts(Effort(16, 6.0), Effort(24, 12.0), Effort(32, 16.0))
+"""Efforts for what only longer runs tell: persistence and turning."""
 
 
 class Job(NamedTuple):
@@ -53,7 +68,7 @@ class Job(NamedTuple):
     box: Box
     printer: Printer
     model: str
-    """One of `exploring.point.MODELS`, but not "auto"."""
+    """One of `points.point.MODELS`, but not "auto"."""
     seed: int
 
     @property
@@ -62,8 +77,8 @@ class Job(NamedTuple):
         return self.model != PREDICTION
 
     @property
-    def effort(self) -> tuple[Effort, Effort, Effort]:
-        """Runs of points that are spread, near the wish, and of the verification."""
+    def efforts(self) -> Efforts:
+        """Efforts of the search, by what is wished and the model."""
         if self.wish.asks_space:
             return TURNING
         return IN_SPACE if self.model == "space" else IN_A_PLANE
@@ -90,8 +105,8 @@ class Trial(NamedTuple):
     @property
     def runs(self) -> int:
         """Number of runs behind it; 0 if predicted."""
-        found = self.record.get("runs")
-        return found if isinstance(found, int) else 0
+        runs = self.record.get("runs")
+        return runs if isinstance(runs, int) else 0
 
     @property
     def buildable(self) -> bool:
@@ -109,7 +124,7 @@ class Trial(NamedTuple):
         return self.printable and wishes.ended_well(self.record) and self.seen is not None
 
 
-def made(job: Job, values: Mapping[str, float]) -> tuple[Design, Scene]:
+def built(job: Job, values: Mapping[str, float]) -> tuple[Design, Scene]:
     """Design and scene at values of the keys; the design's family is itself alone.
 
     Raises InputError and GeometryError for what cannot be built.
@@ -132,25 +147,25 @@ def tried(
 
     Runs have the seed of the job, the same for all, unless another is given.
     """
-    asked: list[Asked] = []
+    requests: list[Asked] = []
     for row in rows:
         try:
-            design, scene = made(job, row)
+            design, scene = built(job, row)
         except WalkergenError as error:
-            asked += [refused(error)] * parts(job, effort)
+            requests += [refused(error)] * parts(job, effort)
             continue
-        asked += points(job, design, scene, effort, None, job.seed if seed is None else seed)
-    return read(job, bench, rows, asked, effort, what)
+        requests += points(job, design, scene, effort, None, job.seed if seed is None else seed)
+    return read(job, bench, rows, requests, effort, what)
 
 
 def read(
-    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], asked: Sequence[Asked],
+    job: Job, bench: Bench, rows: Sequence[Mapping[str, float]], requests: Sequence[Asked],
     effort: Effort | None, what: str,
 ) -> list[Trial]:  # fmt: skip
     """Trials of values whose points are already made, `parts` of them a row."""
     records, size = [], parts(job, effort)
     bench.progress(what, 0, len(rows))
-    for number, done in enumerate(each(asked, bench.store, bench.crew), start=1):
+    for number, done in enumerate(each(requests, bench.store, bench.crew), start=1):
         records.append(done.record)
         bench.progress(what, number // size, len(rows))
     return [
@@ -171,9 +186,8 @@ def points(
     simulated = effort is not None
     keep: tuple[str, ...] = ("speed", "printability")
     if effort is not None:
-        runs, seconds = effort
-        seconds = min(seconds, scene.run.seconds)
-        run = scene.run.model_copy(update={"runs": runs, "seconds": seconds, "seed": seed})
+        seconds = min(effort.seconds, scene.run.seconds)
+        run = scene.run.model_copy(update={"runs": effort.runs, "seconds": seconds, "seed": seed})
         legs = scene.legs.model_copy(update={"model": job.model})
         scene = scene.model_copy(update={"run": run, "legs": legs})
     if simulated and job.wish.asks_space:
@@ -203,7 +217,7 @@ def _trial(job: Job, values: dict[str, float], records: Sequence[Record]) -> Tri
     seen = wishes.seen(record, "speed" if predicted else job.wish.of)
     if len(records) == 1:
         return Trial(values, record, seen, None)
-    low, high = (wishes.seen(one, "speed") for one in records[1:])
+    low, high = (wishes.seen(other, "speed") for other in records[1:])
     if low is None or high is None:
         return Trial(values, record, None, None)
     below, above = _factors(job)

@@ -17,27 +17,27 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 
-def model_of(design: Design, scene: Scene, asked: str | None, turns: bool) -> str:
+def model_of(design: Design, scene: Scene, name: str | None, turns: bool) -> str:
     """Model of a search: the one asked for, else the one that `simulate` takes in the scene.
 
     `turns` is true for a wish about turning, which needs the model in space on a plane. Raises
     InputError for unknown models, and those that cannot answer the wish.
     """
-    if asked is not None and asked not in MODELS:
-        raise InputError(f"--model {asked[:30]!r}: must be one of {', '.join(MODELS)}")
-    found = asked or "auto"
-    if asked in (None, "auto"):
-        if asked == "auto":
+    if name is not None and name not in MODELS:
+        raise InputError(f"--model {name[:30]!r}: must be one of {', '.join(MODELS)}")
+    model = name or "auto"
+    if name in (None, "auto"):
+        if name == "auto":
             scene = _with_model(scene, "auto")
-        found = resolve(scene, design, solids.mass_of(design)).model
-    elif asked != PREDICTION:
-        resolve(_with_model(scene, found), design, solids.mass_of(design))
-    if turns and (found != "space" or scene.arena.kind != "plane"):
+        model = resolve(scene, design, solids.mass_of(design)).model
+    elif name != PREDICTION:
+        resolve(_with_model(scene, model), design, solids.mass_of(design))
+    if turns and (model != "space" or scene.arena.kind != "plane"):
         raise InputError(
             "--persistence, --turning-radius: walkers turn in the model space on a plane; seen "
-            f"model {found}, a {scene.arena.kind}: --model space --scene plane-90hz"
+            f"model {model}, a {scene.arena.kind}: --model space --scene plane-90hz"
         )
-    return found
+    return model
 
 
 def _with_model(scene: Scene, model: str) -> Scene:
@@ -49,7 +49,7 @@ def check(job: Job) -> None:
     if job.wish.calm and not job.scene.contact.friction and FRICTION not in job.box.keys:
         raise InputError("--least-sensitive: contact.friction is 0: there is none to vary")
     for key in ("scene.run.", "scene.legs.model", "name", "description", "family."):
-        if wrong := [one for one in job.box.keys if one.startswith(key)]:
+        if wrong := [varied for varied in job.box.keys if varied.startswith(key)]:
             raise InputError(f"--vary {wrong[0]}: is no property of a walker or a plate")
 
 
@@ -59,17 +59,17 @@ def make(job: Job, bench: Bench, folder: Path, pictures: bool = True) -> DesignR
     Raises InputError when nothing can be made within the ranges.
     """
     check(job)
-    found = search.search(job, bench, search.survey(job, bench))
-    designs = verify.verify(job, bench, found)
-    stopped = "" if any(one.met for one in designs) else limits.stopped(job, found, designs)
-    made = report.of(job, found, designs, stopped, folder)
+    result = search.search(job, bench, search.survey(job, bench))
+    designs = verify.verify(job, bench, result)
+    stopped = "" if any(design.met for design in designs) else limits.stopped(job, result, designs)
+    written = report.of(job, result, designs, stopped, folder)
     with Folder(folder) as target:
-        made.write(target, pictures)
+        written.write(target, pictures)
         for number, design in enumerate(designs, start=1):
             target.write(f"design-{number}.toml", design.text.encode())
             target.write(f"scene-{number}.toml", _scene(job, design, number).encode())
         target.finish(_facts(job))
-    return made
+    return written
 
 
 def _scene(job: Job, design: Verified, number: int) -> str:

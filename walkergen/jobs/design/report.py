@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from walkergen.files import templates, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.design.lab import FRICTION_STEP, Job
-from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.search import Search
 from walkergen.jobs.design.verify import Verified
 from walkergen.jobs.design.wish import UNITS
 from walkergen.points.point import PREDICTION
@@ -25,7 +25,7 @@ class DesignReport(Report):
     """Designs that were found for a wish."""
 
     job: Job
-    found: Found
+    search: Search
     designs: Sequence[Verified]
     """Best distinct ones, best first."""
     stopped: str
@@ -33,30 +33,30 @@ class DesignReport(Report):
 
 
 def of(
-    job: Job, found: Found, designs: Sequence[Verified], stopped: str, folder: Path
+    job: Job, result: Search, designs: Sequence[Verified], stopped: str, folder: Path
 ) -> DesignReport:
     """Report of designs that are written into a folder."""
-    rows = [_row(job, number, one) for number, one in enumerate(designs, start=1)]
+    rows = [_row(job, number, design) for number, design in enumerate(designs, start=1)]
     keys = list(rows[0])
     table = Table("design", [tuple(row.values()) for row in rows], keys, _columns(job, keys))
     facts = {
         "wish": job.wish.words, "error": str(job.wish.error), "model": job.model,
         "scene": job.scene.name, "printer": job.printer.name,
-        "met": sum(one.met for one in designs), "rows": rows, "stopped": stopped or None,
-        "surveyed": len(found.survey.x), "made": int(found.survey.feasible.sum()),
-        "tried": len(found.trials),
+        "met": sum(design.met for design in designs), "rows": rows, "stopped": stopped or None,
+        "surveyed": len(result.survey.x), "made": int(result.survey.feasible.sum()),
+        "tried": len(result.trials),
     }  # fmt: skip
 
     def draw() -> "Figure":
         from walkergen.jobs.design import figures
 
-        return figures.trade_off(job, found, designs)
+        return figures.trade_off(job, result, designs)
 
     return DesignReport(
         name="design", title=f"Designs as {job.design.name}: {job.wish.words}", caption=title(job),
         tables=[table], facts=facts, figures={"design": draw}, folder=folder,
-        lines=[_units(job), *_how(job, found), *_notes(designs, stopped), *_next(job, folder)],
-        job=job, found=found, designs=designs, stopped=stopped,
+        lines=[_units(job), *_how(job, result), *_notes(designs, stopped), *_next(job, folder)],
+        job=job, search=result, designs=designs, stopped=stopped,
     )  # fmt: skip
 
 
@@ -72,24 +72,27 @@ def _quantity(job: Job) -> str:
             "turning radius": "turning_radius_mm"}[job.wish.of]  # fmt: skip
 
 
-def _row(job: Job, number: int, one: Verified) -> dict[str, Any]:
+def _row(job: Job, number: int, design: Verified) -> dict[str, Any]:
     """Row of a design, every digit, None for what is not known."""
     name = _quantity(job)
-    low, high = one.bounds or (None, None)
+    low, high = design.bounds or (None, None)
     row: dict[str, Any] = {
-        "design": f"design-{number}.toml", **one.values, "predicted_mm_s": one.predicted_mm_s,
-        f"chosen_{name}": one.chosen.value, f"chosen_se_{name}": one.chosen.se,
-        f"verified_{name}": one.verified and one.verified.value,
-        f"verified_se_{name}": one.verified and one.verified.se,
+        "design": f"design-{number}.toml", **design.values, "predicted_mm_s": design.predicted_mm_s,
+        f"chosen_{name}": design.chosen.value, f"chosen_se_{name}": design.chosen.se,
+        f"verified_{name}": design.verified and design.verified.value,
+        f"verified_se_{name}": design.verified and design.verified.se,
         f"low_95_{name}": low, f"high_95_{name}": high,
     }  # fmt: skip
     if job.wish.of != "speed":
-        row["verified_speed_mm_s"] = one.speed_mm_s
+        row["verified_speed_mm_s"] = design.speed_mm_s
     if job.wish.calm:
-        row |= {TREND: one.slope and one.slope.value, f"{TREND}_se": one.slope and one.slope.se}
+        row |= {
+            TREND: design.slope and design.slope.value,
+            f"{TREND}_se": design.slope and design.slope.se,
+        }
     return row | {
-        "runs": one.runs, "met": one.met, "print_warnings": one.warnings,
-        "print_told": one.told or None,
+        "runs": design.runs, "met": design.met, "print_warnings": design.warnings,
+        "print_told": design.finding or None,
     }  # fmt: skip
 
 
@@ -132,15 +135,15 @@ def _units(job: Job) -> str:
     return f"speeds in mm/s{length}{error}"
 
 
-def _how(job: Job, found: Found) -> list[str]:
+def _how(job: Job, result: Search) -> list[str]:
     """Sentences on what was searched, and on how the numbers were found."""
-    unmade = len(found.survey.x) - int(found.survey.feasible.sum())
+    unmade = len(result.survey.x) - int(result.survey.feasible.sum())
     ranges = ", ".join(f"{span.key} {span.low:g} to {span.high:g}" for span in job.box.spans)
     by = f"model {job.model}, seed {job.seed}" if job.simulated else "predictions"
     lines = [
         f"{ranges}; held: all else of {job.design.name}",
-        f"{len(found.survey.x)} designs predicted, {unmade} of which cannot be made or printed on "
-        f"{job.printer.name}; {len(found.trials)} tried with {by}",
+        f"{len(result.survey.x)} designs predicted, {unmade} of which cannot be made or printed on "
+        f"{job.printer.name}; {len(result.trials)} tried with {by}",
     ]
     if job.simulated:
         step = "is not in them" if job.wish.asks_space else "is in them where it is known"
@@ -165,7 +168,10 @@ def _how(job: Job, found: Found) -> list[str]:
 
 def _notes(designs: Sequence[Verified], stopped: str) -> list[str]:
     """Sentences on printing, and on why there are not three designs that meet the wish."""
-    lines = [f"print: {worst}" for worst in sorted({one.told for one in designs if one.told})]
+    lines = [
+        f"print: {worst}"
+        for worst in sorted({design.finding for design in designs if design.finding})
+    ]
     if stopped:
         lines.append(f"none meets the wish: {stopped}")
     elif len(designs) < 3:

@@ -32,17 +32,18 @@ ROUNDS = 6
 MOST_SAMPLES = 2048
 
 SETTLED = {True: 0.5, False: 0.1}
-"""Loss, in errors allowed, below which a tried design needs no better one beside it: with runs,
-whose error is part of the loss, and predicted."""
+"""Loss (in allowed errors) below which a tried design is good enough whatever else may be hoped
+for, by whether it is simulated: the error of its runs is then a part of the loss."""
 
 HOPED = 0.5
-"""Gain, in errors allowed, that a new design must promise over a tried one to be tried."""
+"""Gain over a tried design (in allowed errors) that a new one must promise to be tried."""
 
 INSIDE = {True: 0.6, False: 0.95}
-"""Miss of a target, in errors allowed, within which the least sensitive design is looked for."""
+"""Distance from the target (in allowed errors) within which the least sensitive design is sought,
+by whether designs are simulated."""
 
 FINE = 0.05
-"""Share of the largest slope in friction that counts as much as an error allowed."""
+"""Slope of the speed with friction, over the largest one seen, that costs one allowed error."""
 
 STILL = 1e-3
 """Least error allowed of the fastest, mm/s: all may stand still."""
@@ -60,8 +61,8 @@ class Survey(NamedTuple):
     feasible: npt.NDArray[np.bool_]
 
 
-class Found(NamedTuple):
-    """Result of a search."""
+class Search(NamedTuple):
+    """What a search has seen and chosen."""
 
     survey: Survey
     trials: list[Trial]
@@ -95,8 +96,10 @@ def _nothing(job: Job, trials: Sequence[Trial]) -> str:
     reasons = [_reason(trial) for trial in trials]
     kinds = Counter(re.sub(r"[-+]?[0-9.]+", "#", reason) for reason in reasons)
     kind, count = kinds.most_common(1)[0]
-    example = next(one for one in reasons if re.sub(r"[-+]?[0-9.]+", "#", one) == kind)
-    nearest = min(trials, key=lambda one: (not one.buildable, one.record.get("print_errors") or 0))
+    example = next(reason for reason in reasons if re.sub(r"[-+]?[0-9.]+", "#", reason) == kind)
+    nearest = min(
+        trials, key=lambda trial: (not trial.buildable, trial.record.get("print_errors") or 0)
+    )
     at = ", ".join(f"{key} = {value:g}" for key, value in nearest.values.items())
     return (
         f"--vary: none of {len(trials)} designs can be made on {job.printer.name} ({unbuilt} "
@@ -108,16 +111,16 @@ def _nothing(job: Job, trials: Sequence[Trial]) -> str:
 def _reason(trial: Trial) -> str:
     if trial.buildable and trial.record.get("print_errors"):
         return str(trial.record["print_told"])
-    told = str(trial.record[STATUS]).removeprefix("refused: ").removeprefix("--vary: ")
-    return told if len(told) <= 160 else told[:157] + "..."
+    reason = str(trial.record[STATUS]).removeprefix("refused: ").removeprefix("--vary: ")
+    return reason if len(reason) <= 160 else reason[:157] + "..."
 
 
-def search(job: Job, bench: Bench, seen: Survey) -> Found:
+def search(job: Job, bench: Bench, seen: Survey) -> Search:
     """Search what the survey found to be makeable. Raises InputError when too little of it has the
     wish's quantity.
     """
-    spread, close, _ = job.effort
-    first, second = (spread, close) if job.simulated else (None, None)
+    efforts = job.efforts
+    first, second = (efforts.spread, efforts.close) if job.simulated else (None, None)
     trials = lab.tried(job, bench, _first(job, seen), first, "first designs")
     view = _view(job, seen, trials)
     for number in range(ROUNDS):
@@ -125,10 +128,10 @@ def search(job: Job, bench: Bench, seen: Survey) -> Found:
         if not proposed:
             break
         new = lab.tried(job, bench, proposed, second, f"round {number + 1}")
-        trials = [one for one in trials if one.values not in proposed] + new
+        trials = [trial for trial in trials if trial.values not in proposed] + new
         view = _view(job, seen, trials)
     chosen = view.best()
-    return Found(seen, trials, [view.usable[place] for place in chosen],
+    return Search(seen, trials, [view.usable[place] for place in chosen],
                  [view.expected(place) for place in chosen])  # fmt: skip
 
 
@@ -153,7 +156,9 @@ def _apart(job: Job, x: Array, ordered: Sequence[int], count: int) -> list[int]:
     for place in ordered:
         if len(kept) == count:
             break
-        if all(np.linalg.norm(x[place] - x[one]) >= DISTINCT * job.box.diagonal for one in kept):
+        if all(
+            np.linalg.norm(x[place] - x[other]) >= DISTINCT * job.box.diagonal for other in kept
+        ):
             kept.append(place)
     return kept
 
@@ -170,7 +175,7 @@ class View(NamedTuple):
     slope: Emulator | None
     slope_scale: float
     """Largest slope seen, mm/s."""
-    known: Callable[[Array], npt.NDArray[np.bool_]]
+    makeable: Callable[[Array], npt.NDArray[np.bool_]]
     """True where the nearest known point can be made; takes coordinates, shape (k, keys)."""
     fastest: float
     """Largest emulated value at a trial."""
@@ -185,7 +190,7 @@ class View(NamedTuple):
         """
         wish = self.job.wish
         mean, sd = self.value(x)
-        lost = np.zeros(len(x))
+        miss = np.zeros(len(x))
         if wish.target is not None:
             target, low, high = wish.target, *self.seen
             if wish.logarithmic:
@@ -195,15 +200,15 @@ class View(NamedTuple):
                 allowed = max(allowed, STILL)
             # A target far beyond all is as far as their range: else they would be all alike.
             target = min(max(target, 2.0 * low - high), 2.0 * high - low)
-            lost = np.hypot(mean - target, sd) / allowed
+            miss = np.hypot(mean - target, sd) / allowed
         if self.slope is not None:
             level, error = self.slope(x)
             calm = np.maximum(np.abs(level) - hope * error, 0.0) / self.slope_scale
-            missed = np.maximum(lost - INSIDE[self.job.simulated], 0.0)
-            lost = 10.0 * missed + calm / FINE
+            missed = np.maximum(miss - INSIDE[self.job.simulated], 0.0)
+            miss = 10.0 * missed + calm / FINE
         elif wish.target is None:
-            lost = (self.fastest - mean - hope * sd) / max(wish.allowed(self.fastest), STILL)
-        return np.asarray(lost)
+            miss = (self.fastest - mean - hope * sd) / max(wish.allowed(self.fastest), STILL)
+        return np.asarray(miss)
 
     def best(self) -> list[int]:
         """Places of the best distinct trials by what is now known of them, best first."""
@@ -223,11 +228,11 @@ def _view(job: Job, seen: Survey, trials: Sequence[Trial]) -> View:
     wish = job.wish
     usable = [trial for trial in trials if trial.usable]
     if len(usable) < emulator.FEWEST:
-        told = next((str(one.record[STATUS]) for one in trials if not one.usable), "")
+        status = next((str(trial.record[STATUS]) for trial in trials if not trial.usable), "")
         raise InputError(
             f"{wish.words}: only {len(usable)} of {len(trials)} designs tried have a "
             f"{wish.of} that is known, {emulator.FEWEST} are needed"
-            + (f": {told[:200]}" if told not in ("", "ok") else f": no {wish.of} is resolved")
+            + (f": {status[:200]}" if status not in ("", "ok") else f": no {wish.of} is resolved")
         )
     x = np.array([job.box.place(trial.values) for trial in usable])
     y = np.array([trial.seen.value for trial in usable if trial.seen])
@@ -238,8 +243,8 @@ def _view(job: Job, seen: Survey, trials: Sequence[Trial]) -> View:
     slope, scale = None, 1.0
     if wish.calm:
         slopes = [trial.slope for trial in usable if trial.slope]
-        level = np.array([one.value for one in slopes])
-        slope = emulator.fit(x, level, np.array([one.se for one in slopes]))
+        level = np.array([trend.value for trend in slopes])
+        slope = emulator.fit(x, level, np.array([trend.se for trend in slopes]))
         scale = float(np.abs(level).max()) or 1.0
     places = np.vstack([seen.x, [job.box.place(trial.values) for trial in trials]])
     can = np.concatenate([seen.feasible, [trial.usable for trial in trials]])
@@ -257,57 +262,60 @@ def _proposed(view: View, seed: int) -> list[dict[str, float]]:
     ends the search.
     """
     job = view.job
-    least = job.effort[1][0] if job.simulated else 0
-    told = [trial.values for trial in view.usable if trial.runs >= least]
-    taken: list[Array] = []
+    least = job.efforts.close.runs if job.simulated else 0
+    tried = [trial.values for trial in view.usable if trial.runs >= least]
+    chosen: list[Array] = []
     rows = []
     for number in range(WANTED):
-        at, lost = _optimum(view, taken, WANTED * seed + number)
-        own = _loss(view, taken, 0.0)(view.x.T)
+        at, hoped = _optimum(view, chosen, WANTED * seed + number)
+        own = _loss(view, chosen, 0.0)(view.x.T)
         place = int(np.argmin(own))
-        if own[place] < FAR and own[place] <= _enough(view, lost):
-            taken.append(view.x[place])
+        if own[place] < FAR and own[place] <= _enough(view, hoped):
+            chosen.append(view.x[place])
             row = view.usable[place].values
-        elif lost >= FAR:
+        elif hoped >= FAR:
             break  # all that is left is too near to what was chosen
         else:
-            taken.append(at)
+            chosen.append(at)
             row = job.box.values(at)
-        if row not in told:
+        if row not in tried:
             rows.append(row)
     return rows
 
 
-def _enough(view: View, lost: float) -> float:
-    """Loss up to which a trial needs nothing better, where the best that may be hoped is `lost`."""
+def _enough(view: View, hoped: float) -> float:
+    """Largest loss with which a trial stands as a design, rather than something new being tried.
+
+    `hoped` is the least loss that the emulators hope for elsewhere.
+    """
     if view.job.wish.target is None or view.slope is not None:
-        return lost + HOPED
-    return max(SETTLED[view.job.simulated], lost + 0.1)
+        return hoped + HOPED
+    return max(SETTLED[view.job.simulated], hoped + 0.1)
 
 
-def _loss(view: View, taken: Sequence[Array], hope: float) -> Callable[[Array], Array]:
+def _loss(view: View, chosen: Sequence[Array], hope: float) -> Callable[[Array], Array]:
     """Function of coordinates, shape (keys, k), for the optimiser: kept apart and makeable."""
     least = 1.05 * DISTINCT * view.job.box.diagonal  # so that rounded values are apart as well
 
     def loss(columns: Array) -> Array:
         x = np.atleast_2d(columns.T)
-        lost = view.loss(x, hope)
-        for one in taken:
-            short = least - np.linalg.norm(x - one, axis=1)
-            lost = np.where(short > 1e-12, FAR * (1.0 + short / least) + 1e-3 * lost, lost)
-        return np.where(view.known(x), lost, OUTSIDE)
+        value = view.loss(x, hope)
+        for other in chosen:
+            short = least - np.linalg.norm(x - other, axis=1)
+            value = np.where(short > 1e-12, FAR * (1.0 + short / least) + 1e-3 * value, value)
+        return np.where(view.makeable(x), value, OUTSIDE)
 
     return loss
 
 
-def _optimum(view: View, taken: Sequence[Array], seed: int) -> tuple[Array, float]:
+def _optimum(view: View, chosen: Sequence[Array], seed: int) -> tuple[Array, float]:
     """Coordinates of least loss, hoping for a standard deviation, and the loss there."""
     from scipy.optimize import differential_evolution
 
     wide = len(view.job.box.spans)
     with emulator.alone():
-        found = differential_evolution(
-            _loss(view, taken, 1.0), [(0.0, 1.0)] * wide, popsize=15, maxiter=80, tol=1e-4,
+        optimum = differential_evolution(
+            _loss(view, chosen, 1.0), [(0.0, 1.0)] * wide, popsize=15, maxiter=80, tol=1e-4,
             polish=False, vectorized=True, updating="deferred", rng=seed,
         )  # fmt: skip
-    return np.asarray(found.x), float(found.fun)
+    return np.asarray(optimum.x), float(optimum.fun)

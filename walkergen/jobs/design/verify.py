@@ -10,7 +10,7 @@ from walkergen.files.config import validate
 from walkergen.jobs.design import lab
 from walkergen.jobs.design import wish as wishes
 from walkergen.jobs.design.lab import Bench, Job, Trial
-from walkergen.jobs.design.search import Found
+from walkergen.jobs.design.search import Search
 from walkergen.jobs.design.wish import NORMAL_95, Seen
 from walkergen.points.point import PREDICTION, Point
 from walkergen.points.wanted import Wanted
@@ -44,31 +44,31 @@ class Verified(NamedTuple):
     runs: int
     """Number of fresh runs; 0 if predicted."""
     warnings: int
-    told: str
+    finding: str
     """Worst finding of the printer's checks; "" when there is none."""
     met: bool
 
 
-def verify(job: Job, bench: Bench, found: Found) -> list[Verified]:
+def verify(job: Job, bench: Bench, result: Search) -> list[Verified]:
     """Verify the chosen designs."""
-    designs = [_written(job, trial, n) for n, trial in enumerate(found.chosen, start=1)]
+    designs = [_written(job, trial, n) for n, trial in enumerate(result.chosen, start=1)]
     texts = [_text(job, design) for design in designs]
     read = [_read(text) for text in texts]
-    scenes = [lab.made(job, trial.values)[1] for trial in found.chosen]
-    effort = job.effort[2] if job.simulated else None
-    asked: list[Point] = []
-    for trial, design, scene in zip(found.chosen, read, scenes, strict=True):
+    scenes = [lab.built(job, trial.values)[1] for trial in result.chosen]
+    effort = job.efforts.verification if job.simulated else None
+    requests: list[Point] = []
+    for trial, design, scene in zip(result.chosen, read, scenes, strict=True):
         points = lab.points(job, design, scene, effort, None, lab.fresh_seed(job.seed))
         first = points[0]._replace(wanted=_wanted(job, trial))
         if not job.simulated:
             first = first._replace(keep=(*first.keep, "spread"))
-        asked += [first, *points[1:]]
-    rows = [trial.values for trial in found.chosen]
-    fresh = lab.read(job, bench, rows, asked, effort, "verification")
+        requests += [first, *points[1:]]
+    rows = [trial.values for trial in result.chosen]
+    fresh = lab.read(job, bench, rows, requests, effort, "verification")
     return [
         _verified(job, old, expected, new, design, text, scene)
         for old, expected, new, design, text, scene in zip(
-            found.chosen, found.expected, fresh, designs, texts, scenes, strict=True
+            result.chosen, result.expected, fresh, designs, texts, scenes, strict=True
         )
     ]
 
@@ -89,7 +89,7 @@ def _wanted(job: Job, trial: Trial) -> Wanted | None:
 
 def _written(job: Job, trial: Trial, number: int) -> Design:
     """Design as it is written: with a name, and the files that it names found from anywhere."""
-    design, _ = lab.made(job, trial.values)
+    design, _ = lab.built(job, trial.values)
     data = design.model_dump(exclude_unset=True)
     ending = f"-{job.wish.slug}-{number}"
     data["name"] = job.design.name[: 64 - len(ending)] + ending
@@ -108,7 +108,7 @@ def _text(job: Job, design: Design) -> str:
 
 def _read(text: str) -> Design:
     """Design of a TOML text, as a file with it is read."""
-    return validate(Design.beside(tomllib.loads(text), Path()), Design, "design", text)
+    return validate(Design.located(tomllib.loads(text), Path()), Design, "design", text)
 
 
 def _verified(
@@ -116,35 +116,35 @@ def _verified(
 ) -> Verified:
     assert old.seen is not None
     record, predicted = new.record, old.record.get("predicted_mm_s", old.record.get("speed_mm_s"))
-    speed, told, runs = record.get("speed_mm_s"), old.record.get("print_told"), record.get("runs")
-    warnings = old.record.get("print_warnings")
-    found = Verified(
+    speed, runs = record.get("speed_mm_s"), record.get("runs")
+    finding, warnings = old.record.get("print_told"), old.record.get("print_warnings")
+    verified = Verified(
         old.values, design, text, scene,
         float(predicted) if isinstance(predicted, (int, float)) else None,
         Seen(expected, old.seen.se), new.seen, wishes.bounds(record, job.wish.of), new.slope,
         float(speed) if isinstance(speed, (int, float)) else None,
         runs if isinstance(runs, int) else 0, warnings if isinstance(warnings, int) else 0,
-        str(told or ""), False,
+        str(finding or ""), False,
     )  # fmt: skip
-    return found._replace(met=new.printable and _met(job, found, old))
+    return verified._replace(met=new.printable and _met(job, verified, old))
 
 
-def _met(job: Job, found: Verified, old: Trial) -> bool:
+def _met(job: Job, design: Verified, old: Trial) -> bool:
     """True when the fresh value is the one wished within the error.
 
     Without a target: when it is the one for which the design was chosen, within the error allowed
     or, where that is less, the errors of both runs.
     """
-    if found.verified is None:
+    if design.verified is None:
         return False
-    value = found.verified.value
+    value = design.verified.value
     if job.wish.target is not None:
         return abs(value - job.wish.target) <= job.wish.allowed(value)
-    before, after = found.chosen, found.verified
+    before, after = design.chosen, design.verified
     if job.wish.calm:
-        if old.slope is None or found.slope is None:
+        if old.slope is None or design.slope is None:
             return False
-        before, after = old.slope, found.slope
+        before, after = old.slope, design.slope
     apart = abs(after.value - before.value)
     both = NORMAL_95 * math.hypot(before.se, after.se)
     return apart <= max(job.wish.allowed(after.value), both)

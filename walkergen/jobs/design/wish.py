@@ -80,8 +80,8 @@ def of_options(
     calm: bool, error: Wanted,
 ) -> Wish:  # fmt: skip
     """Wish of a command line. Raises InputError unless it is exactly one that can be."""
-    given = dict(zip(OPTIONS, (speed, persistence, radius), strict=True))
-    targets = {name: value for name, value in given.items() if value is not None}
+    by_option = dict(zip(OPTIONS, (speed, persistence, radius), strict=True))
+    targets = {name: value for name, value in by_option.items() if value is not None}
     named = [*targets, *(["--fastest"] if fastest else [])]
     if len(named) > 1 or (calm and named not in ([], ["--speed"])):
         both = " and ".join([*named, *(["--least-sensitive"] if calm else [])])
@@ -170,10 +170,10 @@ def bounds(record: Record, of: Quantity) -> tuple[float, float] | None:
         if isinstance(low, (int, float)) and isinstance(high, (int, float)):
             return float(low), float(high)
         return None
-    found = seen(record, of)
-    if found is None:
+    quantity = seen(record, of)
+    if quantity is None:
         return None
-    return found.value - NORMAL_95 * found.se, found.value + NORMAL_95 * found.se
+    return quantity.value - NORMAL_95 * quantity.se, quantity.value + NORMAL_95 * quantity.se
 
 
 def ended_well(record: Record) -> bool:

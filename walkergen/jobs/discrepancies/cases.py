@@ -94,7 +94,7 @@ EXTRAS: Ranges = {
 NO_EXTRAS = dict.fromkeys(EXTRAS, 0.0)
 
 WITH_EXTRA = 0.1
-"""Share of the rows that have a second harmonic, and as many each a slope and noise."""
+"""Share of the rows that have a second harmonic; the same share has a slope, and noise."""
 
 MOST_HARMONIC, MOST_NOISE, MOST_SLOPE_RATIO = 0.5, 0.5, 0.8
 """Ratio of the second harmonic; rms of the plate's noise over its peak speed; tan(slope) over

@@ -49,8 +49,8 @@ def speeds() -> tuple[Array, Array]:
     rows = []
     for number, tilt in enumerate(TILTS_DEG):
         design = Design().variant(tilt_deg=tilt)
-        known = prediction.known_inputs(scene, design)
-        drawn = uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
+        inputs = prediction.known_inputs(scene, design)
+        drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
         own = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
         prints = drawn._replace(columns={**drawn.columns, PRINT.name: own})
         mass = solids.mass_of(design)

@@ -31,16 +31,17 @@ HIDDEN = {"flexible": (40, 40, 40), "braced": (8,)}
 DECAY, STEPS = 0.1, 1000
 
 ROUGH = 0.1
-"""Error after asinh up to which no row counts more than another: the fit errs by as much."""
+"""Error (after asinh) that every row has beside its own noise: the fit errs by as much, so that a
+row of less noise counts for no more."""
 
 PRIOR = 2.0
 """Precision about zero of the weights of smooth features."""
 
 WIDEST = 6.0
-"""Scales of an input within its range, at most."""
+"""Largest ratio of an input's range to its scale."""
 
 PRIOR_RUNS = 3
-"""Freedoms that the smooth scatter of runs counts for beside a row's own."""
+"""Degrees of freedom by which the smooth scatter of runs counts beside a row's own."""
 
 PEAK_MM_S = 31.2
 """Peak speed of the paper's plate, at which errors are told in mm/s."""
@@ -78,12 +79,12 @@ def rows_of(table: Array, braced: bool) -> Rows:
     return Rows(chosen[:, 1:-3], speed, y, se * np.sqrt(runs), runs)
 
 
-def table(made: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
+def table(simulated: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
     """Arrays of the table, with `facts` in JSON: ranges of places and errors by kind of legs."""
     arrays: dict[str, Array] = {}
     ranges, errors = {}, {}
     for kind in ("flexible", "braced"):
-        rows = rows_of(made, kind == "braced")
+        rows = rows_of(simulated, kind == "braced")
         low, high = Place(*rows.places.min(axis=0)), Place(*rows.places.max(axis=0))
         # Mirror images, and upright walkers between them, are in the table too
         steepest = max(high.slope_ratio, -low.slope_ratio)
@@ -113,47 +114,47 @@ def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> dict[str, Array]:
     own = rows.runs - 1.0
     noise = (own * rows.spread**2 + PRIOR_RUNS * variance) / (own + PRIOR_RUNS) / rows.runs
     weights = 1.0 / (noise + ROUGH**2)
-    given = Values(inputs, factors, rows.y, weights / weights.mean())
-    networks, left_out = _networks(given, HIDDEN[kind], cores, steps)
+    training = Values(inputs, factors, rows.y, weights / weights.mean())
+    networks, left_out = _networks(training, HIDDEN[kind], cores, steps)
     residual = left_out - rows.y
     error = _log_sd(features, residual, noise)
-    found = {
+    arrays = {
         **network.arrays_of(networks, kind),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
         f"{kind}_error": error,
         f"{kind}_prints": between,
     }
-    told = _errors(rows, left_out, np.sqrt(noise), network.smooth(features, error))
+    errors = _errors(rows, left_out, np.sqrt(noise), network.smooth(features, error))
     prints = uneven * network.smooth(features, between)
-    told["all"]["prints_sd_median_percent"] = 100.0 * _median(prints[uneven > 0.0])
-    return found | {f"{kind}_told": np.array(json.dumps(told))}
+    errors["all"]["prints_sd_median_percent"] = 100.0 * _median(prints[uneven > 0.0])
+    return arrays | {f"{kind}_told": np.array(json.dumps(errors))}
 
 
 def _networks(
-    given: Values, hidden: tuple[int, ...], cores: int, steps: int
+    training: Values, hidden: tuple[int, ...], cores: int, steps: int
 ) -> tuple[list[list[Layer]], Array]:
     """The networks, and values at every row by those that have not seen it."""
-    tenth = np.random.default_rng(TENTHS).permutation(len(given.values)) % TENTHS
+    tenth = np.random.default_rng(TENTHS).permutation(len(training.values)) % TENTHS
     seen = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
-    parts = [Values(*(column[rows] for column in given)) for rows in seen]
+    parts = [Values(*(column[rows] for column in training)) for rows in seen]
     with ProcessPoolExecutor(cores) as pool:
         networks = list(
             pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
         )
-    total = np.zeros(len(given.values))
+    total = np.zeros(len(training.values))
     for layers, rows in zip(networks, seen, strict=True):
-        outputs = network.evaluated(layers, given.inputs[~rows])
-        total[~rows] += (outputs * given.factors[~rows]).sum(axis=1) / OUT
+        outputs = network.evaluated(layers, training.inputs[~rows])
+        total[~rows] += (outputs * training.factors[~rows]).sum(axis=1) / OUT
     return networks, total
 
 
-def _trained(given: Values, hidden: tuple[int, ...], steps: int, seed: int) -> list[Layer]:
+def _trained(training: Values, hidden: tuple[int, ...], steps: int, seed: int) -> list[Layer]:
     """A network, on one thread: several are trained at a time."""
     from threadpoolctl import threadpool_limits
 
     with threadpool_limits(1):
-        return network.trained(given, hidden, DECAY, steps, seed)
+        return network.trained(training, hidden, DECAY, steps, seed)
 
 
 def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
@@ -169,10 +170,10 @@ def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
         first = network.smooth(features, in_time) ** 2
         second = (uneven * network.smooth(features, between)) ** 2
         variance = first + second
-        found = float(half @ (np.log(variance) + observed / variance))
+        total = float(half @ (np.log(variance) + observed / variance))
         slope = 2.0 * half * (1.0 - observed / variance) / variance
         slopes = np.concatenate([features.T @ (slope * first), features.T @ (slope * second)])
-        return found + PRIOR * float(values @ values), slopes + 2.0 * PRIOR * values
+        return total + PRIOR * float(values @ values), slopes + 2.0 * PRIOR * values
 
     start = np.zeros(2 * features.shape[1])
     start[0], start[features.shape[1]] = -3.0, -1.0
@@ -188,9 +189,9 @@ def _log_sd(features: Array, residual: Array, noise: Array) -> Array:
     def loss(weights: Array) -> tuple[float, Array]:
         own = network.smooth(features, weights) ** 2
         variance = own + noise
-        found = 0.5 * float(np.sum(np.log(variance) + residual**2 / variance))
+        total = 0.5 * float(np.sum(np.log(variance) + residual**2 / variance))
         slope = (1.0 - residual**2 / variance) / variance * own
-        return found + PRIOR * float(weights @ weights), features.T @ slope + 2.0 * PRIOR * weights
+        return total + PRIOR * float(weights @ weights), features.T @ slope + 2.0 * PRIOR * weights
 
     return _least(loss, np.r_[-2.0, np.zeros(features.shape[1] - 1)])
 
@@ -202,11 +203,11 @@ def _least(loss: Any, start: Array) -> Array:
     first = float(np.linalg.norm(loss(start)[1]))  # so that the first step is a short one
 
     def scaled(values: Array) -> tuple[float, Array]:
-        found, slopes = loss(values)
-        return found / first, slopes / first
+        total, slopes = loss(values)
+        return total / first, slopes / first
 
-    found = minimize(scaled, start, jac=True, method="L-BFGS-B", bounds=bounds)
-    return np.asarray(found.x)
+    solution = minimize(scaled, start, jac=True, method="L-BFGS-B", bounds=bounds)
+    return np.asarray(solution.x)
 
 
 def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, Any]:
@@ -218,7 +219,7 @@ def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, A
     speed = discrepancy.LINEAR_BELOW * np.sinh(left_out)
     slope = np.hypot(rows.speed, discrepancy.LINEAR_BELOW)
     peak = PEAK_MM_S
-    found = {}
+    by_group = {}
     for group, chosen in _groups(rows.places).items():
         if not chosen.any():
             continue
@@ -226,7 +227,7 @@ def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, A
         share = 100.0 * off[size > SLOW] / size[size > SLOW]
         z = ((left_out - rows.y) / np.hypot(noise, sd))[chosen]
         allowed = np.maximum(GOAL_SHARE * size, GOAL_MM_S / peak)
-        found[group] = {
+        by_group[group] = {
             "rows": int(chosen.sum()),
             "median_mm_s": peak * _median(off),
             "ninety_percent_mm_s": peak * _quantile(off, 0.9),
@@ -239,7 +240,7 @@ def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, A
             "z_within_68": float(np.mean(np.abs(z) < 1.0)),
             "z_within_95": float(np.mean(np.abs(z) < 1.96)),
         }
-    return found
+    return by_group
 
 
 def _groups(places: Array) -> dict[str, npt.NDArray[np.bool_]]:
@@ -272,8 +273,8 @@ def report(arrays: dict[str, Array]) -> str:
     errors = json.loads(str(arrays["facts"]))["errors"]
     lines = ["error at rows left out by tens, their own noise within (mm/s of a plate at 31 mm/s)"]
     for kind, groups in errors.items():
-        for group, told in groups.items():
-            numbers = ", ".join(f"{name} {value:.3g}" for name, value in told.items())
+        for group, own in groups.items():
+            numbers = ", ".join(f"{name} {value:.3g}" for name, value in own.items())
             lines.append(f"{kind}, {group}: {numbers}")
     return "\n".join(lines)
 

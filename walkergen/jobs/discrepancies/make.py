@@ -39,11 +39,11 @@ over the plate's peak speed."""
 
 def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
     """Rows of the table, simulated or found in the store; none of runs that end badly."""
-    asked = [Point(case.design, case.scene, simulated=True, keep=()) for case in every]
-    progress = Progress(len(asked))
+    points = [Point(case.design, case.scene, simulated=True, keep=()) for case in every]
+    progress = Progress(len(points))
     with crew.local(cores) as workers:
-        for case, done in zip(every, run.each(asked, Store(), workers), strict=True):
-            progress.add(0.0 if done.known else _seconds(case))
+        for case, done in zip(every, run.each(points, Store(), workers), strict=True):
+            progress.add(0.0 if done.stored else _seconds(case))
             numbers = row(case, done.record)
             if numbers is not None:
                 yield numbers
@@ -52,7 +52,7 @@ def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
 
 def with_settings(case: Case, settings: Sequence[str]) -> Case:
     """Case with keys of its scene set anew, each as in "run.step_us=2"."""
-    values = dict(one.split("=", 1) for one in settings)
+    values = dict(setting.split("=", 1) for setting in settings)
     return case._replace(scene=case.scene.variant(**{k: json.loads(v) for k, v in values.items()}))
 
 
@@ -76,14 +76,14 @@ class Progress:
 
     def __init__(self, count: int) -> None:
         self.count, self.done, self.simulated = count, 0, 0.0
-        self.started = self.told = time.monotonic()
+        self.started = self.shown = time.monotonic()
 
     def add(self, seconds: float) -> None:
         """Count a row, and the seconds that were simulated for it."""
         self.done += 1
         self.simulated += seconds
-        if time.monotonic() - self.told > 10.0:
-            self.told = time.monotonic()
+        if time.monotonic() - self.shown > 10.0:
+            self.shown = time.monotonic()
             self._tell()
 
     def end(self) -> None:
@@ -91,10 +91,10 @@ class Progress:
         self._tell()
 
     def _tell(self) -> None:
-        taken = time.monotonic() - self.started
-        left = taken / self.done * (self.count - self.done)
+        elapsed = time.monotonic() - self.started
+        left = elapsed / self.done * (self.count - self.done)
         print(
-            f"{self.done} of {self.count} rows in {taken / 60:.1f} min, {self.simulated:.0f} s "
+            f"{self.done} of {self.count} rows in {elapsed / 60:.1f} min, {self.simulated:.0f} s "
             f"simulated; about {left / 60:.1f} min left",
             file=sys.stderr, flush=True,
         )  # fmt: skip

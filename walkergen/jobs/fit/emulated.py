@@ -101,20 +101,20 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
     was simulated before is not simulated again; Ctrl-C loses only the runs under way.
     """
     prints, seeds = _prints(ground, setting, len(x), batch)
-    names = [one.prior.name for one in ground.unknown.simulated]
-    names += [one.name for one in ground.unknown.printed]
+    names = [parameter.prior.name for parameter in ground.unknown.simulated]
+    names += [varying.name for varying in ground.unknown.printed]
     scene = _short(ground, setting)
-    asked = []
+    runs = []
     for row, seed in zip(np.column_stack([x, prints]), seeds, strict=True):
         run = scene.run.model_copy(update={"seed": seed})
         mine = scene.model_copy(update={"run": run})
         inputs = dict(zip(names, row, strict=True))
-        asked.append(Asked(*uncertain.applied(mine, setting.design, inputs)))
-    keys = [points.key(one) for one in asked]
+        runs.append(Asked(*uncertain.applied(mine, setting.design, inputs)))
+    keys = [points.key(run) for run in runs]
     store = Store()
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
-    wanted = [asked[place] for place in missing]
+    wanted = [runs[place] for place in missing]
     titles = [f"simulating tilt {setting.tilt:g}"] * len(wanted)
     try:
         for place, point in zip(missing, points.on_threads(wanted, titles, progress), strict=True):
@@ -133,10 +133,11 @@ def _prints(ground: Ground, setting: Setting, count: int, batch: int) -> tuple[A
     """
     place = [round(1e6 * (setting.tilt + 90.0)), round(1e6 * setting.plate_speed)]
     rng = np.random.default_rng([ground.scene.run.seed, batch, *place])
-    seeds = [int(one) for one in rng.integers(2**62, size=count)]
+    seeds = [int(seed) for seed in rng.integers(2**62, size=count)]
     even = rng.uniform(1e-9, 1.0, (count, len(ground.unknown.printed)))
     columns = [
-        uncertain.quantiles(one, even[:, place]) for place, one in enumerate(ground.unknown.printed)
+        uncertain.quantiles(varying, even[:, place])
+        for place, varying in enumerate(ground.unknown.printed)
     ]
     return np.column_stack(columns) if columns else np.empty((count, 0)), seeds
 
@@ -184,13 +185,13 @@ def response(x: Array, y: Array, setting: Setting, prints_differ: bool) -> Respo
     first = emulator.fit(x, y)
     floor, share = _scatter(y - first.left_out, first.left_out)
     noise = np.hypot(floor, share * (y - first.left_out))
-    found = emulator.fit(x, y, noise)
+    fitted = emulator.fit(x, y, noise)
     # The residuals hold the emulator's own error as well, which is no noise: taken out.
-    excess = float(np.sqrt(np.mean((found.left_out / found.left_out_sd) ** 2)))
+    excess = float(np.sqrt(np.mean((fitted.left_out / fitted.left_out_sd) ** 2)))
     floor, share = floor * excess, share * excess
-    found = emulator.fit(x, y, noise * excess)
+    fitted = emulator.fit(x, y, noise * excess)
     still = STILL * setting.plate_speed
-    return Response(found, *((floor, share) if prints_differ else (0.0, 0.0)), still)
+    return Response(fitted, *((floor, share) if prints_differ else (0.0, 0.0)), still)
 
 
 def _scatter(speed: Array, residual: Array) -> tuple[float, float]:
@@ -211,11 +212,11 @@ def batches(
     ground: Ground, settings: Sequence[Setting], x: Array, progress: Progress, batch: int
 ) -> list[Array]:
     """Speeds of walkers with parameters `x` in every setting, each of shape (n,)."""
-    found = []
+    speeds = []
     for number, setting in enumerate(settings):
 
-        def told(what: str, done: int, total: int, number: int = number) -> None:
+        def advance(what: str, done: int, total: int, number: int = number) -> None:
             progress(what, number * len(x) + done, len(settings) * len(x))
 
-        found.append(simulate(ground, setting, x, told, batch))
-    return found
+        speeds.append(simulate(ground, setting, x, advance, batch))
+    return speeds

@@ -41,7 +41,7 @@ def fit_figure(
         axes.plot(fine, scale * speed, line, color=colour, label=f"fit, {kind} legs")
         band = scale * (speed - error), scale * (speed + error)
         axes.fill_between(fine, *band, color=colour, alpha=0.2, linewidth=0)
-        chosen = np.array([one == kind for one in legs])
+        chosen = np.array([own == kind for own in legs])
         bars = None if speeds.se is None else (speeds.se / unit)[chosen]
         axes.errorbar(
             tilt[chosen], (speeds.speed / unit)[chosen], bars, fmt=marker, color=colour,

@@ -31,7 +31,7 @@ def of_model(texts: Sequence[str], model: ModelName) -> dict[str, float]:
 
 def _parsed(texts: Sequence[str], ranges: Ranges, of: str) -> dict[str, float]:
     """Values by name. Raises InputError for names and values out of range."""
-    found: dict[str, float] = {}
+    values: dict[str, float] = {}
     for text in texts:
         name, _, number = (word.strip(" ") for word in text.partition("="))
         if name not in ranges:
@@ -44,5 +44,5 @@ def _parsed(texts: Sequence[str], ranges: Ranges, of: str) -> dict[str, float]:
             raise InputError(f"--fix {text[:60]!r}: {number[:30]!r} is not a number")
         if not low <= value <= high:
             raise InputError(f"--fix {text[:60]!r}: must lie in {low:g}..{high:g}{of}")
-        found[name] = value
-    return found
+        values[name] = value
+    return values

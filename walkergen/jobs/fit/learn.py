@@ -86,57 +86,57 @@ def learn(path: Path, job: Job, progress: Progress) -> Learned:
     Columns as in `make.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
     """
-    found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
-    measured.refuse_slips(path, found)
-    seen, notes = _flexible(found, path, job.model)
+    table = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    measured.refuse_slips(path, table)
+    seen, notes = _flexible(table, path, job.model)
     scene, design = held(job.scene, job.design, job.fixed)
     errors = seen.se is not None
-    known_before = unknown(scene, design, job.model, job.prior, job.fixed, errors)
-    ground = Ground(scene, job.model, known_before)
+    unknowns = unknown(scene, design, job.model, job.prior, job.fixed, errors)
+    ground = Ground(scene, job.model, unknowns)
     settings, observed = _observed(design, seen)
     ahead = _ahead(job, design, seen, settings)
     respond = _by_table if job.model == "prediction" else _by_runs
-    known, responses, later = respond(ground, settings, observed, ahead, progress)
+    sampled, responses, later = respond(ground, settings, observed, ahead, progress)
     parameters = ground.unknown.parameters
-    bands = _bands(ground, settings, responses, known, True)
-    bands += _bands(ground, ahead, later, known, False)
+    bands = _bands(ground, settings, responses, sampled, True)
+    bands += _bands(ground, ahead, later, sampled, False)
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
-    known = known._replace(draws=known.draws[:, : len(parameters)])
-    rows = lessons.learnt(parameters, known.draws)
+    sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
+    rows = lessons.learnt(parameters, sampled.draws)
     notes = [
-        *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, known.draws),
-        *lessons.misfit(known, len(seen.speed), job.model), *notes, *_caveats(ground),
+        *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, sampled.draws),
+        *lessons.misfit(sampled, len(seen.speed), job.model), *notes, *_caveats(ground),
     ]  # fmt: skip
     return Learned(
-        known, seen, rows, bands, notes, _scene(job, scene, rows, path),
+        sampled, seen, rows, bands, notes, _scene(job, scene, rows, path),
         _design(design, rows, path),
     )  # fmt: skip
 
 
-def _flexible(found: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
+def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, list[str]]:
     """Rows of flexible walkers with their errors, and notes on those left out."""
-    if not len(found.speed):
-        raise InputError(f"{path}: no row is usable: {found.bad}")
-    if found.se is None and model != "prediction":
+    if not len(table.speed):
+        raise InputError(f"{path}: no row is usable: {table.bad}")
+    if table.se is None and model != "prediction":
         raise InputError(
             f"{path}: no column speed_se_mm_s; a simulated fit weighs speeds by their standard "
             "errors: add them (walkergen analyse gives them), or leave --model out"
         )
-    braced = np.array([kind == "braced" for kind in found.legs])
+    braced = np.array([kind == "braced" for kind in table.legs])
     if braced.all():
         raise InputError(
             f"{path}: all rows have braced legs, whose speeds near 0 tell nothing of the contact; "
             "measure walkers with flexible legs"
         )
-    notes = [found.bad] if found.bad else []
+    notes = [table.bad] if table.bad else []
     if braced.any():
         notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
-    if found.se is None:
+    if table.se is None:
         notes.append("no standard errors given: those here come from the scatter of the speeds")
     kept = ~braced
     seen = Measured(
-        found.tilt[kept], ["flexible"] * int(kept.sum()), found.speed[kept],
-        None if found.se is None else found.se[kept], found.plate_speed[kept], found.bad,
+        table.tilt[kept], ["flexible"] * int(kept.sum()), table.speed[kept],
+        None if table.se is None else table.se[kept], table.plate_speed[kept], table.bad,
     )  # fmt: skip
     return seen, notes
 
@@ -164,8 +164,8 @@ def _ahead(job: Job, design: Design, seen: Measured, settings: Sequence[Setting]
     plates, counts = np.unique(seen.plate_speed, return_counts=True)
     plate = float(plates[np.argmax(counts)])
     tilts = design.family.tilt_deg if job.ahead is None else job.ahead
-    known = [one.tilt for one in settings if one.plate_speed == plate]
-    missing = sorted({float(tilt) for tilt in tilts} - set(known))
+    measured_tilts = [setting.tilt for setting in settings if setting.plate_speed == plate]
+    missing = sorted({float(tilt) for tilt in tilts} - set(measured_tilts))
     if len(missing) + len(settings) > MOST_SETTINGS:
         raise InputError(
             f"--predict: {len(missing)} tilts beside {len(settings)} measured ones; at most "
@@ -181,8 +181,8 @@ def _by_table(
     """Posterior by the table, and what it says of settings measured and ahead."""
     responses, later = (tabled.responses(ground, some) for some in (settings, ahead))
     seed = ground.scene.run.seed
-    known = weighed.sample(ground.unknown.sampled, observed, responses, seed, progress)
-    return known, responses, later
+    sampled = weighed.sample(ground.unknown.sampled, observed, responses, seed, progress)
+    return sampled, responses, later
 
 
 def _by_runs(
@@ -204,16 +204,16 @@ def _by_runs(
     x = np.concatenate([x, drawn])
     y = [np.concatenate(both) for both in zip(y, more, strict=True)]
     responses = _responses(ground, settings, x, y)
-    found = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
-    drawn = _some(found, ground, AHEAD)
+    sampled = posterior.sample(ground.unknown.parameters, observed, responses, seed, progress)
+    drawn = _some(sampled, ground, AHEAD)
     y = emulated.batches(ground, ahead, drawn, progress, 2)
-    return found, responses, _responses(ground, ahead, drawn, y)
+    return sampled, responses, _responses(ground, ahead, drawn, y)
 
 
-def _some(known: Posterior, ground: Ground, count: int) -> Array:
+def _some(sampled: Posterior, ground: Ground, count: int) -> Array:
     """Draws of the posterior far from one another in the chain, (count, simulated parameters)."""
     wide = len(ground.unknown.simulated)
-    return known.draws[:: len(known.draws) // count][:count, :wide]
+    return sampled.draws[:: len(sampled.draws) // count][:count, :wide]
 
 
 def _responses(
@@ -230,30 +230,30 @@ def _bands(
     ground: Ground,
     settings: Sequence[Setting],
     responses: Sequence[Responds],
-    known: Posterior,
+    sampled: Posterior,
     is_measured: bool,
 ) -> list[Band]:
     """Bands in settings from the posterior, the emulators' errors and the scatter of prints."""
-    found = []
+    bands = []
     for number, (setting, response) in enumerate(zip(settings, responses, strict=True)):
         rng = np.random.default_rng([ground.scene.run.seed, number, is_measured])
-        speeds = posterior.speeds(known.draws, response, rng)
-        scatter = float(np.median(response(known.draws[:: posterior.KEPT // 64])[2]))
-        ends = [float(one) for one in np.quantile(speeds, LEVELS)]
+        speeds = posterior.speeds(sampled.draws, response, rng)
+        _, _, scatter = response(sampled.draws[:: posterior.KEPT // 64])
+        ends = [float(end) for end in np.quantile(speeds, LEVELS)]
         place = (setting.tilt, setting.plate_speed, int(is_measured))
-        found.append(Band._make((*place, *ends, scatter)))
-    return found
+        bands.append(Band._make((*place, *ends, float(np.median(scatter)))))
+    return bands
 
 
 def _caveats(ground: Ground) -> list[str]:
     """Notes on what the bands leave out."""
-    found = [
+    notes = [
         "scene.toml and design.toml hold means and standard deviations; how parameters go "
         "together stands in posterior.csv, and only bands.csv knows it"
     ]
     if ground.model == "space" and not ground.unknown.prints_differ:
-        found.insert(0, "the scene has no unevenness: bands leave out how prints differ")
-    return found
+        notes.insert(0, "the scene has no unevenness: bands leave out how prints differ")
+    return notes
 
 
 def caption(job: Job) -> str:
@@ -261,8 +261,8 @@ def caption(job: Job) -> str:
     fixed = ", ".join(f"{name} = {value:g}" for name, value in job.fixed.items())
     feet = f", {job.scene.feet.damping} feet" if job.model == "space" else ""
     law = f", law {job.scene.contact.law}" if job.model == "compliant" else ""
-    given = f", given {fixed}" if fixed else ""
-    return f"walker {job.design.name}, model {job.model}{feet}{law}, prior {job.prior}{given}"
+    condition = f", given {fixed}" if fixed else ""
+    return f"walker {job.design.name}, model {job.model}{feet}{law}, prior {job.prior}{condition}"
 
 
 def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:

@@ -15,7 +15,7 @@ UNLEARNT = 0.9
 """Standard deviation over that of the prior from which a parameter counts as not learnt."""
 
 TRADED = 0.5
-"""Error of a combination over that of its parts below which they are said to trade."""
+"""Error of a combination, over that of a parameter in it, up to which parameters trade."""
 
 PART = 0.3
 """Component of a direction (of length 1) from which a parameter belongs to it."""
@@ -41,16 +41,16 @@ class Learnt(NamedTuple):
 
 def learnt(parameters: Sequence[Parameter], draws: Array) -> tuple[Learnt, ...]:
     """Summarise draws (k, parameters) of the posterior, a row for each parameter."""
-    found = []
+    rows = []
     grid = (np.arange(4096) + 0.5) / 4096
-    for place, one in enumerate(parameters):
+    for place, parameter in enumerate(parameters):
         column = draws[:, place]
         ends = np.quantile(column, (0.1587, 0.8413, 0.025, 0.975))
         mean, sd = float(column.mean()), float(column.std())
-        narrowed = sd / float(one.quantiles(grid).std())
-        row = (one.name, mean, sd, *map(float, ends), one.told, narrowed)
-        found.append(Learnt._make(row))
-    return tuple(found)
+        narrowed = sd / float(parameter.quantiles(grid).std())
+        row = (parameter.name, mean, sd, *map(float, ends), parameter.told, narrowed)
+        rows.append(Learnt._make(row))
+    return tuple(rows)
 
 
 def unlearnt(rows: Sequence[Learnt]) -> list[str]:
@@ -72,7 +72,7 @@ def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
     logs = np.log(np.maximum(draws[:, : len(parameters)], 1e-6))
     sd = logs.std(axis=0)
     levels, vectors = np.linalg.eigh(np.corrcoef(logs.T))
-    found = []
+    notes = []
     for level, vector in zip(levels, vectors.T, strict=True):
         parts = [place for place, part in enumerate(vector) if abs(part) > PART]
         parts.sort(key=lambda place: -abs(vector[place]))
@@ -86,22 +86,22 @@ def trades(parameters: Sequence[Parameter], draws: Array) -> list[str]:
             parameters[place].name + ("" if place == first else f"^{power[place]:.2g}")
             for place in parts
         )
-        found.append(
+        notes.append(
             f"{_listed(names)} trade: only {product} is known, to {100 * error:.0f} %, where "
             f"{parameters[first].name} alone is known to {100 * sd[first]:.0f} %"
         )
-    return found
+    return notes
 
 
-def misfit(found: Posterior, count: int, model: str) -> list[str]:
+def misfit(sampled: Posterior, count: int, model: str) -> list[str]:
     """Note on `count` speeds that no parameters explain."""
     from scipy.stats import chi2
 
-    chance = float(chi2.sf(found.chi2, count))
+    chance = float(chi2.sf(sampled.chi2, count))
     if chance > UNLIKELY:
         return []
     return [
-        f"the model {model} does not describe these speeds: chi2 {found.chi2:.3g} for {count} "
+        f"the model {model} does not describe these speeds: chi2 {sampled.chi2:.3g} for {count} "
         f"speeds at best (probability {chance:.1g}); bands and errors here suppose that it does"
     ]
 

@@ -73,14 +73,14 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
             f"{job.design.name}: the theory's mean over two equal feet is fitted, and its legs are "
             "not two equal ones: learn from simulated speeds, --model space"
         )
-    found = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
-    measured.refuse_slips(path, found)
-    tilt, legs = found.tilt, found.legs
-    speeds = _with_tensors(job, tilt, legs, found.speed, found.se, found.plate_speed)
+    table = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    measured.refuse_slips(path, table)
+    tilt, legs = table.tilt, table.legs
+    speeds = _with_tensors(job, tilt, legs, table.speed, table.se, table.plate_speed)
     progress("fitting", 0, 1)
     result = fits.fit_contact(speeds, job.fixed)
     scene = _scene(job.scene, result, path)
-    notes = [*result.notes, *([found.bad] if found.bad else []), OF_THEORY]
+    notes = [*result.notes, *([table.bad] if table.bad else []), OF_THEORY]
     return Fitted(result, tilt, legs, speeds, notes, scene, job.design, job)
 
 
@@ -96,7 +96,7 @@ def _with_tensors(
     job: Job, tilt: Array, legs: list[Kind], speed: Array, se: Array | None, plate: Array
 ) -> Speeds:
     pairs = zip(tilt, legs, strict=True)
-    members = [job.design.members([float(one)], [kind])[0] for one, kind in pairs]
+    members = [job.design.members([float(angle)], [kind])[0] for angle, kind in pairs]
     masses = [solids.mass_of(member) for member in members]
     return Speeds(speed, se, plate, *fits.tensors(masses), job.scene.contact.law, job.mode)
 

@@ -88,12 +88,15 @@ class Unknown(NamedTuple):
     @property
     def sampled(self) -> tuple[Parameter, ...]:
         """What a table is a function of: what is learnt, and what all prints of a printer share."""
-        return (*self.parameters, *(Parameter(one.name, one, False) for one in self.printed))
+        return (
+            *self.parameters,
+            *(Parameter(varying.name, varying, False) for varying in self.printed),
+        )
 
     @property
     def prints_differ(self) -> bool:
         """True when feet differ from print to print; masses alone change speeds too little."""
-        return any(one.name == "feet.unevenness_um" for one in self.printed)
+        return any(varying.name == "feet.unevenness_um" for varying in self.printed)
 
 
 def unknown(
@@ -106,8 +109,8 @@ def unknown(
     priors; without one they are held. Speeds without `errors` of their own tell their scatter from
     print to print. Raises InputError when nothing is left to learn.
     """
-    known = {one.name: one for one in uncertain.inputs(scene, design, model)}
-    found: list[Parameter] = []
+    inputs = {entry.name: entry for entry in uncertain.inputs(scene, design, model)}
+    parameters: list[Parameter] = []
     for name, key in KEYS.items():
         if name in fixed:
             continue
@@ -118,17 +121,19 @@ def unknown(
             if name == "friction" and model == "prediction":
                 low = TABLED_FROM
             middle, sd = 0.5 * (low + high), (high - low) / 12**0.5
-            found.append(Parameter(name, Input(key, middle, sd, low, high), True))
-        elif key in known:
-            found.append(Parameter(name, known[key], False))
-    if not found:
+            parameters.append(Parameter(name, Input(key, middle, sd, low, high), True))
+        elif key in inputs:
+            parameters.append(Parameter(name, inputs[key], False))
+    if not parameters:
         raise InputError(
             "--fix: nothing is left to learn; leave one of them free, or take --prior flat where "
             "the scene's standard deviations are 0"
         )
-    printed = tuple(known[name] for name in PRINTED if name in known)
+    printed = tuple(inputs[name] for name in PRINTED if name in inputs)
     scatter = Parameter(SCATTER, Input(SCATTER, 0.0, PRINT_SCATTER), False)
-    return Unknown(tuple(found), printed, (scatter,) if model == "compliant" or not errors else ())
+    return Unknown(
+        tuple(parameters), printed, (scatter,) if model == "compliant" or not errors else ()
+    )
 
 
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
@@ -140,5 +145,5 @@ def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scen
 
 def values(parameters: Sequence[Parameter], shares: Array) -> Array:
     """Values of the parameters from shares of their priors, shape (n, parameters)."""
-    columns = [one.quantiles(shares[:, place]) for place, one in enumerate(parameters)]
+    columns = [parameter.quantiles(shares[:, place]) for place, parameter in enumerate(parameters)]
     return np.column_stack(columns)

@@ -63,7 +63,7 @@ class Posterior(NamedTuple):
     independent: float
     """Number of independent draws that all that were made are worth."""
     chi2: float
-    """Squared residuals at the best draw, over all that the model allows them."""
+    """Sum of squared residuals at the best draw, over the variances that the model gives them."""
 
 
 def sample(
@@ -141,13 +141,13 @@ def likelihood(
         mean, sd, scatter = response(x)
         variance = seen.se**2 + scatter[:, None] ** 2
         residual = seen.speed - mean[:, None]
-        known = np.sum(1.0 / variance, axis=1)
+        precision = np.sum(1.0 / variance, axis=1)
         pull = np.sum(residual / variance, axis=1)
         # Sherman and Morrison: prints of variances `variance`, all moved by an error of sd `sd`.
-        shared = sd**2 / (1.0 + known * sd**2)
+        shared = sd**2 / (1.0 + precision * sd**2)
         chi2 = np.sum(residual**2 / variance, axis=1) - shared * pull**2
         squares += chi2
-        total -= 0.5 * (chi2 + np.sum(np.log(variance), axis=1) + np.log1p(known * sd**2))
+        total -= 0.5 * (chi2 + np.sum(np.log(variance), axis=1) + np.log1p(precision * sd**2))
     return total, squares
 
 

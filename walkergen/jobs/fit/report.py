@@ -196,9 +196,11 @@ def _points(seen: Measured, bands: Sequence[Band]) -> Table:
             "low_95", "high_95")  # fmt: skip
     errors = [None] * len(seen.speed) if seen.se is None else seen.se
     rows = []
-    for row in zip(seen.tilt, seen.legs, seen.plate_speed, seen.speed, errors, strict=True):
-        band = by[float(row[0]), float(row[2])]
-        rows.append((*row, band.speed_mm_s, band.low_95, band.high_95))
+    settings = zip(seen.tilt, seen.legs, seen.plate_speed, strict=True)
+    for setting, speed, error in zip(settings, seen.speed, errors, strict=True):
+        tilt, _, plate = setting
+        band = by[float(tilt), float(plate)]
+        rows.append((*setting, speed, error, band.speed_mm_s, band.low_95, band.high_95))
     return Table("speeds", rows, keys)
 
 

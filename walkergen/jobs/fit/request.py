@@ -51,39 +51,41 @@ def fit(path: Path, request: Request, folder: Path, progress: Progress) -> FitRe
         if (prior, ahead) != (None, None):
             name = "--predict" if prior is None else "--prior"
             raise InputError(f"{name}: the theory has none; leave out --model theory")
-        given = make.Job(design, scene, mode, fixed.of_theory(fix), pictures)
-        caption = make.caption(given)
-        made = report.of_theory(make.fit(path, given, progress), path, caption, folder)
+        theory_job = make.Job(design, scene, mode, fixed.of_theory(fix), pictures)
+        caption = make.caption(theory_job)
+        results = report.of_theory(make.fit(path, theory_job, progress), path, caption, folder)
         comment = f"Fitted to {path.name}: {caption}"
-        return _written(made, request, path, comment, {"mode": mode, "fixed": dict(given.fixed)})
+        return _written(
+            results, request, path, comment, {"mode": mode, "fixed": dict(theory_job.fixed)}
+        )
     if mode != "coulomb":
         raise InputError(f"--mode {mode!r}: a mode of the theory; --model {model} has none")
     if model != "prediction":
         scene = scene.variant(**{"legs.model": model})
     prior = parameters.PRIORS[0] if prior is None else prior
     if prior not in parameters.PRIORS:
-        known = ", ".join(parameters.PRIORS)
-        raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {known}")
+        priors = ", ".join(parameters.PRIORS)
+        raise InputError(f"--prior {str(prior)[:30]!r}: must be one of {priors}")
     held = fixed.of_model(fix, model)
     job = learn.Job(design, scene, model, prior, held, ahead, pictures)
     caption = learn.caption(job)
-    made = report.of_model(learn.learn(path, job, progress), path, caption, folder)
+    results = report.of_model(learn.learn(path, job, progress), path, caption, folder)
     choices = {"model": model, "prior": prior, "fixed": dict(held)}
     written = request._replace(scene=scene)
-    return _written(made, written, path, f"Learnt from {path.name}: {caption}", choices)
+    return _written(results, written, path, f"Learnt from {path.name}: {caption}", choices)
 
 
 def _written(
-    made: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]
+    fitted: FitReport, request: Request, path: Path, comment: str, choices: Mapping[str, Any]
 ) -> FitReport:
     """Report, once it is written with the scene and design that go on."""
-    assert made.folder is not None
-    with Folder(made.folder) as target:
-        made.write(target, request.pictures)
-        target.write("scene.toml", templates.dump(made.scene, comment).encode())
-        target.write("design.toml", templates.dump(made.design, comment).encode())
+    assert fitted.folder is not None
+    with Folder(fitted.folder) as target:
+        fitted.write(target, request.pictures)
+        target.write("scene.toml", templates.dump(fitted.scene, comment).encode())
+        target.write("design.toml", templates.dump(fitted.design, comment).encode())
         target.finish({
             "file": path.name, "design": request.design.model_dump(mode="json"),
             "scene": request.scene.model_dump(mode="json"), **choices,
         })  # fmt: skip
-    return made
+    return fitted

@@ -39,22 +39,22 @@ class Tabled(NamedTuple):
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
         design, plate = self.setting.design, self.setting.plate_speed
         places = prediction.drawn_places(self.place, design, self.scene, drawn)
-        found = discrepancy.speeds(places, design.tilt_deg, design.braced)
-        slope = plate * LINEAR_BELOW * np.cosh(found.centre)
-        interpolated = np.sqrt(np.maximum(found.sd**2 - found.between_prints**2, 0.0))
-        mean = plate * found.at(np.zeros(len(x)))
+        speeds = discrepancy.speeds(places, design.tilt_deg, design.braced)
+        slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
+        interpolated = np.sqrt(np.maximum(speeds.sd**2 - speeds.between_prints**2, 0.0))
+        mean = plate * speeds.at(np.zeros(len(x)))
         learnt = drawn.of(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
         return (
             mean,
             slope * np.hypot(interpolated, self.scene.prediction.model_sd),
-            np.hypot(slope * found.between_prints, learnt),
+            np.hypot(slope * speeds.between_prints, learnt),
         )
 
 
 def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     """Speeds of every setting by the table. Raises InputError for those that it does not hold."""
-    names = tuple(one.prior.name for one in ground.unknown.sampled)
-    found = []
+    names = tuple(parameter.prior.name for parameter in ground.unknown.sampled)
+    by_setting = []
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
@@ -65,5 +65,5 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
                 f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "
                 "--model space, or leave that tilt out"
             ) from None
-        found.append(Tabled(setting, scene, place, names))
-    return found
+        by_setting.append(Tabled(setting, scene, place, names))
+    return by_setting

@@ -51,9 +51,9 @@ def sample(
         z = rng.standard_normal((DRAWS, wide))
         narrow = rng.uniform(size=DRAWS) >= OF_PRIOR
         z[narrow] = middle + z[narrow] @ root.T
-        told, chi2 = likelihood(values(parameters, ndtr(z)), observed, responses)
-        rounds.append((z, told - 0.5 * np.sum(z**2, axis=1) - _density(z, middle, root), chi2))
-        every, logarithm, squares = (np.concatenate(each) for each in zip(*rounds, strict=True))
+        logs, chi2 = likelihood(values(parameters, ndtr(z)), observed, responses)
+        rounds.append((z, logs - 0.5 * np.sum(z**2, axis=1) - _density(z, middle, root), chi2))
+        every, logarithm, squares = (np.concatenate(parts) for parts in zip(*rounds, strict=True))
         weight = _weights(logarithm)
         worth = float(1.0 / (weight @ weight))
         if worth >= ENOUGH:
@@ -76,8 +76,8 @@ def _density(z: Array, middle: Array, root: Array) -> Array:
     inner = np.linalg.solve(root, (z - middle).T)
     narrow = -0.5 * np.sum(inner**2, axis=0) - np.log(np.diag(root)).sum()
     prior = -0.5 * np.sum(z**2, axis=1)
-    found = np.logaddexp(np.log(1.0 - OF_PRIOR) + narrow, np.log(OF_PRIOR) + prior)
-    return np.asarray(found)
+    logs = np.logaddexp(np.log(1.0 - OF_PRIOR) + narrow, np.log(OF_PRIOR) + prior)
+    return np.asarray(logs)
 
 
 def _weights(logarithm: Array) -> Array:

@@ -30,6 +30,15 @@ ARROW = 0.3
 GROUND, TRAIL = "#f3f3f1", "#cc5a33"
 
 
+class Window(NamedTuple):
+    """Rectangle of the plate that a picture shows, mm."""
+
+    left: float
+    right: float
+    lower: float
+    upper: float
+
+
 class Arena(NamedTuple):
     """Arena of one walker."""
 
@@ -54,8 +63,8 @@ def draw_above(
     lasts less than a period: in real time they would never stop.
     """
     windows = [_window(shot, gap) for shot in shots]
-    left, right = min(one[0] for one in windows), max(one[1] for one in windows)
-    talls = [high - low for _, _, low, high in windows]
+    left, right = min(window.left for window in windows), max(window.right for window in windows)
+    talls = [window.upper - window.lower for window in windows]
     scale = min((WIDTH - 2 * MARGIN) / (right - left), TALLEST / sum(talls))
     heights = [math.ceil(scale * tall) for tall in talls]
     longest = max(shots, key=lambda shot: len(shot.poses.times)).poses.times
@@ -70,9 +79,9 @@ def draw_above(
     clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
     interval = _interval(max(float(shot.poses.times[-1]) for shot in shots))
     arenas, top = [], height - HEAD
-    for shot, tall, (_, _, low, high) in zip(shots, heights, windows, strict=True):
+    for shot, tall, window in zip(shots, heights, windows, strict=True):
         top -= TITLE + tall
-        middle = 0.5 * (left + right), 0.5 * (low + high)
+        middle = 0.5 * (left + right), 0.5 * (window.lower + window.upper)
         arenas.append(_arena(canvas, shot, top, tall, middle, scale, gap, interval))
     _bar(canvas, scale, interval)
     canvas.move(clock)
@@ -90,17 +99,17 @@ def draw_above(
 
 def _names(shots: Sequence[Shot]) -> str:
     """Name of a single walker, or what several have in common."""
-    return f"{shots[0].name} legs" if len(shots) == 1 else shots[0].name.split(",")[0]
+    return f"{shots[0].name} legs" if len(shots) == 1 else shots[0].title.design
 
 
-def _window(shot: Shot, gap: float | None) -> tuple[float, float, float, float]:
-    """Left, right, lower and upper end of what a run and its arrow cover, mm, with a margin."""
+def _window(shot: Shot, gap: float | None) -> Window:
+    """Window on all that a run and its arrow cover, with a margin."""
     shown = range(0, len(shot.poses.times), max(1, len(shot.poses.times) // 500))
     covered = np.concatenate([np.vstack([*outline(shot, at), *_arrow(shot, at)]) for at in shown])
     margin = 0.08 * float(shot.size[0])
     low, high = covered.min(axis=0) - margin, covered.max(axis=0) + margin
     side = 0.0 if gap is None else 0.5 * gap + margin
-    return low[0], high[0], min(low[1], -side), max(high[1], side)
+    return Window(low[0], high[0], min(low[1], -side), max(high[1], side))
 
 
 def _arrow(shot: Shot, at: int) -> Array:
@@ -135,8 +144,7 @@ def _arena(
     for wall in () if gap is None else (-0.5 * gap, 0.5 * gap):
         axes.axhline(wall, color=INK, linewidth=1.5)
     axes.plot(*shot.track[0], "+", color=INK, markersize=7, markeredgewidth=0.8)
-    _, tilt, kind = shot.name.rsplit(", ", 2)
-    canvas.text(MARGIN, bottom + height + 6, f"{tilt} {kind}", weight="bold")
+    canvas.text(MARGIN, bottom + height + 6, shot.title.legs, weight="bold")
     readout = canvas.text(
         WIDTH - MARGIN, bottom + height + 6, "", family="DejaVu Sans Mono", ha="right"
     )

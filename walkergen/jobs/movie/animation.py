@@ -147,5 +147,5 @@ def _finished(
     if ffmpeg.returncode == 0:
         return target.read_bytes(), ""
     messages.seek(0)
-    told = messages.read().decode(errors="replace").strip().splitlines()
-    return None, f"ffmpeg failed: {told[-1] if told else f'exit code {ffmpeg.returncode}'}"
+    lines = messages.read().decode(errors="replace").strip().splitlines()
+    return None, f"ffmpeg failed: {lines[-1] if lines else f'exit code {ffmpeg.returncode}'}"

@@ -12,7 +12,17 @@ from matplotlib.patches import FancyArrowPatch, Rectangle
 from matplotlib.text import Text
 
 from walkergen.jobs.movie.animation import Draw, Pixels
-from walkergen.jobs.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
+from walkergen.jobs.movie.canvas import (
+    BODY,
+    INK,
+    LARGE,
+    LIMB,
+    PLATE,
+    SMALL,
+    Canvas,
+    Place,
+    to_scale,
+)
 from walkergen.jobs.movie.footage import (
     BACK,
     FRONT,
@@ -27,11 +37,10 @@ from walkergen.jobs.movie.footage import (
 from walkergen.jobs.movie.impacts import FEET, Course, largest_impulse, legend, strip, style_of
 
 WIDTH, HEIGHT = 800, 620
-Place = tuple[float, float, float, float]
-MAIN: Place = (10, 276, 780, 256)
-INSETS: tuple[Place, Place] = ((12, 12, 234, 196), (256, 12, 234, 196))
-STRIP: Place = (536, 42, 250, 166)
-"""Left, bottom, width and height of the views, pixels."""
+MAIN = Place(10, 276, 780, 256)
+INSETS = Place(12, 12, 234, 196), Place(256, 12, 234, 196)
+STRIP = Place(536, 42, 250, 166)
+"""Places of the views."""
 
 LONGEST_STILL = 1.5
 """Length of a run, in body lengths, up to which the main view stands still."""
@@ -80,7 +89,7 @@ def draw_bounce(footage: Footage, every: int, slow: float, settings: str) -> Dra
     insets = [_inset(canvas, footage, side, scale, zoom) for side in (BACK, FRONT)]
     courses = [Course(*FEET[side], at_feet[:, side, 1]) for side in (BACK, FRONT)]
     now = strip(canvas, STRIP, footage, courses)
-    canvas.text(STRIP[0] - 34, STRIP[1] + STRIP[3] + 8, "heights, µm", fontsize=SMALL)
+    canvas.text(STRIP.left - 34, STRIP.bottom + STRIP.height + 8, "heights, µm", fontsize=SMALL)
     legend(canvas, 20, 255)
     canvas.move(readout)
     canvas.text(788, 547, pace(slow), ha="right", weight="bold")
@@ -141,13 +150,13 @@ def _extent(footage: Footage, cameras: Array) -> tuple[float, float, float]:
 def _main(canvas: Canvas, footage: Footage, cameras: Array, bend: int) -> tuple[View, float]:
     """Main view, with room for arrows in the plate, and its scale, pixels per mm."""
     left, right, top = _extent(footage, cameras)
-    scale = min(MAIN[2] / (1.06 * (right - left)), MAIN[3] / (1.45 * top))
-    axes, height = canvas.axes(*MAIN), MAIN[3] / scale
+    scale = min(MAIN.width / (1.06 * (right - left)), MAIN.height / (1.45 * top))
+    axes, height = canvas.axes(*MAIN), MAIN.height / scale
     to_scale(axes, (0.5 * (left + right), 1.04 * top - 0.5 * height), scale)
     axes.set_axis_off()
     spacing = _nice(12.0 / scale)
-    told = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
-    words = f"{told}all else to scale" if told else "to scale"
+    bending = f"legs' bending × {bend} (outlined: as it is), " if bend > 1 else ""
+    words = f"{bending}all else to scale" if bending else "to scale"
     canvas.text(788, 530, f"{words}; marks {spacing:g} mm", fontsize=SMALL, ha="right")
     return _view(canvas, axes, spacing, -0.85 * axes.get_ylim()[0], feet_shown=2), scale
 

@@ -1,6 +1,6 @@
 """Canvas: a picture with moving parts; what stands still is drawn once, the rest on top of it."""
 
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -17,6 +17,15 @@ DPI = 100
 INK, PLATE, BODY, LIMB = "#222222", "#c4c4c4", "#a9c7e4", "#2f6c9f"
 SMALL, NORMAL, LARGE = 8.0, 9.5, 11.0
 """Sizes of fonts, points."""
+
+
+class Place(NamedTuple):
+    """Rectangle of a picture, pixels from its lower left corner."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
 
 
 class Canvas:

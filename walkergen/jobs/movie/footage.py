@@ -38,11 +38,33 @@ class Impact(NamedTuple):
     kind: Kind
 
 
+def impact_of(event: Array) -> Impact:
+    """Impact of a row of the simulation's events (see `record.Events`)."""
+    time, foot, along, upward, _, _, kind = event
+    return Impact(time, int(foot), np.array((along, upward)), Kind(int(kind)))
+
+
+class Title(NamedTuple):
+    """Words by which a picture tells its walker from others."""
+
+    design: str
+    tilt: str
+    """Tilt of its legs with its unit."""
+    kind: str
+
+    @property
+    def legs(self) -> str:
+        """Tilt and kind of its legs."""
+        return f"{self.tilt} {self.kind}"
+
+    def __str__(self) -> str:
+        return f"{self.design}, {self.tilt}, {self.kind}"
+
+
 class Footage(NamedTuple):
     """Poses of one simulated run at a fixed rate, n of them."""
 
-    name: str
-    """Name of the walker, as the picture shows it."""
+    title: Title
     model: str
     """Model of the legs in the simulation: compliant, relaxed or rigid."""
     shape: Shape
@@ -62,6 +84,11 @@ class Footage(NamedTuple):
     """Impacts in the order of their times."""
     ended: str
     """Reason why the run ended early; '' when it did not."""
+
+    @property
+    def name(self) -> str:
+        """Name of the walker, as the picture shows it."""
+        return str(self.title)
 
     @property
     def distance(self) -> float:
@@ -108,14 +135,14 @@ def polygons(footage: Footage, at: int, bend: float = 1.0) -> tuple[list[Polygon
 
 def feet(footage: Footage, relaxed: bool = False) -> Array:
     """Positions of the feet's contact points, shape (n, 2 feet, 2), mm; `relaxed`: legs unbent."""
-    found = np.empty((len(footage.times), 2, 2))
+    points = np.empty((len(footage.times), 2, 2))
     for side in (BACK, FRONT):
         angle = 0.0 * footage.pitch if relaxed else footage.angles[:, side]
         anchor = _turned(footage.shape.anchors[side], footage.pitch)
-        found[:, side] = (
+        points[:, side] = (
             footage.places + anchor + _turned(footage.shape.feet[side], footage.pitch + angle)
         )
-    return found
+    return points
 
 
 def strongest(
@@ -132,7 +159,7 @@ def strongest(
     ]
     if not shown:
         return None
-    return max(shown, key=lambda one: float(np.hypot(*one[0].impulse)) * one[1])
+    return max(shown, key=lambda pair: float(np.hypot(*pair[0].impulse)) * pair[1])
 
 
 def _turned(points: Array, angle: float | Array) -> Array:

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from walkergen.jobs.movie.canvas import INK, PLATE, SMALL, Canvas
+from walkergen.jobs.movie.canvas import INK, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.movie.footage import Array, Struck
 from walkergen.theory.impact import Kind
 
@@ -87,15 +87,13 @@ class Course(NamedTuple):
     """Heights at the times of the footage, shape (n,), mm."""
 
 
-def strip(
-    canvas: Canvas, place: tuple[float, float, float, float], footage: Struck, feet: list[Course]
-) -> Line2D:
+def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> Line2D:
     """Draw heights of plate and feet in time, with impacts; returns the line that marks now.
 
     `feet`: in the order of their numbers in the impacts.
     """
     axes = canvas.axes(*place)
-    times, heights = 1e3 * footage.times, 1e3 * np.array([one.heights for one in feet])
+    times, heights = 1e3 * footage.times, 1e3 * np.array([course.heights for course in feet])
     plate = 1e3 * footage.plate
     low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
     margin = 0.08 * max(high - low, 1e-6)

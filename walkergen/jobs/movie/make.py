@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
-from walkergen.jobs.movie.footage import Footage, Impact, Shape, pace
+from walkergen.jobs.movie.footage import Footage, Shape, Title, impact_of, pace
 from walkergen.jobs.movie.shot import Shot, shot_of
 from walkergen.scene import Scene
 from walkergen.simulation import poses
@@ -20,7 +20,6 @@ from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
-from walkergen.theory.impact import Kind
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
@@ -112,8 +111,8 @@ def plan(
 ) -> Job:
     """Make a job, with defaults for all that is None. Raises InputError."""
     if fps not in FPS:
-        known = ", ".join(str(one) for one in FPS)
-        raise InputError(f"--fps {fps}: must be one of {known} (a GIF counts in 1/100 s)")
+        rates = ", ".join(str(rate) for rate in FPS)
+        raise InputError(f"--fps {fps}: must be one of {rates} (a GIF counts in 1/100 s)")
     for flag, value in (("--seconds", seconds), ("--periods", periods), ("--slow", slow)):
         if value is not None and not LEAST <= value <= LARGEST:
             raise InputError(f"{flag} {value:g}: must lie in {LEAST:g}..{LARGEST:g}")
@@ -142,22 +141,22 @@ def plan(
 
 def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
     """How the members are seen; the models decide unless it is said. Raises InputError."""
-    models = [resolve(scene, one, solids.mass_of(one)).model for one in members]
+    models = [resolve(scene, design, solids.mass_of(design)).model for design in members]
     if wanted is None and "space" not in models:
         return "side"
     if wanted is None:
         return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
-    found = next((view for view in IN_SPACE if view == wanted), None)
-    if found is None:
+    chosen = next((view for view in IN_SPACE if view == wanted), None)
+    if chosen is None:
         raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(IN_SPACE)}")
     if "space" not in models:
         raise InputError(
             f"--view {wanted}: the model '{models[0]}' moves in a plane, which is seen from its "
             "side: leave --view out, or choose --model space or a scene with a plane to run on"
         )
-    if found == "perspective" and len(members) > 1:
+    if chosen == "perspective" and len(members) > 1:
         raise InputError(f"--view perspective: shows one walker, seen {len(members)}")
-    return found
+    return chosen
 
 
 def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
@@ -171,7 +170,7 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
     draw, frames, footage = (
         _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
     )
-    colours = impacts.colours(max(len(one.limbs) for one in job.members))
+    colours = impacts.colours(max(len(design.limbs) for design in job.members))
     encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
     mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
     with output.Folder(path.parent, "") as target:
@@ -189,9 +188,9 @@ def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Foota
     from walkergen.jobs.movie import bounce, race
 
     every = FINE if len(job.members) == 1 else 1
-    footage = [film(job, one, every) for one in _counted(job, progress)]
-    frames = 1 + max(len(one.times) - 1 for one in footage) // every
-    words = settings(job.scene, list(dict.fromkeys(one.model for one in footage)))
+    footage = [film(job, design, every) for design in _counted(job, progress)]
+    frames = 1 + max(len(clip.times) - 1 for clip in footage) // every
+    words = settings(job.scene, list(dict.fromkeys(clip.model for clip in footage)))
     words += _of_their_own(job.members)
     if len(footage) == 1:
         return bounce.draw_bounce(footage[0], every, job.slow, words), frames, footage
@@ -203,8 +202,8 @@ def _in_space(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]
     from walkergen.jobs.movie import above
 
     every = TRAIL if job.view == "above" else FINE
-    shots = [shoot(job, one, every) for one in _counted(job, progress)]
-    frames = 1 + max(len(one.times) - 1 for one in shots) // every
+    shots = [shoot(job, design, every) for design in _counted(job, progress)]
+    frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
     words, lane = settings(job.scene, ["space"]), job.scene.arena.kind == "lane"
     words += _of_their_own(job.members)
     if job.view == "perspective":
@@ -251,17 +250,17 @@ def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Pla
     return mass, prepared if job.let_go is None else job.let_go(prepared), interval
 
 
-def _check(design: Design, found: int, every: int, outcome: Outcome) -> None:
+def _check(design: Design, frames: int, every: int, outcome: Outcome) -> None:
     """Raise InputError when a run ended before its second frame."""
-    if found <= every:
+    if frames <= every:
         raise InputError(
             f"{title(design)}: the run ended before the second frame ({outcome.value})"
         )
 
 
-def title(design: Design) -> str:
-    """Name of a walker as the picture shows it."""
-    return f"{design.name}, {design.tilt_deg:g}°, {design.kind}"
+def title(design: Design) -> Title:
+    """Words of the picture on a walker."""
+    return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
 
 
 def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
@@ -273,7 +272,7 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
     drive = plan.world.drive
     places = np.column_stack([column["x_mm"] - column["x_mm"][:1], column["y_mm"]])
     return Footage(
-        name=title(design),
+        title=title(design),
         model=plan.resolved.model,
         shape=_shape(design, as_rigid(mass) if plan.resolved.model == "rigid" else mass),
         times=rows[:, 0],
@@ -284,9 +283,7 @@ def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResu
         ),
         plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
         phase=column["phase_rad"],
-        impacts=tuple(
-            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in impacts_of(result)
-        ),
+        impacts=tuple(map(impact_of, impacts_of(result))),
         ended="" if result.outcome is Outcome.OK else result.outcome.value,
     )
 
@@ -304,13 +301,13 @@ def _shape(design: Design, mass: MassProperties) -> Shape:
 
 def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[solids.Polygon, ...]:
     """Polygons of a leg of the plane: those of the first leg that it stands for."""
-    alike = [one._replace(width=limb.width) for one in design.limbs]
+    alike = [own._replace(width=limb.width) for own in design.limbs]
     return outline.limbs[alike.index(limb)]
 
 
 def _of_their_own(members: Sequence[Design]) -> str:
     """Addition to the settings where feet have a friction of their own; "" where none has."""
-    limbs = [limb for one in members for limb in one.limbs]
+    limbs = [limb for design in members for limb in design.limbs]
     own = {limb.friction for limb in limbs if limb.friction is not None}
     if not own:
         return ""

@@ -13,18 +13,17 @@ from matplotlib.text import Text
 
 from walkergen.jobs.movie import raster
 from walkergen.jobs.movie.animation import Draw, Pixels
-from walkergen.jobs.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas
+from walkergen.jobs.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.movie.footage import Impact, pace, strongest
 from walkergen.jobs.movie.impacts import Course, colour_of, largest_impulse, legend, strip, style_of
 from walkergen.jobs.movie.raster import Camera
 from walkergen.jobs.movie.shot import Array, Shot
 
 WIDTH, HEIGHT = 800, 620
-Place = tuple[float, float, float, float]
-MAIN: Place = (10, 272, 780, 262)
-CLOSE: Place = (12, 12, 484, 214)
-STRIP: Place = (544, 42, 242, 166)
-"""Left, bottom, width and height of the views, pixels."""
+MAIN = Place(10, 272, 780, 262)
+CLOSE = Place(12, 12, 484, 214)
+STRIP = Place(544, 42, 242, 166)
+"""Places of the views."""
 
 LONGEST_STILL = 1.5
 """Length of a run, in body lengths, up to which the view stands still."""
@@ -96,7 +95,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
     _on_top(canvas, main)
     close = _close(canvas, shot, centres)
     now = strip(canvas, STRIP, shot, _courses(shot))
-    canvas.text(STRIP[0] - 34, STRIP[1] + STRIP[3] + 8, "heights, µm", fontsize=SMALL)
+    canvas.text(STRIP.left - 34, STRIP.bottom + STRIP.height + 8, "heights, µm", fontsize=SMALL)
     legend(canvas, 20, 252)
     canvas.move(readout)
     canvas.text(788, 547, pace(slow), ha="right", weight="bold")
@@ -107,7 +106,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
         place = shot.poses.places[at] - centres[at]
         pixels, left, low = raster.render(model, R[at], place, main.camera, BODY, INK)
         picture.set_data(pixels)
-        picture.ox, picture.oy = left + MAIN[0], low + MAIN[1]
+        picture.ox, picture.oy = left + MAIN.left, low + MAIN.bottom
         glows = [
             strongest(shot, float(shot.times[at]), afterglow, corner)
             for corner in range(len(shot.poses.names))
@@ -126,7 +125,7 @@ def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw
 def _readout(shot: Shot, at: int) -> str:
     time, distance = float(shot.times[at]), float(shot.advance[at])
     speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
-    phase, heading = (np.degrees(one[at]) for one in (shot.poses.phase, shot.poses.heading))
+    phase, heading = (np.degrees(angle[at]) for angle in (shot.poses.phase, shot.poses.heading))
     return (
         f"{1e3 * time:6.1f} ms   phase {phase % 360.0:3.0f}°   ran {distance:6.2f} mm   "
         f"so far {speed}   heading {heading:+.1f}°"
@@ -177,9 +176,9 @@ def _view(
     """View in which `points` fit, of a plate that covers `area` (along x and z), mm."""
     axes = canvas.axes(*place)
     axes.set_axis_off()
-    axes.set_xlim(0, place[2])
-    axes.set_ylim(0, place[3])
-    camera = raster.camera_for(points, place[2:])
+    axes.set_xlim(0, place.width)
+    axes.set_ylim(0, place.height)
+    camera = raster.camera_for(points, (place.width, place.height))
     (left, right), (near, far) = area
     rim = np.array([(left, 0, near), (right, 0, near), (right, 0, far), (left, 0, far)])
     ground = PolyCollection(
@@ -219,7 +218,7 @@ def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
     view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
     bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
     words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
-    canvas.text(CLOSE[0], CLOSE[1] + CLOSE[3] + 4, words, fontsize=SMALL)
+    canvas.text(CLOSE.left, CLOSE.bottom + CLOSE.height + 4, words, fontsize=SMALL)
     drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
     view.axes.add_artist(drops)
     edges = [

@@ -36,7 +36,7 @@ def draw_race(runs: Sequence[Footage], slow: float, settings: str) -> Draw:
     """Make a function that draws frame k: pose k of every run; ended runs stay where they are."""
     height = HEAD + LANE * len(runs) + FOOT
     canvas = Canvas(WIDTH, height + height % 2)
-    canvas.text(MARGIN, height - 22, runs[0].name.split(",")[0], fontsize=LARGE, weight="bold")
+    canvas.text(MARGIN, height - 22, runs[0].title.design, fontsize=LARGE, weight="bold")
     canvas.line(MARGIN, height - 40, settings)
     canvas.text(WIDTH - MARGIN, height - 22, f"to scale, {pace(slow)}", ha="right", weight="bold")
     clock = canvas.text(0.5 * WIDTH, height - 22, "", family="DejaVu Sans Mono", ha="center")
@@ -75,8 +75,7 @@ def _lane(canvas: Canvas, footage: Footage, bottom: float, left: float, scale: f
     (low, high), floor = axes.get_xlim(), axes.get_ylim()[0]
     axes.add_patch(Rectangle((low, 0.4 * floor), high - low, -0.4 * floor, color=PLATE))
     axes.axvline(0.0, ymin=10 / LANE, ymax=0.9, color=INK, linewidth=0.8, linestyle=(0, (2, 2)))
-    _, tilt, kind = footage.name.rsplit(", ", 2)
-    canvas.text(MARGIN, bottom + LANE - 15, f"{tilt} {kind}", weight="bold")
+    canvas.text(MARGIN, bottom + LANE - 15, footage.title.legs, weight="bold")
     readout = canvas.text(
         MARGIN, bottom + LANE - 20, "", family="DejaVu Sans Mono", fontsize=SMALL, va="top",
         linespacing=1.3,

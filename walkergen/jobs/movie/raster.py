@@ -84,8 +84,8 @@ def model_of(mesh: Mesh) -> Model:
     normals /= np.where(lengths > 0.0, lengths, 1.0)  # slivers of a person's mesh have none
     beside: dict[tuple[int, int], list[int]] = {}
     for number, triangle in enumerate(mesh.triangles.tolist()):
-        for one, other in zip(triangle, triangle[1:] + triangle[:1], strict=True):
-            beside.setdefault((min(one, other), max(one, other)), []).append(number)
+        for start, end in zip(triangle, triangle[1:] + triangle[:1], strict=True):
+            beside.setdefault((min(start, end), max(start, end)), []).append(number)
     edges = [
         (*ends, *two[:2])
         for ends, two in beside.items()
@@ -118,11 +118,11 @@ def render(
 
 def _area(corners: Array) -> Array:
     """Twice the areas of triangles (..., 3, 2 or more), positive when counter-clockwise."""
-    one, other = (
+    first, second = (
         corners[..., 1, :2] - corners[..., 0, :2],
         corners[..., 2, :2] - corners[..., 0, :2],
     )
-    return np.asarray(one[..., 0] * other[..., 1] - one[..., 1] * other[..., 0])
+    return np.asarray(first[..., 0] * second[..., 1] - first[..., 1] * second[..., 0])
 
 
 def _fill(number: npt.NDArray[np.int32], near: Array, corners: Array, value: int) -> None:
@@ -177,7 +177,7 @@ def _shades(normals: Array, colour: str, ink: str) -> npt.NDArray[np.uint8]:
     """RGBA of every triangle by its normal in the camera's axes, then ink, then nothing."""
     light = LIGHT / np.linalg.norm(LIGHT)
     bright = AMBIENT + (1.0 - AMBIENT) * np.clip(normals @ light, 0.0, 1.0)
-    full, dark = (np.array([int(one[i : i + 2], 16) for i in (1, 3, 5)]) for one in (colour, ink))
+    full, dark = (np.array([int(code[i : i + 2], 16) for i in (1, 3, 5)]) for code in (colour, ink))
     colours = np.vstack([bright[:, None] * np.minimum(1.15 * full, 255.0), dark, np.zeros(3)])
     alpha = np.append(np.full(len(colours) - 1, 255.0), 0.0)
     return np.column_stack([colours, alpha]).round().astype(np.uint8)

@@ -5,11 +5,10 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.movie.footage import Impact
+from walkergen.jobs.movie.footage import Impact, Title, impact_of
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.theory.impact import Kind
 from walkergen.walker import landing, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
@@ -20,8 +19,7 @@ Array = npt.NDArray[np.float64]
 class Shot(NamedTuple):
     """One simulated run in space, with the walker that ran."""
 
-    name: str
-    """Name of the walker, as the picture shows it."""
+    title: Title
     mesh: Mesh
     """Printed part about the point O that the poses follow, mm."""
     base: Array
@@ -33,6 +31,11 @@ class Shot(NamedTuple):
     poses: Poses
     impacts: tuple[Impact, ...]
     """Landings in the order of their times; feet are the numbers of the corners."""
+
+    @property
+    def name(self) -> str:
+        """Name of the walker, as the picture shows it."""
+        return str(self.title)
 
     @property
     def model(self) -> str:
@@ -73,21 +76,19 @@ class Shot(NamedTuple):
         return float(self.advance[-1])
 
 
-def shot_of(name: str, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
     """What a run in space shows, in the terms of the picture."""
     mesh = solids.build(design).walker
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     return Shot(
-        name=name,
+        title=title,
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
         contours=_from_above(design),
         poses=poses,
-        impacts=tuple(
-            Impact(row[0], int(row[1]), row[2:4], Kind(int(row[6]))) for row in poses.landings
-        ),
+        impacts=tuple(map(impact_of, poses.landings)),
     )
 
 

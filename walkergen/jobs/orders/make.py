@@ -118,7 +118,7 @@ def export_part(design: Design, path: Path) -> None:
 
 def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: int) -> list[Room]:
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
-    built = [solids.build(one) for one in members]
+    built = [solids.build(design) for design in members]
     return [
         Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
         for printer in printers
@@ -168,9 +168,11 @@ def make_plates(
     ]
     findings = [
         # With several printers findings name the printer.
-        one._replace(where=f"{layout.printer.name}: {one.where}") if len(layouts) > 1 else one
+        finding._replace(where=f"{layout.printer.name}: {finding.where}")
+        if len(layouts) > 1
+        else finding
         for layout in layouts
-        for one in layout.findings
+        for finding in layout.findings
     ]
     tell(findings)
     checks.refuse(findings, order.strict)
@@ -201,11 +203,11 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     if order.serial is None:
         return order.members, order.copies
     plate.check_number(sum(order.copies))
-    each = [one for one, count in zip(order.members, order.copies, strict=True)
+    every = [design for design, count in zip(order.members, order.copies, strict=True)
             for _ in range(count)]  # fmt: skip
     members = [
-        changed(one, {"marks.serial": number}, one.name)
-        for number, one in enumerate(each, start=order.serial)
+        changed(design, {"marks.serial": number}, design.name)
+        for number, design in enumerate(every, start=order.serial)
     ]
     return members, [1] * len(members)
 

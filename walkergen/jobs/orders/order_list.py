@@ -23,29 +23,29 @@ def read(path: Path) -> tuple[list[Design], list[int]]:
     and legs (blank: the design's own) and copies (1 to packing.MOST_PARTS). Raises InputError, a
     line for each mistake, and PlateError for more parts than are arranged at once.
     """
-    found = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
-    _check_columns(found.names, path)
-    if not found.rows:
+    table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
+    _check_columns(table.names, path)
+    if not table.rows:
         raise InputError(f"{path}: no rows after the header; give a row for each walker to print")
-    if len(found.rows) > packing.MOST_PARTS:
-        raise InputError(f"{path}: {len(found.rows)} rows; at most {packing.MOST_PARTS}")
+    if len(table.rows) > packing.MOST_PARTS:
+        raise InputError(f"{path}: {len(table.rows)} rows; at most {packing.MOST_PARTS}")
     shelf = _Shelf(path.parent)
     members: dict[str, Design] = {}
     copies: dict[str, int] = {}
     problems: list[str] = []
-    for line, row in found.rows:
+    for line, row in table.rows:
         try:
             count, member = _copies(row["copies"]), shelf.member(row, line)
         except InputError as error:
-            problems += [f"{path}:{line}: {one}" for one in str(error).splitlines()]
+            problems += [f"{path}:{line}: {text}" for text in str(error).splitlines()]
             continue
         name = names.part(member, member.name)
         members.setdefault(name, member)
         copies[name] = copies.get(name, 0) + count
     if problems:
         more = len(problems) - NAMED
-        told = [f"{path}: and {more} more mistakes"] if more > 0 else []
-        raise InputError("\n".join(problems[:NAMED] + told))
+        tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
+        raise InputError("\n".join(problems[:NAMED] + tail))
     packing.check_number(sum(copies.values()))
     return list(members.values()), list(copies.values())
 

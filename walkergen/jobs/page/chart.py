@@ -115,24 +115,27 @@ class _Speed(NamedTuple):
 
 def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
     """Make the chart of predicted speeds, simulated ones if any, and of what stands beside them."""
-    found = [speed for number, member in enumerate(members) for speed in _of(number, member)]
-    ends = [end for speed in found for end in speed[-3:] if end is not None]
-    ends += [end for one in beside for end in (one.speed_mm_s, *(one.bounds or ()))]
-    ends += [one.theory_mm_s for one in beside if one.theory_mm_s is not None]
+    family = [speed for number, member in enumerate(members) for speed in _of(number, member)]
+    ends = [speed.value for speed in family]
+    ends += [end for speed in family for end in (speed.low, speed.high) if end is not None]
+    ends += [end for speed in beside for end in (speed.speed_mm_s, *(speed.bounds or ()))]
+    ends += [speed.theory_mm_s for speed in beside if speed.theory_mm_s is not None]
     frame = _Frame(
-        _padded([*(speed.tilt for speed in found), *(one.tilt_deg for one in beside)]),
+        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in beside)]),
         _padded([*ends, 0.0]),
     )
-    between = sorted((one for one in beside if one.what == "predicted"), key=_tilt)
+    between = sorted((speed for speed in beside if speed.what == "predicted"), key=_tilt)
     curves = {
-        legs: [one for one in between if one.legs == legs]
-        for legs in dict.fromkeys([*(one.legs for one in found), *(one.legs for one in between)])
+        legs: [speed for speed in between if speed.legs == legs]
+        for legs in dict.fromkeys(
+            [*(speed.legs for speed in family), *(speed.legs for speed in between)]
+        )
     }
     return Chart(
-        [_point(speed, frame) for speed in found],
-        [line for legs, curve in curves.items() for line in _lines(legs, curve, found, frame)],
+        [_point(speed, frame) for speed in family],
+        [line for legs, curve in curves.items() for line in _lines(legs, curve, family, frame)],
         [band for legs, curve in curves.items() for band in _bands(legs, curve, frame)],
-        [_mark(one, frame) for one in beside if one.what != "predicted"],
+        [_mark(speed, frame) for speed in beside if speed.what != "predicted"],
         _sticking(between, frame),
         [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
         [Tick(frame.y(value), _text(value)) for value in ticks(*frame.values)],
@@ -150,24 +153,24 @@ def ticks(low: float, high: float) -> list[float]:
 def _of(number: int, member: Member) -> list[_Speed]:
     """Speeds of one member, predicted and simulated."""
     bounds = member.number("speed_low_68_mm_s"), member.number("speed_high_68_mm_s")
-    found = [_Speed(number, member.tilt_deg, member.legs, False,
+    speeds = [_Speed(number, member.tilt_deg, member.legs, False,
                     float(member.row["speed_mm_s"]), *bounds)]  # fmt: skip
     speed = member.number("sim_speed_mm_s")
     if speed is not None:
         ends = member.number("sim_low_95_mm_s"), member.number("sim_high_95_mm_s")
-        found.append(_Speed(number, member.tilt_deg, member.legs, True, speed, *ends))
-    return found
+        speeds.append(_Speed(number, member.tilt_deg, member.legs, True, speed, *ends))
+    return speeds
 
 
-def _tilt(one: Speed) -> float:
-    return one.tilt_deg
+def _tilt(speed: Speed) -> float:
+    return speed.tilt_deg
 
 
 def _point(speed: _Speed, frame: _Frame) -> Point:
     source, share = ("simulated", "95 %") if speed.simulated else ("predicted", "68 %")
-    told = "mm/s, error unknown"
+    amount = "mm/s, error unknown"
     if speed.low is not None and speed.high is not None:
-        told = f"mm/s ({share}: {speed.low:.1f} to {speed.high:.1f})"
+        amount = f"mm/s ({share}: {speed.low:.1f} to {speed.high:.1f})"
     return Point(
         member=speed.member,
         legs=speed.legs,
@@ -177,58 +180,62 @@ def _point(speed: _Speed, frame: _Frame) -> Point:
         low=None if speed.low is None else frame.y(speed.low),
         high=None if speed.high is None else frame.y(speed.high),
         label=f"{speed.legs} legs, {speed.tilt:g}°: "
-        f"{source} {round(speed.value, 1) + 0.0:.1f} {told}".replace("-", "−"),
+        f"{source} {round(speed.value, 1) + 0.0:.1f} {amount}".replace("-", "−"),
     )
 
 
 def _lines(
-    legs: str, curve: Sequence[Speed], found: Sequence[_Speed], frame: _Frame
+    legs: str, curve: Sequence[Speed], family: Sequence[_Speed], frame: _Frame
 ) -> Iterator[Line]:
     """Predicted speed and theory of a kind of legs; without them, lines from member to member."""
     if not curve:
-        members = (one for one in found if one.legs == legs and not one.simulated)
-        joined = sorted((one.tilt, one.value) for one in members)
+        members = (speed for speed in family if speed.legs == legs and not speed.simulated)
+        joined = sorted((speed.tilt, speed.value) for speed in members)
         yield Line(legs, "guide", frame.path(joined))
         return
-    yield Line(legs, "predicted", frame.path([(one.tilt_deg, one.speed_mm_s) for one in curve]))
-    known = [(one.tilt_deg, one.theory_mm_s) for one in curve if one.theory_mm_s is not None]
-    yield Line(legs, "theory", frame.path(known))
+    yield Line(
+        legs, "predicted", frame.path([(speed.tilt_deg, speed.speed_mm_s) for speed in curve])
+    )
+    theory = [
+        (speed.tilt_deg, speed.theory_mm_s) for speed in curve if speed.theory_mm_s is not None
+    ]
+    yield Line(legs, "theory", frame.path(theory))
 
 
 def _bands(legs: str, curve: Sequence[Speed], frame: _Frame) -> list[Band]:
     """Bounds of 95 and 68 % around a kind's predicted speed."""
-    known = [(one.tilt_deg, one.bounds) for one in curve if one.bounds is not None]
-    if not known:
+    bounded = [(speed.tilt_deg, speed.bounds) for speed in curve if speed.bounds is not None]
+    if not bounded:
         return []
     return [
         Band(legs, share, frame.path(
-            [(tilt, bounds[low]) for tilt, bounds in known]
-            + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(known)]
+            [(tilt, bounds[low]) for tilt, bounds in bounded]
+            + [(tilt, bounds[low + 1]) for tilt, bounds in reversed(bounded)]
         ))
         for share, low in ((95, 2), (68, 0))
     ]  # fmt: skip
 
 
-def _mark(one: Speed, frame: _Frame) -> Mark:
-    told = f"{round(one.speed_mm_s, 1) + 0.0:.1f} mm/s"
+def _mark(speed: Speed, frame: _Frame) -> Mark:
+    amount = f"{round(speed.speed_mm_s, 1) + 0.0:.1f} mm/s"
     low = high = None
-    if one.bounds is not None:
-        _, _, low, high = one.bounds
-        told += f" (95 %: {low:.1f} to {high:.1f})"
-    source = "measured" if one.what == "measured" else "stated by the paper"
+    if speed.bounds is not None:
+        _, _, low, high = speed.bounds
+        amount += f" (95 %: {low:.1f} to {high:.1f})"
+    source = "measured" if speed.what == "measured" else "stated by the paper"
     return Mark(
-        what=one.what,
-        legs=one.legs,
-        x=frame.x(one.tilt_deg),
-        y=frame.y(one.speed_mm_s),
+        what=speed.what,
+        legs=speed.legs,
+        x=frame.x(speed.tilt_deg),
+        y=frame.y(speed.speed_mm_s),
         low=None if low is None else frame.y(low),
         high=None if high is None else frame.y(high),
-        label=f"{one.legs} legs, {one.tilt_deg:g}°: {source} {told}".replace("-", "−"),
+        label=f"{speed.legs} legs, {speed.tilt_deg:g}°: {source} {amount}".replace("-", "−"),
     )
 
 
 def _sticking(between: Sequence[Speed], frame: _Frame) -> tuple[float, float] | None:
-    tilts = [one.tilt_deg for one in between if one.sticks and one.legs == "flexible"]
+    tilts = [speed.tilt_deg for speed in between if speed.sticks and speed.legs == "flexible"]
     return (frame.x(min(tilts)), frame.x(max(tilts))) if tilts else None
 
 

@@ -45,7 +45,7 @@ class Contents(NamedTuple):
 
     def named(self, state: State) -> list[str]:
         """Files in a state, in the manifest's order."""
-        return [name for name, found in self.states.items() if found == state]
+        return [name for name, own in self.states.items() if own == state]
 
     def records(self, name: str) -> Records:
         """Rows of a CSV file as text. Raises InputError when it is not one."""

@@ -92,24 +92,24 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
 
     Raises InputError when a table or an STL file of the folder is not as `family` writes it.
     """
-    made = members.of(contents)
+    walkers = members.of(contents)
     manifest = contents.manifest
     values: dict[str, Any] = {
         "name": str(manifest.design.get("name", "walkers")),
         "description": str(manifest.design.get("description", "")),
         "version": version,
         "contents": contents,
-        "members": made,
-        "parts": [_part(member, manifest.legs_up) for member in made],
-        "table": table(made),
-        "chart": chart.speeds(made, beside.of(contents)),
+        "members": walkers,
+        "parts": [_part(member, manifest.legs_up) for member in walkers],
+        "table": table(walkers),
+        "chart": chart.speeds(walkers, beside.of(contents)),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
         "caption": caption(contents),
         "preview": _picture(contents, PREVIEW),
         "downloads": [_download(contents, name) for name in contents.files if _offered(name)],
         "stl": {
             member.name: _download(contents, f"stl/{member.name}.stl")
-            for member in made
+            for member in walkers
             if member.corners is not None
         },
         "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
@@ -119,8 +119,8 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
             manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})
         ),
         "references": references.cited(
-            {member.row["law"] for member in made},
-            {method for member in made if (method := member.row.get("sim_method"))},
+            {member.row["law"] for member in walkers},
+            {method for member in walkers if (method := member.row.get("sim_method"))},
             list(manifest.files),
             played=run is not None,
         ),
@@ -135,23 +135,24 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
     return sealed(_template().render(values).encode() + b"<!-- sealed: %s -->\n" % BLANK)
 
 
-def table(made: Sequence[Member]) -> Table:
+def table(walkers: Sequence[Member]) -> Table:
     """Table of the family: numbers to four digits or to their errors; equal words said once."""
-    notes = list(dict.fromkeys(note for member in made if (note := member.row.get(NOTE))))
+    notes = list(dict.fromkeys(note for member in walkers if (note := member.row.get(NOTE))))
     seconds = {*ERRORS.values(), *RANGES.values()}
-    listed = [column for column in made[0].row if column not in seconds]
+    listed = [column for column in walkers[0].row if column not in seconds]
     columns = [column for column in FIRST if column in listed]
     columns += [column for column in listed if column not in FIRST]
     common = {
         column: first
         for column in columns
-        if (first := made[0].row[column]) == "" or (words.value(first) is None and column != NOTE)
-        if all(member.row[column] == first for member in made)
+        if (first := walkers[0].row[column]) == ""
+        or (words.value(first) is None and column != NOTE)
+        if all(member.row[column] == first for member in walkers)
     }
     shown = [column for column in columns if column not in common]
     return Table(
         [HEADINGS.get(column, column) for column in shown],
-        [[_cell(member, column, notes) for column in shown] for member in made],
+        [[_cell(member, column, notes) for column in shown] for member in walkers],
         {HEADINGS.get(column, column): text for column, text in common.items() if text},
         notes,
     )
@@ -164,7 +165,7 @@ def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
         if isinstance(value, Mapping):
             groups[key] = dict(_flat(value))
         else:
-            groups["run"][key] = _told(value)
+            groups["run"][key] = _in_words(value)
     return groups
 
 
@@ -254,15 +255,15 @@ def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]
         if isinstance(value, Mapping):
             yield from _flat(value, f"{prefix}{key}.")
         else:
-            yield f"{prefix}{key}", _told(value)
+            yield f"{prefix}{key}", _in_words(value)
 
 
-def _told(value: Any) -> str:
+def _in_words(value: Any) -> str:
     if value is None:
         return "-"
     if isinstance(value, bool):
         return "yes" if value else "no"
-    return ", ".join(map(_told, value)) if isinstance(value, list) else str(value)
+    return ", ".join(map(_in_words, value)) if isinstance(value, list) else str(value)
 
 
 def _asset(name: str) -> str:

@@ -51,15 +51,15 @@ def simulate(
             "plays runs in space: choose a scene with a plane to run on, or legs.model = 'space'"
         )
     run = scene.run.model_copy(update={"seconds": SECONDS})
-    found = poses.sample(prepare(scene.model_copy(update={"run": run}), design, mass), 1.0 / RATE)
-    if len(found.times) < 2:
-        raise InputError(f"--run {scene.name}: the run ended at once ({found.outcome.value})")
+    motion = poses.sample(prepare(scene.model_copy(update={"run": run}), design, mass), 1.0 / RATE)
+    if len(motion.times) < 2:
+        raise InputError(f"--run {scene.name}: the run ended at once ({motion.outcome.value})")
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     O[1] -= _lowered(design)
-    return _packed(found, O) | {
+    return _packed(motion, O) | {
         "member": manifest.members.index(name),
-        "words": _words(found, scene, name),
+        "words": _words(motion, scene, name),
     }
 
 
@@ -74,36 +74,37 @@ def _lowered(design: Design) -> float:
     return float(solids.build(design).walker.vertices[:, 1].max())
 
 
-def _packed(found: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
+def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
     """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
 
     A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
     (s), its corner and its impulse over the largest. Both are little-endian float32.
     """
-    R = found.rotations
-    shift = found.places - R @ O
-    rows = np.column_stack([shift, found.turns[:, [1, 2, 3, 0]]])
-    impulse = np.hypot(found.landings[:, 2], found.landings[:, 3])
-    landings = np.column_stack([found.landings[:, :2], impulse / max(impulse.max(initial=0), 1e-9)])
-    corners = (found.corners[0] - found.places[0]) @ R[0] + O
+    R = motion.rotations
+    shift = motion.places - R @ O
+    rows = np.column_stack([shift, motion.turns[:, [1, 2, 3, 0]]])
+    times, corner, along, upward = motion.landings[:, :4].T
+    impulse = np.hypot(along, upward)
+    landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
+    corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
     return {
-        "interval": float(found.times[1]),
+        "interval": float(motion.times[1]),
         "poses": _text(rows),
         "landings": _text(landings),
-        "closed": base64.b64encode(np.packbits(found.closed, axis=1).tobytes()).decode(),
+        "closed": base64.b64encode(np.packbits(motion.closed, axis=1).tobytes()).decode(),
         "corners": corners.round(4).tolist(),
     }
 
 
-def _words(found: poses.Poses, scene: Scene, name: str) -> str:
+def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
     """Sentence that says what is played."""
     drive = scene.drive
-    ended = "" if found.outcome in ENDED_WELL else f"; it ended: {found.outcome.value}"
+    ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
     return (
         f"{name} in {scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± "
         f"{1e3 * drive.amplitude:.3g} µm, {scene.feet.damping} feet of restitution "
         f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
-        f"{found.times[-1]:.3g} s{ended}"
+        f"{motion.times[-1]:.3g} s{ended}"
     )
 
 

@@ -129,11 +129,11 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
     good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
 
     def draw() -> "Figure":
-        from walkergen.jobs.analyse import figures
+        from walkergen.points.track_figure import tracks_figure
 
         tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
         title = f"{design.name}, {design.tilt_deg:g} deg: {_speed_of(simulated)}"
-        return figures.tracks_figure(tracks, title)
+        return tracks_figure(tracks, title)
 
     return {"runs": draw} if good else {}
 

@@ -47,12 +47,12 @@ class Ask(NamedTuple):
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
         default = None if self.model == PREDICTION or own_runs else ERROR
-        found = Request(
+        request = Request(
             self.design, self.scene, self.space, self.model, tuple(dict.fromkeys(self.keep)),
             default if self.error is None else self.error, self.printer, self.data,
         )  # fmt: skip
-        found.check()
-        return found
+        request.check()
+        return request
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
@@ -93,19 +93,19 @@ def of(
 
 def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
-    found = sweep_file.read(path)
-    names = found.design, found.scene, found.printer
-    model, keep = found.model or PREDICTION, found.keep or ("speed",)
-    near, error = found.folder, found.error
-    return of(names, near, found.space, found.constants, model, error, keep, f"{path}: set")
+    file = sweep_file.read(path)
+    names = file.design, file.scene, file.printer
+    model, keep = file.model or PREDICTION, file.keep or ("speed",)
+    near, error = file.folder, file.error
+    return of(names, near, file.space, file.constants, model, error, keep, f"{path}: set")
 
 
 def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
     """Space of KEY=VALUES as on a command line, and the keys of a single value. InputError."""
-    given = [axes.parse(text) for text in texts]
-    axes.check(given)
-    spans = tuple(one for one in given if isinstance(one, Span))
-    lists = [one for one in given if isinstance(one, Axis)]
+    parsed = [axes.parse(text) for text in texts]
+    axes.check(parsed)
+    spans = tuple(entry for entry in parsed if isinstance(entry, Span))
+    lists = [entry for entry in parsed if isinstance(entry, Axis)]
     fixed = {axis.key: axis.values[0] for axis in lists if len(axis.values) == 1}
     varied = tuple(axis for axis in lists if len(axis.values) > 1)
     if sample is None:
@@ -115,10 +115,10 @@ def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space
                 "--sample sobol:256 to sample between the two"
             )
         return Space(varied), fixed
-    found = sample_of(sample, spans, seed, f"--sample {sample[:30]!r}")
+    samples = sample_of(sample, spans, seed, f"--sample {sample[:30]!r}")
     if not spans:
         raise InputError(f"--sample {sample}: no key to sample: --set KEY=LOW:HIGH")
-    return Space(varied, found), fixed
+    return Space(varied, samples), fixed
 
 
 def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
@@ -129,5 +129,5 @@ def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sam
         raise InputError(
             f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}"
         )
-    known: Method = "sobol" if method == "sobol" else "latin"
-    return Sample(spans, samples, known, seed)
+    sequence: Method = "sobol" if method == "sobol" else "latin"
+    return Sample(spans, samples, sequence, seed)

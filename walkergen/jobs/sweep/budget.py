@@ -18,7 +18,7 @@ BATCH = 4
 """Points for each worker that get more runs together."""
 
 FEWEST_SHARES = 4
-"""Parts into which all points are cut at least, of which the worst one gets more runs."""
+"""Share of the points, one in so many, that at most gets more runs at a time: the worst of them."""
 
 MOST_DOUBLINGS = 12
 """Number of times that the runs of a point are doubled at most: to a bar 64 times narrower."""
@@ -38,18 +38,18 @@ def spend(
     """
     check(request)
     until = time.monotonic() + seconds
-    asked = [_doubled(one, 0) for one in request.asked()]
-    for number, one in enumerate(asked):
-        asked[number] = _known(one, store)
+    points = [_doubled(point, 0) for point in request.points()]
+    for number, point in enumerate(points):
+        points[number] = _resumed(point, store)
     half = []
-    for number, done in enumerate(run.each(asked, store, crew), start=1):
+    for number, done in enumerate(run.each(points, store, crew), start=1):
         half.append(_half(done.record))
-        progress("one pass", number, len(asked))
+        progress("one pass", number, len(points))
     hands = 1 if crew is None else crew.workers
-    batch = max(1, min(BATCH * hands, len(asked) // FEWEST_SHARES))
+    batch = max(1, min(BATCH * hands, len(points) // FEWEST_SHARES))
     most = FIRST_RUNS * 2**MOST_DOUBLINGS
     while (left := until - time.monotonic()) > 0.0:
-        open_ = [n for n, one in enumerate(asked) if half[n] > 0.0 and _runs(one) < most]
+        open_ = [n for n, point in enumerate(points) if half[n] > 0.0 and _runs(point) < most]
         worst = sorted(open_, key=lambda n: (-half[n], n))[:batch]
         if not worst:
             break
@@ -58,10 +58,10 @@ def spend(
             round(seconds - left),
             round(seconds),
         )
-        more = [_doubled(asked[n], 1) for n in worst]
-        for n, one, done in zip(worst, more, run.each(more, store, crew), strict=True):
-            asked[n], half[n] = one, _half(done.record)
-    return asked
+        more = [_doubled(points[n], 1) for n in worst]
+        for n, point, done in zip(worst, more, run.each(more, store, crew), strict=True):
+            points[n], half[n] = point, _half(done.record)
+    return points
 
 
 def check(request: Request) -> None:
@@ -74,32 +74,32 @@ def check(request: Request) -> None:
         )
 
 
-def _doubled(one: Asked, times: int) -> Asked:
+def _doubled(point: Asked, times: int) -> Asked:
     """Point with its runs doubled so many times; with 0 times the first runs, short ones."""
-    if not isinstance(one, Point):
-        return one
-    run_ = one.scene.run
+    if not isinstance(point, Point):
+        return point
+    run_ = point.scene.run
     if times == 0:
         seconds = min(run_.seconds, LONGEST_S)
-        return one._replace(
-            scene=with_runs(one.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None
+        return point._replace(
+            scene=with_runs(point.scene, runs=FIRST_RUNS, seconds=seconds), wanted=None
         )
-    return one._replace(scene=with_runs(one.scene, runs=run_.runs * 2**times))
+    return point._replace(scene=with_runs(point.scene, runs=run_.runs * 2**times))
 
 
-def _known(one: Asked, store: Store) -> Asked:
+def _resumed(point: Asked, store: Store) -> Asked:
     """Point with the most runs that the store has, or with the first ones."""
-    if not isinstance(one, Point):
-        return one
-    levels = [one, *(_doubled(one, times) for times in range(1, MOST_DOUBLINGS + 1))]
+    if not isinstance(point, Point):
+        return point
+    levels = [point, *(_doubled(point, times) for times in range(1, MOST_DOUBLINGS + 1))]
     keys = [key(level) for level in levels if isinstance(level, Point)]
-    known = store.get(keys)
-    best = max((number for number, name in enumerate(keys) if name in known), default=0)
+    stored = store.get(keys)
+    best = max((number for number, name in enumerate(keys) if name in stored), default=0)
     return levels[best]
 
 
-def _runs(one: Asked) -> int:
-    return one.scene.run.runs if isinstance(one, Point) else 0
+def _runs(point: Asked) -> int:
+    return point.scene.run.runs if isinstance(point, Point) else 0
 
 
 def _half(record: Record) -> float:

@@ -15,7 +15,7 @@ UNASKED = 100_000
 PILOTS = 3
 
 BYTES = 300
-"""Room of a point in the table and in the store together, at most of the columns that it has."""
+"""Most bytes that a point takes in table and store together, and again for each group it keeps."""
 
 
 class Cost(NamedTuple):
@@ -29,14 +29,14 @@ class Cost(NamedTuple):
 
 def estimate(request: Request, store: Store, workers: int) -> Cost:
     """Time the first points of a request, the first of all apart, which may compile."""
-    asked = request.asked()
-    list(run.each(islice(asked, 1), store))
-    pilots = list(islice(asked, PILOTS))
+    stream = request.points()
+    list(run.each(islice(stream, 1), store))
+    pilots = list(islice(stream, PILOTS))
     started = time.perf_counter()
     list(run.each(pilots, store))
-    each = (time.perf_counter() - started) / max(len(pilots), 1)
+    per_point = (time.perf_counter() - started) / max(len(pilots), 1)
     points = request.space.points
-    return Cost(points, each * points / workers, BYTES * (1.0 + len(request.keep)) * points)
+    return Cost(points, per_point * points / workers, BYTES * (1.0 + len(request.keep)) * points)
 
 
 def in_words(cost: Cost) -> str:

@@ -20,7 +20,7 @@ from walkergen.files.figures import COLUMN, PAGE, style, wrapped
 from walkergen.jobs.sweep import panels as draw
 from walkergen.jobs.sweep.panels import COLOURS, HATCHED, MARK, STYLES, Mask
 from walkergen.jobs.sweep.panels import Columns as Columns
-from walkergen.jobs.sweep.scales import Scale, dress, scale_of, told
+from walkergen.jobs.sweep.scales import Scale, dress, in_words, scale_of
 
 MOST_LINES, MOST_PANELS = 5, 12
 """Numbers of values of a key up to which each is a line of its own, or a panel."""
@@ -46,7 +46,7 @@ def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
         if not gridded:
             return _clouds(columns, scales, title)
         # The key with most values lies along x, numbers before words; of equals the first.
-        ranked = sorted(scales, key=lambda one: (one.words, -len(one.values)))
+        ranked = sorted(scales, key=lambda scale: (scale.words, -len(scale.values)))
         if len(scales) < 3:
             return _single(columns, scales, ranked, title)
         return _multiples(columns, scales, title)
@@ -73,19 +73,19 @@ def _single(
 
 def _lined(scales: Sequence[Scale]) -> bool:
     """Whether one or two keys are drawn as lines: a map needs many values of both."""
-    return len(scales) == 1 or min(len(one.values) for one in scales) <= MOST_LINES
+    return len(scales) == 1 or min(len(scale.values) for scale in scales) <= MOST_LINES
 
 
 def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     """Figure of a panel for each value of the key that has the fewest."""
-    apart = min(scales, key=lambda one: len(one.values))
+    apart = min(scales, key=lambda scale: len(scale.values))
     others = [scale for scale in scales if scale is not apart]
     shown = _spread(len(apart.values), MOST_PANELS)
     if left := len(apart.values) - len(shown):
         title += f"; {left} of {len(apart.values)} values of {apart.key} left out"
     inside = np.isin(apart.which, shown)
     columns, apart, *others = _only(columns, inside, (apart, *others))
-    ranked = sorted(others, key=lambda one: (one.words, -len(one.values)))
+    ranked = sorted(others, key=lambda scale: (scale.words, -len(scale.values)))
     with _sheet(title, len(shown)) as (drawn, panels, wide):
         norm = _norm(columns)
         for place, (number, axes) in enumerate(zip(shown, panels, strict=True)):
@@ -94,7 +94,7 @@ def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
                 draw.lines(axes, columns, ranked[0], ranked[1], rows)
             else:
                 draw.map(axes, columns, others[0], others[1], rows, norm)
-            axes.set_title(told(apart, number))
+            axes.set_title(in_words(apart, number))
             if place + wide < len(panels):
                 axes.xaxis.label.set_visible(False)
             if place % wide:
@@ -145,7 +145,7 @@ def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, .
     """Columns and scales of some rows."""
     kept = Columns(
         {}, columns.speed[rows], columns.low[rows], columns.high[rows],
-        [one for one, inside in zip(columns.status, rows, strict=True) if inside],
+        [status for status, inside in zip(columns.status, rows, strict=True) if inside],
     )  # fmt: skip
     return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
 
@@ -162,8 +162,8 @@ def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
     wide = 1 if count == 1 else 2 if count in (2, 4) else 3 if count <= 6 else 4
     width = COLUMN if wide < 3 else PAGE
     rows = -(-count // wide)
-    each = 2.4 if count == 1 else 1.75
-    drawn = Figure(figsize=(width, rows * each + 0.3), layout="constrained", dpi=300)
+    tall = 2.4 if count == 1 else 1.75
+    drawn = Figure(figsize=(width, rows * tall + 0.3), layout="constrained", dpi=300)
     grid = drawn.subplots(rows, wide, squeeze=False, sharey=count > 1)
     panels = list(grid.flat)
     for axes in panels[count:]:
@@ -189,7 +189,7 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
     for scale in by:
         for number, (colour, dash, marker) in zip(range(len(scale.values)), STYLES, strict=False):
             handles.append(Line2D([], [], color=colour, linestyle=dash, marker=marker,
-                                  label=told(scale, number, named=number == 0)))  # fmt: skip
+                                  label=in_words(scale, number, named=number == 0)))  # fmt: skip
     return handles + _mark_handles(columns)
 
 

@@ -3,8 +3,7 @@
 import hashlib
 import json
 import time
-from collections.abc import Iterator, Sequence
-from itertools import islice
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -13,12 +12,12 @@ from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.jobs.sweep import budget, report, table
 from walkergen.jobs.sweep.report import Points, SweepReport
-from walkergen.jobs.sweep.table import Row, Table
+from walkergen.jobs.sweep.table import Table
 from walkergen.points import run
 from walkergen.points.crew import Crew
 from walkergen.points.point import digest
 from walkergen.points.request import Request
-from walkergen.points.run import BLOCK, Asked, Done
+from walkergen.points.run import Asked, Done
 from walkergen.points.store import Store
 
 MOST_DRAWN = 200_000
@@ -45,10 +44,10 @@ class Job(NamedTuple):
 def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, sweep.png and .pdf.
 
-    Points that the store, or a table in the folder, already has are not evaluated again; the table
-    grows row by row, and what was finished is kept whatever happens. Raises InputError where
-    another sweep writes there or a file there is not ours, OutputError when a file cannot be
-    written, WalkergenError when a worker is lost, and KeyboardInterrupt with a whole table.
+    Points that the store already has are not evaluated again; the table grows row by row, and what
+    was finished is kept whatever happens. Raises InputError where another sweep writes there or a
+    file there is not ours, OutputError when a file cannot be written, WalkergenError when a worker
+    is lost, and KeyboardInterrupt with a whole table.
     """
     started = time.perf_counter()
     job.request.check()
@@ -58,36 +57,37 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         folder.claim()
         if earlier := _finished(job, folder):
             return earlier
-        warnings = _taken_up(job, folder, store)
-        asked = job.request.asked()
+        warnings = _set_aside(folder)
+        stream = job.request.points()
         if job.budget_s is not None:
-            asked = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
+            stream = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
         points = Points(_names(job), job.kept or job.drawn)
+        folder.grow(table.NAME)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
-            for values, done in _each(job, asked, store, crew, progress):
+            for values, done in _evaluated(job, stream, store, crew, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         if job.budget_s is not None:
-            points.known = 0  # they are known by what the budget has just bought
-        made = report.of(job.request, job.title, points, warnings)
-        _write_rest(job, folder, made, time.perf_counter() - started)
-    return report.written(made, path, list(folder.hashes))
+            points.stored = 0  # they are known by what the budget has just bought
+        result = report.of(job.request, job.title, points, warnings)
+        _write_rest(job, folder, result, time.perf_counter() - started)
+    return report.written(result, path, list(folder.hashes))
 
 
 def find(job: Job, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request, without a folder. Raises as `make` does."""
     points = Points(_names(job), kept=True)
-    for values, done in _each(job, job.request.asked(), store, crew, progress):
+    for values, done in _evaluated(job, job.request.points(), store, crew, progress):
         points.add(values, done)
     return report.of(job.request, job.title, points)
 
 
-def _each(
-    job: Job, asked: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
+def _evaluated(
+    job: Job, stream: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Values of the keys at each point, and the evaluated point."""
     space = job.request.space
-    points = zip(space.rows(), run.each(asked, store, crew), strict=True)
+    points = zip(space.rows(), run.each(stream, store, crew), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, space.points)
@@ -109,8 +109,8 @@ def _finished(job: Job, folder: Folder) -> SweepReport | None:
         return None
     count = job.request.space.points
     points = Points(_names(job), False, count, count, facts["bad"])
-    made = report.of(job.request, job.title, points)
-    return report.written(made, folder.path, list(facts["files"]))
+    result = report.of(job.request, job.title, points)
+    return report.written(result, folder.path, list(facts["files"]))
 
 
 def _hash_of(request: Request) -> str:
@@ -136,55 +136,40 @@ def _facts(request: Request) -> dict[str, Any]:
     }
 
 
-def _taken_up(job: Job, folder: Folder, store: Store) -> list[str]:
-    """Put the sound rows of an earlier table into the store; tell what is wrong with it.
+def _set_aside(folder: Folder) -> list[str]:
+    """Keep an earlier table that somebody changed under another name, and say so.
 
-    A table in which somebody changed rows is kept under another name: its changes are not ours to
-    lose, nor to trust. Raises InputError for a file that is no table of a sweep.
+    Its changes are not ours to lose, nor to trust. Raises InputError for a file that is no table of
+    a sweep.
     """
-    place, told = folder.path / table.NAME, []
+    place = folder.path / table.NAME
     if not place.exists():
         return []
-    sources = folder.earlier().get("sources", digest())
-    if sources != digest():
-        told.append(f"{place}: is of another version of walkergen; its points are evaluated anew")
-    names, edited = _names(job), list[int]()
-    lines = table.read(place)
-    while block := list(islice(lines, BLOCK)):
-        edited += [one for one in block if isinstance(one, int)]
-        if sources == digest():
-            _put_unknown([one for one in block if isinstance(one, Row)], names, store)
-    if edited:
-        kept = _free(folder.path / "table.edited.csv")
-        try:
-            place.replace(kept)
-        except OSError as error:
-            raise output.refused(kept, error) from None
-        lines_told = ", ".join(map(str, edited[:5])) + (", ..." if len(edited) > 5 else "")
-        told.append(
-            f"{place}: changed by hand in line {lines_told}: these are evaluated anew; the changed "
-            f"table is kept as {kept.name}"
-        )
-    return told
-
-
-def _put_unknown(rows: Sequence[Row], names: Sequence[str], store: Store) -> None:
-    known = store.get([row.point for row in rows])
-    fresh = ((row.point, table.record_of(row, names)) for row in rows if row.point not in known)
-    store.put((key, record) for key, record in fresh if record is not None)
+    lines = table.changed(place)
+    if not lines and folder.as_left(table.NAME):
+        return []
+    kept = _free(folder.path / "table.edited.csv")
+    try:
+        place.replace(kept)
+    except OSError as error:
+        raise output.refused(kept, error) from None
+    where = ", ".join(map(str, lines[:5])) + (", ..." if len(lines) > 5 else "")
+    which = f" in line {where}" if lines else ""
+    return [f"{place}: changed by hand{which}: evaluated anew; the changed table is kept as "
+            f"{kept.name}"]  # fmt: skip
 
 
 def _free(path: Path) -> Path:
     """Name that is not taken: the path, or the path with a number."""
     number = 1
-    found = path
-    while found.exists():
+    free = path
+    while free.exists():
         number += 1
-        found = path.with_stem(f"{path.stem}-{number}")
-    return found
+        free = path.with_stem(f"{path.stem}-{number}")
+    return free
 
 
-def _write_rest(job: Job, folder: Folder, made: SweepReport, seconds: float) -> None:
+def _write_rest(job: Job, folder: Folder, result: SweepReport, seconds: float) -> None:
     """Write Parquet, pictures and the manifest of a finished table."""
     request = job.request
     folder.add(table.NAME)
@@ -193,10 +178,10 @@ def _write_rest(job: Job, folder: Folder, made: SweepReport, seconds: float) -> 
     if (data := table.to_parquet(folder.path / table.NAME, keys, _names(job))) is not None:
         folder.write("table.parquet", data)
     if job.drawn:
-        made.write_figures(folder)
+        result.write_figures(folder)
     facts = {
         **_facts(request), "request": "" if job.budget_s is not None else _hash_of(request),
-        "sources": digest(), **{name: made.facts[name] for name in ("points", "known", "bad")},
+        "sources": digest(), **{name: result.facts[name] for name in ("points", "known", "bad")},
         "seconds": round(seconds, 3), "versions": versions(),
     }  # fmt: skip
     folder.finish(facts)

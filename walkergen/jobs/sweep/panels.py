@@ -69,14 +69,14 @@ class Columns(NamedTuple):
     @property
     def missing(self) -> Mask:
         """Points that have no speed."""
-        found: Mask = np.isnan(self.speed)
-        return found
+        missing: Mask = np.isnan(self.speed)
+        return missing
 
     @property
     def doubtful(self) -> Mask:
         """Points whose speed is not to be taken as it is."""
-        said: Mask = np.array([one != OK for one in self.status], dtype=bool)
-        return said & ~self.missing
+        doubtful: Mask = np.array([status != OK for status in self.status], dtype=bool)
+        return doubtful & ~self.missing
 
 
 # Lines
@@ -136,8 +136,8 @@ def dots(
 
 def speed_label(columns: Columns, most: int | None = None) -> str:
     """Label of an axis of speeds, with what the bars and bands are, if there are any."""
-    known = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
-    return "speed (mm/s), bounds of 95 %" if known else "speed (mm/s)"
+    bounded = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
+    return "speed (mm/s), bounds of 95 %" if bounded else "speed (mm/s)"
 
 
 # Maps
@@ -204,19 +204,19 @@ def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
     within = axes.transScale + axes.transLimits
     lines = [line[:: 1 + len(line) // MOST_CORNERS] for line in lines]
     shares = [within.transform(line) for line in lines]
-    taken: list[Array] = []
-    found: list[Array] = []
+    chosen: list[Array] = []
+    places: list[Array] = []
     for number, share in enumerate(shares):
         others = np.concatenate([*shares[:number], *shares[number + 1 :], np.full((1, 2), 9.0)])
         near = np.abs(share[:, None] - others).max(axis=2).min(axis=1)
         near = np.minimum(near, np.minimum(share, 1 - share).min(axis=1))
-        for place in taken:
+        for place in chosen:
             near = np.where(np.abs(share - place).max(axis=1) < APART, 0.0, near)
         best = int(near.argmax())
         if near[best] > ROOM:
-            taken.append(share[best])
-            found.append(lines[number][best])
-    return found
+            chosen.append(share[best])
+            places.append(lines[number][best])
+    return places
 
 
 # Clouds

@@ -25,7 +25,7 @@ class Points:
     kept: bool
     """True for rows that are kept in memory, for a figure or for whoever goes on with them."""
     count: int = 0
-    known: int = 0
+    stored: int = 0
     """Number of those that an earlier run, or another sweep, had evaluated."""
     bad: dict[str, int] = field(default_factory=dict)
     """Number of points by what their status says, for all but "ok"."""
@@ -34,7 +34,7 @@ class Points:
     def add(self, values: Sequence[Any], done: Done) -> None:
         """Count a point, and keep its row where rows are kept."""
         self.count += 1
-        self.known += done.known
+        self.stored += done.stored
         if done.record[STATUS] != OK:
             name = str(done.record[STATUS]).partition(":")[0].partition(" of ")[0]
             name = "error not met" if name.startswith("error ") else name
@@ -63,21 +63,21 @@ def of(request: Request, title: str, points: Points, warnings: Sequence[str] = (
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
     return SweepReport(
         name="sweep", title=title, tables=[rows], lines=_lines(points),
-        facts={"points": points.count, "known": points.known, "bad": points.bad, "files": []},
+        facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
         figures=_figures(rows, keys), keys=keys, warnings=warnings,
     )  # fmt: skip
 
 
-def written(made: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
+def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
     """The report with the files of these names that were written into a folder."""
-    facts = {**made.facts, "files": [str(folder / name) for name in names]}
-    return replace(made, facts=facts, lines=[*made.lines, f"in {folder}: {', '.join(names)}"])
+    facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
+    return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
 
 
 def _lines(points: Points) -> list[str]:
-    known = f", {points.known} of them known before" if points.known else ""
-    counted = f"{points.count} points{known}"
-    if points.known == points.count:
+    before = f", {points.stored} of them known before" if points.stored else ""
+    counted = f"{points.count} points{before}"
+    if points.stored == points.count:
         counted = f"all {points.count} points were known before"
     bad = points.bad.items()
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]

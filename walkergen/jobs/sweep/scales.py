@@ -14,8 +14,8 @@ from walkergen.files.key_names import label
 Array = npt.NDArray[np.float64]
 
 WIDE, LOW = 30.0, 1 / 3
-"""Ratio of the ends of positive values beyond which their axis is logarithmic, if their median lies
-below this share of the last: values in even steps stay on a linear axis."""
+"""An axis of positive values is logarithmic where the largest is more than WIDE times the least and
+the median below LOW times the largest: values in even steps stay on a linear axis."""
 
 MOST_WORD_TICKS = 12
 
@@ -63,7 +63,7 @@ def _word(value: Any) -> str:
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
-def told(scale: Scale, number: int, named: bool = True) -> str:
+def in_words(scale: Scale, number: int, named: bool = True) -> str:
     """One value of a scale in words: "tilt of the legs 10 deg" or, not named, "10 deg"."""
     name, _, unit = label(scale.key).partition(" (")
     value = scale.values[number]
@@ -78,8 +78,8 @@ def edges(scale: Scale) -> Array:
     if len(places) == 1:
         return np.array([places[0] - 0.5, places[0] + 0.5])
     middle = 0.5 * (places[1:] + places[:-1])
-    found = np.concatenate([[2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]]])
-    return np.exp(found) if scale.log else found
+    borders = np.concatenate([[2 * places[0] - middle[0]], middle, [2 * places[-1] - middle[-1]]])
+    return np.exp(borders) if scale.log else borders
 
 
 def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
@@ -94,7 +94,7 @@ def dress(axes: Axes, direction: Literal["x", "y"], scale: Scale) -> None:
         axis.set_minor_formatter(NullFormatter())
     elif scale.words:
         every = -(-len(scale.values) // MOST_WORD_TICKS)
-        shown = [one if len(one) <= 14 else one[:13] + "…" for one in scale.values][::every]
+        shown = [word if len(word) <= 14 else word[:13] + "…" for word in scale.values][::every]
         axis.set_ticks(scale.places[::every].tolist(), shown)
         if direction == "x" and sum(map(len, shown)) > 30:
             axes.tick_params(axis="x", rotation=30)

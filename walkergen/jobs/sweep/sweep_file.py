@@ -104,33 +104,33 @@ def read(path: Path) -> SweepFile:
             f'{path}: the file sets nothing; write [grid] and "legs.tilt_deg" = "0:45:5"'
         )
     flat = _flattened(data, str(path), text)
-    found = config.validate(flat, Contents, str(path), text)
-    mistakes = list(_key_mistakes(found, str(path), text))
+    contents = config.validate(flat, Contents, str(path), text)
+    mistakes = list(_key_mistakes(contents, str(path), text))
     varied: list[Axis | Span] = []
     error: Wanted | None = None
-    between = found.sample.between if found.sample else {}
-    for table, values in (("grid", found.grid), ("sample.between", between)):
+    between = contents.sample.between if contents.sample else {}
+    for table, values in (("grid", contents.grid), ("sample.between", between)):
         for key, value in values.items():
             place = _place(table, key, str(path), text)
             try:
                 varied.append((_axis if table == "grid" else _span)(key, value, place))
-            except InputError as told:
-                mistakes.append(str(told))
+            except InputError as mistake:
+                mistakes.append(str(mistake))
     try:
-        error = wanted.parse(found.error) if found.error is not None else None
-    except InputError as told:
+        error = wanted.parse(contents.error) if contents.error is not None else None
+    except InputError as mistake:
         place = config.where(("error",), str(path), text)
-        mistakes.append(f"{place}: error: {str(told).removeprefix('--error ')}")
+        mistakes.append(f"{place}: error: {str(mistake).removeprefix('--error ')}")
     if mistakes:
         raise InputError("\n".join(mistakes))
-    spans = tuple(one for one in varied if isinstance(one, Span))
+    spans = tuple(entry for entry in varied if isinstance(entry, Span))
     sample = None
-    if found.sample is not None:
-        sample = Sample(spans, found.sample.points, found.sample.method, found.seed)
+    if contents.sample is not None:
+        sample = Sample(spans, contents.sample.points, contents.sample.method, contents.seed)
     return SweepFile(
-        path, found.design, found.scene, found.printer, found.model, error, found.seed,
-        None if found.keep is None else tuple(found.keep), dict(found.set),
-        Space(tuple(one for one in varied if isinstance(one, Axis)), sample),
+        path, contents.design, contents.scene, contents.printer, contents.model, error,
+        contents.seed, None if contents.keep is None else tuple(contents.keep), dict(contents.set),
+        Space(tuple(entry for entry in varied if isinstance(entry, Axis)), sample),
     )  # fmt: skip
 
 
@@ -145,9 +145,9 @@ def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any
 
     Raises InputError for a key that is written in both forms.
     """
-    found = dict(data)
+    flat = dict(data)
     for *path, last in TABLES:
-        holder = found
+        holder = flat
         for step in path:
             if not isinstance(holder.get(step), dict):
                 break
@@ -161,7 +161,7 @@ def _flattened(data: Mapping[str, Any], source: str, text: str) -> dict[str, Any
                     if sum(key == other for other, _ in pairs) > 1:
                         place = _place(".".join((*path, last)), key, source, text)
                         raise InputError(f"{place}: given twice, nested and in quotes")
-    return found
+    return flat
 
 
 def _pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, Any]]:
@@ -173,17 +173,18 @@ def _pairs(table: Mapping[str, Any], before: str = "") -> Iterator[tuple[str, An
             yield before + key, value
 
 
-def _key_mistakes(found: Contents, source: str, text: str) -> Iterator[str]:
+def _key_mistakes(contents: Contents, source: str, text: str) -> Iterator[str]:
     """Lines on keys that neither design nor scene has, and on those that two tables have."""
-    between = found.sample.between if found.sample else {}
+    between = contents.sample.between if contents.sample else {}
     seen: dict[str, str] = {}
-    for table, values in (("set", found.set), ("grid", found.grid), ("sample.between", between)):
+    tables = (("set", contents.set), ("grid", contents.grid), ("sample.between", between))
+    for table, values in tables:
         for key in values:
             place = _place(table, key, source, text)
             try:
                 request.check(key, place)
-            except InputError as told:
-                yield str(told)
+            except InputError as mistake:
+                yield str(mistake)
             if key in seen:
                 yield f"{place}: is in [{seen[key]}] too: remove one of them"
             seen[key] = table
@@ -192,26 +193,26 @@ def _key_mistakes(found: Contents, source: str, text: str) -> Iterator[str]:
 def _axis(key: str, value: Any, place: str) -> Axis:
     """Axis of a text as on the command line, of a list of values or of one. Raises InputError."""
     if isinstance(value, str):
-        found = axes.of_text(key, value, f"{place} = {value[:60]!r}")
-        if isinstance(found, Span):
+        axis = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        if isinstance(axis, Span):
             raise InputError(
                 f"{place} = {value[:60]!r}: bounds without a step are of [sample.between]; a grid "
                 "has FIRST:LAST:STEP"
             )
-        return found
+        return axis
     values = value if isinstance(value, list) else [value]
-    for one in values:
-        if isinstance(one, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", one):
-            raise InputError(f'{place}: {one[:60]!r} in a list: write one text, "0:10:5,20"')
+    for entry in values:
+        if isinstance(entry, str) and re.fullmatch(r"[\s\d.eE+:-]+:[\s\d.eE+:-]+", entry):
+            raise InputError(f'{place}: {entry[:60]!r} in a list: write one text, "0:10:5,20"')
     return axes.axis(key, values, place)
 
 
 def _span(key: str, value: Any, place: str) -> Span:
     """Bounds of samples from a text or a list of two numbers. Raises InputError."""
     if isinstance(value, str):
-        found = axes.of_text(key, value, f"{place} = {value[:60]!r}")
-        if isinstance(found, Span):
-            return found
+        span = axes.of_text(key, value, f"{place} = {value[:60]!r}")
+        if isinstance(span, Span):
+            return span
     elif isinstance(value, list) and len(value) == 2:
         low, high = value
         if type(low) in (int, float) and type(high) in (int, float):

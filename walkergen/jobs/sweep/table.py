@@ -1,21 +1,21 @@
-"""Table of a sweep: a row for each point, in their order, written while it runs and read back.
+"""Table of a sweep: a row for each point, in their order, written while it runs.
 
 Every row ends with the key of its point and a check sum of its other cells: a row that somebody
-changed is told from one that we wrote, wherever the file has been.
+changed is told from one that we wrote. No number is read back: a sum is no signature.
 """
 
 import os
 import zlib
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, NamedTuple, Self
+from typing import Any, Self
 
 from walkergen.errors import InputError, OutputError
 from walkergen.files import reading
 from walkergen.files.columns import cells as cells_of
 from walkergen.files.ledger import flags
 from walkergen.files.tables import csv_text
-from walkergen.points.point import PREDICTION, STATUS, Record, Value
+from walkergen.points.point import PREDICTION, STATUS, Record
 
 NAME = "table.csv"
 POINT, CHECK = "point", "check"
@@ -54,15 +54,6 @@ def columns(model: str, keep: Sequence[str]) -> tuple[str, ...]:
     return (*SPEED[model != PREDICTION], *more, STATUS)
 
 
-class Row(NamedTuple):
-    """Row that was read back."""
-
-    point: str
-    """Key of the point; "" for one that was refused."""
-    values: dict[str, str]
-    """Cells by the names of their columns, without the point's key and the check sum."""
-
-
 class Table:
     """Table that grows: rows are on the disk, whole, when `add` returns."""
 
@@ -75,7 +66,7 @@ class Table:
             new = flags(os.O_WRONLY | os.O_CREAT | os.O_TRUNC)  # never through a link
             self._file = os.open(path, new, 0o666)
         except OSError as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
         self._write(header)
 
     def add(self, values: Sequence[Any], record: Record, point: str) -> None:
@@ -90,7 +81,7 @@ class Table:
             if os.write(self._file, data) != len(data):
                 raise OSError(28, os.strerror(28))  # a disk that is full takes a part of it
         except OSError as error:
-            raise self._told(error) from None
+            raise self._failure(error) from None
 
     def __enter__(self) -> Self:
         return self
@@ -100,11 +91,11 @@ class Table:
             os.fsync(self._file)  # a full disk may only now say so
         except OSError as error:
             if kind is None:
-                raise self._told(error) from None
+                raise self._failure(error) from None
         finally:
             os.close(self._file)
 
-    def _told(self, error: OSError) -> OutputError:
+    def _failure(self, error: OSError) -> OutputError:
         return OutputError(f"{str(self.path)!r}: cannot be written: {error.strerror}")
 
 
@@ -113,42 +104,29 @@ def check_of(line: str) -> str:
     return f"{zlib.crc32(line.rstrip().encode()):08x}"
 
 
-def read(path: Path) -> Iterator[Row | int]:
-    """Rows of a table, one after the other; the number of the line for a row that was changed.
+def changed(path: Path) -> list[int]:
+    """Numbers of the lines of a table that are not as a sweep writes them.
 
-    A last line that was cut short is left out. Raises InputError for a file that is no table of a
-    sweep.
+    A last line that was cut short is as written, the header too. Raises InputError
+    for a file that is no table of a sweep.
     """
-    lines = reading.lines(path, "a table of `walkergen sweep`")
-    header = cells_of(next(lines, ""), str(path), 1)
-    if header[-2:] != [POINT, CHECK]:
+    lines = reading.lines(path, "a table of `walkergen sweep`", newline="")
+    header = next(lines, "")
+    if header.endswith("\n") and cells_of(header, str(path), 1)[-2:] != [POINT, CHECK]:
         raise InputError(
             f"{path}: is no table of a sweep (its last columns are not point, check): "
             "move it away, or give another --out"
         )
-    for number, line in enumerate(lines, start=2):
-        if not line.endswith("\n"):
-            return
-        text = line.rstrip()
-        sound = text.endswith(check_of(text.rpartition(",")[0]))
-        cells = cells_of(line, str(path), number) if sound else []
-        if len(cells) != len(header):
-            yield number
-            continue
-        yield Row(cells[-2], dict(zip(header[:-2], cells[:-2], strict=True)))
+    return [number for number, line in enumerate(lines, start=2) if not _sound(line)]
 
 
-def record_of(row: Row, names: Sequence[str]) -> Record | None:
-    """Record of a row; None where the table has not all of these columns."""
-    if not row.point or any(name not in row.values for name in names):
-        return None
-    return {name: _value(name, row.values[name]) for name in names if row.values[name]}
-
-
-def _value(name: str, text: str) -> Value:
-    if name in WORDS:
-        return text
-    return int(text) if text.lstrip("-").isdigit() else float(text)
+def _sound(line: str) -> bool:
+    """Whether a line has the check sum of its cells, or was cut short where nothing else is."""
+    text = line.removesuffix("\n")
+    if text == line:
+        return text.isprintable()
+    before, _, check = text.rpartition(",")
+    return check == check_of(before)
 
 
 def to_parquet(path: Path, keys: Mapping[str, bool], names: Sequence[str]) -> bytes | None:

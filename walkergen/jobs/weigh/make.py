@@ -53,9 +53,9 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         if not 1e-6 <= value <= most:
             raise InputError(f"{flag} {value:g}: must lie in 1e-06..{most:g}")
     source = str(path)[-80:]
-    found = meshes.load(path, source)
-    several = path.suffix.lower() == ".3mf" and len(found.parts) > 1
-    surfaces = found.parts if several else (meshes.joined(found.parts),)
+    loaded = meshes.load(path, source)
+    several = path.suffix.lower() == ".3mf" and len(loaded.parts) > 1
+    surfaces = loaded.parts if several else (meshes.joined(loaded.parts),)
     solids = []
     for surface in surfaces:
         mesh = Mesh(surface.vertices * scale_mm, surface.triangles)
@@ -66,7 +66,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         _weighed(surface.name, count, solid)
         for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
-    return Weighing(parts, _weighed("total", sum(counts), together(solids)), found.sha256)
+    return Weighing(parts, _weighed("total", sum(counts), together(solids)), loaded.sha256)
 
 
 def together(solids: Sequence[SolidMass]) -> SolidMass:
