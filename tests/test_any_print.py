@@ -17,6 +17,8 @@ from walkergen.jobs.family import figures, preview
 from walkergen.jobs.family import make as families
 from walkergen.jobs.family.beside import Beside
 from walkergen.jobs.orders import make as batch
+from walkergen.points import members as predictions
+from walkergen.points import speed_table
 from walkergen.printing import (
     checks,
     layout,
@@ -354,14 +356,14 @@ def test_a_single_walker_has_points_with_bounds_and_no_curve(tmp_path):
     assert (out / "speed.png").is_file()
     manifest = json.loads((out / "manifest.json").read_text())
     assert manifest["body"] == {"sha256": "", "changes": []}
-    assert "mean factor" in families.caption(PAPER, SCENE, "coulomb")
+    assert "mean factor" in speed_table.caption(PAPER, SCENE, "coulomb")
 
 
 def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
     members = PAPER.members([5.0, 10.0], ["flexible"])
     job = families.Job(PAPER, members, SCENE, MK3S, "coulomb", pictures=True)
     built = [solids.build(one) for one in job.members]
-    made = list(families.predicted(job.members, built, SCENE, "coulomb"))
+    made = list(predictions.predicted(job.members, built, SCENE, "coulomb"))
     monkeypatch.setattr(families.prediction, "curve", lambda *asked: asked[-2:])
     assert families._curves(job, made) == {"flexible": (5.0, 10.0)}
     assert families._curves(job, made[:1]) == {"flexible": (-5.0, 15.0)}  # alone: and around it

@@ -58,7 +58,7 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
 
 def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
     made = family.make(job_of(), tmp_path, silent, unheard)
-    for member in made:
+    for member in made.members:
         mesh = trimesh.load(tmp_path / "stl" / f"{member.name}.stl")
         assert mesh.is_watertight
         assert mesh.is_winding_consistent
@@ -69,7 +69,7 @@ def test_stl_files_are_closed_and_of_the_right_volume(tmp_path):
 
 
 def test_csv_rows_are_the_predictions(tmp_path):
-    made = family.make(job_of(), tmp_path, silent, unheard)
+    made = family.make(job_of(), tmp_path, silent, unheard).members
     with (tmp_path / "family.csv").open(encoding="utf-8", newline="") as stream:
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6

@@ -22,7 +22,7 @@ from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.jobs.analyse import report as analysis
 from walkergen.jobs.family import beside
 from walkergen.jobs.family import figures as family
-from walkergen.jobs.family.tables import Simulated
+from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
 
@@ -249,8 +249,8 @@ def test_slopes_are_told_in_words(drawn):
 
 
 def test_what_speed_png_shows_is_in_speed_csv():
-    lines = beside.to_csv(SHOWN).splitlines()
-    assert lines[0].split(",") == list(beside.COLUMNS)
+    lines = beside.table(SHOWN).csv().splitlines()
+    assert lines[0].split(",") == list(beside.KEYS)
     kinds = [line.split(",")[0] for line in lines[1:]]
     assert kinds == ["predicted"] * 182 + ["measured"] * 2 + ["paper"]
     assert lines[1] == "predicted,flexible,0.0,40.0,30.0,60.0,20.0,80.0,40.0,yes"

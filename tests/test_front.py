@@ -164,8 +164,8 @@ def test_a_prediction_is_the_commands(run):
     bounds = found.speed.low_95, found.speed.high_95
     assert bounds == (row["speed_low_95_mm_s"], row["speed_high_95_mm_s"])
     assert str(found.speed).endswith(f"{found.speed.low_95:.1f} to {found.speed.high_95:.1f}")
-    assert f"predicted speed</th><td>{found.speed}" in found._repr_html_()
-    several = wg.predict(PAPER, LANE, tilt=(5, 10), legs=("flexible", "braced"))
+    assert f"tilt 10 deg: {found.speed}" in found._repr_html_()
+    several = wg.predict(PAPER, LANE, tilt=(5, 10), legs=("flexible", "braced")).table
     assert several["legs"].tolist() == ["flexible", "flexible", "braced", "braced"]
     assert several["speed_mm_s"][1] == row["speed_mm_s"]
     assert several.to_dataframe().speed_mm_s.tolist() == several["speed_mm_s"].tolist()
@@ -466,7 +466,7 @@ def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
     assert made["copies"] == [2, 3]
     assert "plates/family_prusa-mk3s_2.3mf" in made["files"]
     assert "\nmeasured,flexible,10.0,58.0," in (tmp_path / "found" / "speed.csv").read_text()
-    assert found.table["name"].tolist() == names
+    assert [member.name for member in found.members] == names
     assert found.table["mass_g"][0] == pytest.approx(0.81 + 2 * 0.012)
     assert [one for one in found.warnings if "weights.csv: 1 walkers beside" in one]
     assert [one for one in found.warnings if one.startswith("speeds.csv: ")]
@@ -589,7 +589,7 @@ import walkergen as wg
 
 design = wg.load("koumakis2016", "walker").variant(tilt_deg=12.0)
 speed: float = wg.predict(design, "lane-90hz").speed.value
-many = wg.predict(design, tilt=[5.0, 10.0])["speed_mm_s"]
+many = wg.predict(design, tilt=[5.0, 10.0]).table["speed_mm_s"]
 bar: float = wg.simulate(design, runs=4).speed.se
 """
 

@@ -5,7 +5,7 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.family import make as family
+from walkergen.points import members as predictions
 from walkergen.scene import Scene
 from walkergen.walker import mass, names, solids, weights
 from walkergen.walker.design import Design
@@ -28,7 +28,7 @@ def read(tmp_path):
 
 def predicted(weighed, members=MEMBERS):
     built = [solids.build(member) for member in members]
-    return list(family.predicted(members, built, SCENE, "coulomb", weighed))
+    return list(predictions.predicted(members, built, SCENE, "coulomb", weighed))
 
 
 def meshed(design):
@@ -69,9 +69,9 @@ def test_whatever_is_filled_in_is_kept(tmp_path, header, line):
 
 
 def test_an_empty_template_follows_the_print(tmp_path):
-    weights.write_template(tmp_path, ["x"])
-    weights.write_template(tmp_path, ["y"])
-    assert (tmp_path / "weights.csv").read_text() == "part,grams,body_g,leg_g\ny,,,\n"
+    weights.write_template(tmp_path, [FIVE])
+    weights.write_template(tmp_path, [TEN])
+    assert (tmp_path / "weights.csv").read_text() == f"part,grams,body_g,leg_g\n{TEN},,,\n"
 
 
 def test_whole_walkers_scale_all_masses_alike_and_change_the_speed_little(read):
@@ -214,3 +214,16 @@ def test_a_spreadsheet_s_byte_order_mark_is_ignored(tmp_path):
     path = tmp_path / "w.csv"
     path.write_bytes(f"part,grams\r\n{FIVE},0.9\r\n".encode("utf-8-sig"))
     assert weights.read(path, MEMBERS)[FIVE].grams.mean == 0.9
+
+
+@pytest.mark.parametrize("row", ["my own grain,,,", "walker,,,", "note to self,,,", f"{FIVE},,,1"])
+def test_a_form_with_a_row_of_somebodys_own_is_kept(row, tmp_path):
+    path = tmp_path / weights.FILE
+    path.write_text(f"{weights.template([FIVE, TEN])}{row}\n")
+    mine = path.read_bytes()
+    assert weights.write_template(tmp_path, [FIVE]) is None
+    assert path.read_bytes() == mine
+    path.write_text(
+        weights.template([FIVE, f"{TEN}-12", f"polar-disc{FIVE.removeprefix('walker')}"])
+    )
+    assert weights.write_template(tmp_path, [TEN]) == path  # nothing but a form of ours

@@ -2,7 +2,8 @@
 
 import numbers
 import os
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -17,62 +18,22 @@ from walkergen.api.loading import (
     walker_of,
 )
 from walkergen.api.predicting import SCENE
-from walkergen.api.table import Result, Table
 from walkergen.errors import InputError
-from walkergen.files import viewer
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.family import make as families
+from walkergen.jobs.family.report import FamilyReport
 from walkergen.jobs.orders import make as batch
 from walkergen.printing import checks
 from walkergen.printing.checks import Finding
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.scene import Scene
 from walkergen.theory.speed import Mode
-from walkergen.walker import view
 from walkergen.walker import weights as balance
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
 
 PRINTER = "prusa-mk3s"
 """Template of the printer by default, as on the command line."""
-
-
-class Family(Result):
-    """Family that was made: its folder, its members and what the printer makes of them."""
-
-    def __init__(
-        self, folder: Path, members: Sequence[families.Member], findings: Sequence[Finding],
-        left_out: Sequence[str] = (),
-    ) -> None:  # fmt: skip
-        self.folder = folder
-        self.members = tuple(members)
-        found = [checks.line(one) for one in checks.grouped(findings) if one.level == "warning"]
-        self.warnings = (*found, *left_out)
-        """Warnings of the printability checks, and on rows left out of files, a line each."""
-
-    @property
-    def table(self) -> Table:
-        """Rows of family.csv: masses and speeds, predicted and, where asked for, simulated; of
-        walkers that were weighed the masses beside those of the mesh.
-        """
-        (rows, simulated), names = families.rows_of(self.members), [m.name for m in self.members]
-        every: dict[str, list[object]] = {"name": list(names)}
-        for part in (rows, simulated, families.weighed_of(self.members)):
-            for field in part[0]._fields if part else ():
-                every[field] = [getattr(row, field) for row in part]
-        return Table(every, f"{len(names)} walkers in {self.folder}", self.warnings)
-
-    def rows(self) -> Iterator[tuple[str, str]]:
-        """Names and values in words."""
-        yield "folder", str(self.folder)
-        for member in self.members:
-            yield member.name, f"{member.row.speed_mm_s:.1f} mm/s predicted"
-        for warning in self.warnings:
-            yield "warning", warning
-
-    def _repr_html_(self) -> str:
-        parts = [view.part_of(one.design, one.mesh) for one in self.members]
-        return viewer.frame(parts, str(self.folder)) + self.table._repr_html_()
 
 
 def family(
@@ -82,7 +43,7 @@ def family(
     copies: int | Mapping[float, int] | None = None, max_parts: int = MOST_PARTS,
     weights: str | os.PathLike[str] | None = None, measured: str | os.PathLike[str] | None = None,
     prusaslicer: bool = False, progress: Progress | None = None,
-) -> Family:  # fmt: skip
+) -> FamilyReport:  # fmt: skip
     """Make a family of walkers in a folder: STL files, plates, predicted speeds, pictures.
 
     Tilts (deg) and kinds of legs are by default those of the design's [family]. `copies` is that of
@@ -102,7 +63,9 @@ def family(
         _whole(max_parts, MOST_PARTS, "max_parts"), prusaslicer, weighed, strict, seen,
     )  # fmt: skip
     made = families.make(job, Path(folder), progress or silent, findings.extend)
-    return Family(Path(folder), made, findings, [*unused, *bad])
+    warnings = [checks.line(one) for one in checks.grouped(findings) if one.level == "warning"]
+    warnings += [*unused, *bad]
+    return replace(made, warnings=warnings)
 
 
 def _copied(

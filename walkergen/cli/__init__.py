@@ -4,37 +4,13 @@ import atexit
 import os
 import signal
 import sys
-from typing import Annotated, NoReturn
+from typing import Annotated, Any, NoReturn
 
 import typer
 
 from walkergen import __version__
-from walkergen.cli import (
-    accuracy,
-    analyse,
-    bench,
-    calibrate,
-    check,
-    design,
-    explain,
-    export,
-    family,
-    fit,
-    movie,
-    plate,
-    predict,
-    report,
-    reproduce,
-    selftest,
-    simulate,
-    streams,
-    sweep,
-    templates,
-    track,
-    validate,
-    weigh,
-)
-from walkergen.cli.layout import HELP_OPTIONS, Command, Group, epilog
+from walkergen.cli import streams
+from walkergen.cli.layout import HELP_OPTIONS, Group, Modules
 from walkergen.errors import OutputError, WalkergenError
 from walkergen.files import plain
 
@@ -44,32 +20,34 @@ INTERRUPTED = 130
 TOLD_INTERRUPTED = "interrupted: finished files are whole; the same command completes"
 
 COMMANDS = {
-    "Make": (family.family, export.export, check.check, plate.plate, design.design),
-    "Predict": (predict.predict, sweep.sweep),
-    "Simulate": (simulate.simulate, movie.movie, explain.explain),
-    "Measure": (track.track, analyse.analyse, fit.fit, calibrate.calibrate, bench.app, weigh.weigh),
-    "Trust": (accuracy.accuracy, selftest.selftest, validate.validate, reproduce.reproduce),
-    "Files": (report.report, templates.app),
+    "Make": ("family", "export", "check", "plate", "design"),
+    "Predict": ("predict", "sweep"),
+    "Simulate": ("simulate", "movie", "explain"),
+    "Measure": ("track", "analyse", "fit", "calibrate", "weigh", "bench"),
+    "Trust": ("accuracy", "selftest", "validate", "reproduce"),
+    "Files": ("report", "templates"),
 }
-"""Commands under the headings of the help."""
+"""Commands under the headings of the help; each is in the module of its name."""
+
+
+class Root(Group):
+    """The command line, whose commands are imported when they are looked up."""
+
+    def __init__(self, **settings: Any) -> None:
+        names = {name: heading for heading, names in COMMANDS.items() for name in names}
+        super().__init__(**settings | {"commands": Modules(names)})
+
 
 app = typer.Typer(
     name="walkergen",
     help="From a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted.",
     no_args_is_help=True,
     pretty_exceptions_enable=False,
-    cls=Group,
+    cls=Root,
     context_settings=HELP_OPTIONS,
     rich_markup_mode=None,  # boxes and columns of types leave no room for words
     epilog="walkergen COMMAND -h shows a command's options and examples.",
 )
-for heading, commands in COMMANDS.items():
-    for command in commands:
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, rich_help_panel=heading)
-        else:
-            about = epilog(command.__name__)
-            app.command(cls=Command, epilog=about, rich_help_panel=heading)(command)
 
 
 @app.callback(invoke_without_command=True)

@@ -1,6 +1,7 @@
 """The command `family`."""
 
 import sys
+from dataclasses import replace
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -78,13 +79,9 @@ def family(
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         made = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
-    (rows, simulated), weighed = families.rows_of(made), families.weighed_of(made)
-    if json:
-        show.rows_as_json(rows, simulated, weighed)
-    elif not quiet:
-        told = families.caption(chosen, resolved, job.mode)
-        show.predictions(rows, told, chosen.name, simulated, weighed)
-        print(f"{len(made)} walkers in {folder}/: stl, plates, family, weights"
+    show.report(replace(made, folder=None), json, quiet)
+    if not (json or quiet):
+        print(f"{len(made.members)} walkers in {folder}/: stl, plates, family, weights"
               + (", speed, preview" if pictures else ""))  # fmt: skip
     show.kept_forms(folder, members)
 

@@ -1,10 +1,14 @@
 """Layout of the help: commands in groups, whole sentences, examples; readable at 60 columns."""
 
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator, Mapping
+from functools import cache
+from importlib import import_module
 from typing import Any
 
+from typer import Typer
 from typer.core import TyperCommand, TyperGroup
+from typer.main import get_group
 
 from walkergen.cli.examples import EXAMPLES
 
@@ -51,6 +55,34 @@ class Group(TyperGroup):
         for heading, rows in groups.items():
             with formatter.section(heading):
                 formatter.write_dl(rows)
+
+
+class Modules(Mapping[str, Any]):
+    """Commands by name, under headings: each is imported, from its module, when it is needed."""
+
+    def __init__(self, headings: Mapping[str, str]) -> None:
+        self.headings = headings
+
+    def __getitem__(self, name: str) -> Any:
+        return _command(name, self.headings[name])
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.headings)
+
+    def __len__(self) -> int:
+        return len(self.headings)
+
+
+@cache
+def _command(name: str, heading: str) -> Any:
+    """Command, or group of commands, of a module."""
+    module, home = import_module(f"walkergen.cli.{name}"), Typer(rich_markup_mode=None)
+    if hasattr(module, "app"):
+        home.add_typer(module.app, rich_help_panel=heading)
+    else:
+        register = home.command(cls=Command, epilog=epilog(name), rich_help_panel=heading)
+        register(getattr(module, name))
+    return get_group(home).commands[name]
 
 
 def epilog(command: str) -> str:

@@ -193,10 +193,10 @@ def weighed(
     path: "Path | None", members: "Sequence[Design]", quiet: bool
 ) -> "dict[str, Weighings]":
     """Read masses of members from a balance; name other walkers' rows on the error stream."""
-    from walkergen.walker import weights
-
     if path is None:
         return {}
+    from walkergen.walker import weights
+
     found, unused = weights.read(path, members), weights.unused(path, members)
     if unused and not quiet:
         few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")

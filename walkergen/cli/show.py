@@ -14,9 +14,7 @@ if TYPE_CHECKING:
 
     from walkergen.files.report import Report
     from walkergen.files.templates import Entry
-    from walkergen.jobs.family.tables import Simulated, Weighing
     from walkergen.printing.checks import Finding
-    from walkergen.theory.prediction import Prediction
     from walkergen.walker.design import Design
 
 
@@ -90,25 +88,6 @@ def text(line: str) -> None:
     from rich.console import Console
 
     Console(highlight=False).print(plain.plain(line), markup=False)
-
-
-def predictions(
-    rows: "Sequence[Prediction]",
-    caption: str,
-    title: str,
-    simulated: "Sequence[Simulated]" = (),
-    weighed: "Sequence[Weighing]" = (),
-) -> None:
-    """Print the table of predicted speeds, its notes and caption, and the weighed masses."""
-    from walkergen.jobs.family import tables
-
-    table(tables.to_table(rows, title, simulated))
-    for number, note in enumerate(tables.notes_of(rows), start=1):
-        text(f"[{number}] {note}")
-    text(caption)
-    if weighed:
-        table(tables.weighed_table(rows, weighed))
-        text(tables.WEIGHED)
 
 
 def warnings(findings: "Sequence[Finding]", quiet: bool) -> None:

@@ -20,6 +20,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files import plain, reading
 from walkergen.files import words as words_of
+from walkergen.files.tables import unquoted
 
 Array = npt.NDArray[np.float64]
 Mask = npt.NDArray[np.bool_]
@@ -166,7 +167,7 @@ def _names(stream: Iterator[str], source: str) -> list[str]:
 def cells(line: str, source: str, at: int) -> list[str]:
     """Cells of a line, of which there are none in an empty one; raises InputError."""
     try:
-        return next(csv.reader([line]), [])
+        return [unquoted(cell) for cell in next(csv.reader([line]), [])]
     except csv.Error as error:
         raise InputError(f"{source}:{at}: not valid CSV: {error}") from None
 

@@ -2,6 +2,7 @@
 
 import csv
 import io
+import re
 from collections.abc import Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from html import escape
@@ -18,13 +19,39 @@ EDGES = 2
 """Letters of a table's edges, at most."""
 
 
+FORMULA = re.compile(r"'*[=+\-@\t\r]")
+"""Beginning of a text that a spreadsheet would run as a formula, quoted any number of times."""
+
+
 def csv_text(header: Sequence[str], lines: Iterable[Sequence[Any]]) -> str:
-    """Comma-separated values under a header: every digit of a number, nothing for None."""
+    """Comma-separated values under a header: every digit of a number, nothing for None.
+
+    Text that a spreadsheet would run has an apostrophe before it, which `unquoted` takes away.
+    """
     text = io.StringIO()
     writer = csv.writer(text, lineterminator="\n")
-    writer.writerow(header)
-    writer.writerows(lines)
+    writer.writerow(map(quoted, header))
+    writer.writerows(map(quoted, line) for line in lines)
     return text.getvalue()
+
+
+def quoted(cell: Any) -> Any:
+    """Cell of a CSV file; text that would be a formula with an apostrophe before it."""
+    formula = isinstance(cell, str) and FORMULA.match(cell) and not _is_number(cell)
+    return f"'{cell}" if formula else cell
+
+
+def unquoted(cell: str) -> str:
+    """Text of a cell as it was before `quoted`."""
+    return cell[1:] if cell.startswith("'") and FORMULA.match(cell) else cell
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True
 
 
 def as_html(rows: Iterable[tuple[str, str]]) -> str:

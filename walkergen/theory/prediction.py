@@ -12,6 +12,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.files import words
 from walkergen.scene import Scene
 from walkergen.theory import discrepancy, uncertain
 from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
@@ -45,6 +46,46 @@ By = Literal["table", "theory", "runs"]
 """Source of a speed: the model in space by its table, the theory, or runs of the walker itself."""
 
 
+class Speed(NamedTuple):
+    """Speed with its error, all in mm/s; NaN where runs leave a number unknown."""
+
+    value: float
+    se: float
+    """Standard error of a simulated mean; of a prediction its standard deviation."""
+    low_95: float
+    """Bounds that hold the speed with 95 %; that of another print, where runs share an orbit."""
+    high_95: float
+    orbit: str = ""
+    """Name of what all runs end on, so that they tell no error: one periodic orbit, or at rest."""
+
+    def __str__(self) -> str:
+        if math.isnan(self.value):
+            return "none"
+        if self.orbit:
+            return f"{self.value:.2f} mm/s, {self.orbit}{self._of_prints()}"
+        if math.isnan(self.se):
+            return f"{self.value:.2f} mm/s, standard error unknown"
+        found = f"{words.with_error(self.value, self.se)} mm/s"
+        if math.isnan(self.low_95) or math.isnan(self.high_95):
+            return f"{found}, bounds unknown"
+        return f"{found}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
+
+    def _of_prints(self) -> str:
+        """Bounds of prints in words; "" where they are unknown."""
+        if math.isnan(self.low_95):
+            return ""
+        return f"; 95 % of prints {self.low_95:.1f} to {self.high_95:.1f}"
+
+
+def speed_of(
+    value: float | None, se: float | None, low_95: float | None, high_95: float | None,
+    orbit: str = "",
+) -> Speed:  # fmt: skip
+    """Speed of numbers of which None is unknown, all in mm/s."""
+    four = [math.nan if one is None else float(one) for one in (value, se, low_95, high_95)]
+    return Speed(four[0], four[1], four[2], four[3], orbit)
+
+
 class Prediction(NamedTuple):
     """Row of the family's table; the field names are the CSV's columns, with units."""
 
@@ -76,6 +117,13 @@ class Prediction(NamedTuple):
     mode: str
     law: str
     note: str
+
+    @property
+    def speed(self) -> Speed:
+        """Speed with its bounds; its `se` is the standard deviation of the distribution."""
+        return Speed(
+            self.speed_mm_s, self.speed_sd_mm_s, self.speed_low_95_mm_s, self.speed_high_95_mm_s
+        )
 
 
 class Spread(NamedTuple):

@@ -13,8 +13,6 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.files import report
-from walkergen.files.report import Column
 from walkergen.scene import LEAST_LABEL, Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -234,24 +232,6 @@ class Share(NamedTuple):
     total: float
     """Part that would remain if all but this input were known."""
     total_se: float
-
-
-def _percent(heading: str, key: str) -> Column:
-    """Column of a share with its error, percent."""
-
-    def cell(row: Share) -> str:
-        value, error = getattr(row, key), getattr(row, f"{key}_se")
-        return f"{100 * value:.0f} ± {100 * error:.0f}"
-
-    return Column(f"{heading}, %", cell, right=True)
-
-
-SHARES = (
-    report.text("measure next", "name"),
-    _percent("alone", "first"),
-    _percent("with all others", "total"),
-)
-"""Columns of shares as people read them: measure next what stands first."""
 
 
 def shares(

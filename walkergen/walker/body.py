@@ -17,13 +17,11 @@ from pydantic import Field, model_validator
 from walkergen.errors import GeometryError
 from walkergen.files import reading
 from walkergen.files.config import Section
-from walkergen.shapes import outlines
-from walkergen.shapes.contours import MOST_BYTES
 from walkergen.shapes.mesh import Mesh
-from walkergen.shapes.outlines import Polygon
 from walkergen.walker.limbs import Length
 
 if TYPE_CHECKING:
+    from walkergen.shapes.outlines import Polygon
     from walkergen.walker.whole_mesh import CutWalker
 
 Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
@@ -131,10 +129,10 @@ class Shape(NamedTuple):
     """Shape that a body's keys stand for."""
 
     size: Size
-    side: Polygon | None
+    side: "Polygon | None"
     """Profile in the x-y plane, counter-clockwise; None for other bodies than those in side view.
     """
-    plan: tuple[Polygon, ...] = ()
+    plan: "tuple[Polygon, ...]" = ()
     """Outline seen from above, x to the right, outer contour first, then holes."""
     mesh: Mesh | None = None
     """Mesh from a file, in the design's frame."""
@@ -184,6 +182,8 @@ def _shape(keys: str) -> Shape:
             return Shape(size, None, (), cut.body, own.sha256, own.changes, cut)
         return Shape(_size_of(own.mesh), None, (), own.mesh, own.sha256, own.changes)
     if body.profile_mm is not None:
+        from walkergen.shapes import outlines
+
         (side,) = outlines.polygon(body.profile_mm, "body.profile_mm")
         length, thickness = np.ptp(side, axis=0)
         return Shape(Size(float(length), float(thickness), body.depth_mm), side)
@@ -192,6 +192,8 @@ def _shape(keys: str) -> Shape:
     size = Size(float(length), body.thickness_mm, float(depth))
     sha256 = ""
     if body._drawing and body.outline is not None:
+        from walkergen.shapes.contours import MOST_BYTES
+
         sha256 = hashlib.sha256(reading.content(Path(body.outline), MOST_BYTES)).hexdigest()
     return Shape(size, None, tuple(plan), sha256=sha256)
 
@@ -201,11 +203,13 @@ def _size_of(mesh: Mesh) -> Size:
     return Size(float(length), float(thickness), float(depth))
 
 
-def _plan(body: Body) -> list[Polygon]:
+def _plan(body: Body) -> "list[Polygon]":
     if body.text is not None:
         from walkergen.shapes.lettering import letters
 
         return letters(body.text, body.depth_mm)
+    from walkergen.shapes import outlines
+
     if body.outline == "disc":
         return outlines.disc(body.length_mm, "body.length_mm")
     if body.outline == "ellipse":

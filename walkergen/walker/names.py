@@ -1,5 +1,6 @@
 """Names of parts and the legend of their marks: what varies within a family, and among designs."""
 
+import re
 from collections.abc import Sequence
 from string import ascii_uppercase
 
@@ -15,6 +16,11 @@ STEM = "walker"
 def part(design: Design, stem: str = STEM) -> str:
     """Name of a walker, such as walker_t05.0_flexible_s0.40; unique within a family."""
     return f"{stem}_{tilt(design)}_{design.kind}_s{_decimal(design.limbs[0].thickness, 2)}"
+
+
+def is_part(name: str) -> bool:
+    """Whether a name may be one of `part`, of any design, or of one of its copies (NAME-3)."""
+    return bool(re.fullmatch(r".+_t-?\d+\.\d+_[a-z-]+_s\d+\.\d+(-[1-9]\d*)?", name))
 
 
 def tilt(design: Design) -> str:

@@ -22,10 +22,11 @@ from walkergen.walker import landing, marks, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, assemble
-from walkergen.walker.whole_mesh import CutWalker
 
 if TYPE_CHECKING:
     import trimesh
+
+    from walkergen.walker.whole_mesh import CutWalker
 
 FOOT_SEGMENTS = 64
 """Edges of a round foot's half circle: the polygon's foot is 2 % of a micrometre too small."""
@@ -80,7 +81,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     return Solids(joining.union_with_legs(joining.ready(top), bars), top, legs)
 
 
-def _cut(whole: CutWalker, design: Design) -> Solids:
+def _cut(whole: "CutWalker", design: Design) -> Solids:
     """Solids of a finished walker, cut into body and legs."""
     legs = []
     for limb, leg in zip(design.limbs, whole.legs, strict=True):

@@ -70,12 +70,15 @@ def template(parts: Iterable[str]) -> str:
 
 
 def filled(path: Path) -> bool:
-    """True for a file that is not byte for byte a `template`: work to keep. Raises InputError."""
+    """True for a file that is not byte for byte a `template` of walkers: work to keep.
+
+    Raises InputError.
+    """
     if not os.path.lexists(path):
         return False
     data = reading.content(path, MOST_BYTES)
-    rows = data.decode("utf-8", "replace").splitlines()[1:]
-    return data != template(row.partition(",")[0] for row in rows).encode()
+    parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
+    return data != template(parts).encode() or not all(map(names.is_part, parts))
 
 
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:

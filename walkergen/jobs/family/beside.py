@@ -7,13 +7,13 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.speeds import Measured
-from walkergen.files.tables import csv_text
+from walkergen.files.report import Table
 from walkergen.theory.prediction import Curve
 from walkergen.walker.limbs import Kind
 
 Array = npt.NDArray[np.float64]
 
-COLUMNS = (
+KEYS = (
     "what", "legs", "tilt_deg", "speed_mm_s", "speed_low_68_mm_s", "speed_high_68_mm_s",
     "speed_low_95_mm_s", "speed_high_95_mm_s", "theory_mm_s", "foot_can_stick",
 )  # fmt: skip
@@ -52,28 +52,29 @@ def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
     )
 
 
-def to_csv(beside: Beside) -> str:
-    """Format as CSV, a line per point: `what` is predicted, measured or the paper's."""
-    lines: list[tuple[object, ...]] = []
+def table(beside: Beside) -> Table:
+    """Table with a row a point: `what` is predicted, measured or the paper's."""
+    rows: list[tuple[object, ...]] = []
     for kind, curve in beside.curves.items():
         low95, low68, high68, high95 = curve.bounds
         columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95, curve.theory)
-        lines += [
-            ("predicted", kind, *map(_cell, row), "yes" if sticks else "no")
-            for *row, sticks in zip(*columns, curve.can_stick, strict=True)
+        rows += [
+            ("predicted", kind, *map(_cell, values), "yes" if sticks else "no")
+            for *values, sticks in zip(*columns, curve.can_stick, strict=True)
         ]
-    if (found := beside.measured) is not None:
-        se = np.full(len(found.speed), np.nan) if found.se is None else found.se
-        seen = (found.tilt, found.speed, *ends(found.speed, se, 1.0), *ends(found.speed, se))
-        lines += [
-            ("measured", kind, *map(_cell, row), "", "")
-            for kind, row in zip(found.legs, zip(*seen, strict=True), strict=True)
+    if (measured := beside.measured) is not None:
+        speed = measured.speed
+        se = np.full(len(speed), np.nan) if measured.se is None else measured.se
+        seen = (measured.tilt, speed, *ends(speed, se, 1.0), *ends(speed, se))
+        rows += [
+            ("measured", kind, *map(_cell, values), None, None)
+            for kind, values in zip(measured.legs, zip(*seen, strict=True), strict=True)
         ]
     if beside.stated is not None:
-        lines.append(("paper", "flexible", *beside.stated, *[""] * 6))
-    return csv_text(COLUMNS, lines)
+        rows.append(("paper", "flexible", *beside.stated, *[None] * 6))
+    return Table("speed", rows, KEYS)
 
 
-def _cell(value: float) -> float | str:
+def _cell(value: float) -> float | None:
     """Every digit of a number; nothing where it is unknown."""
-    return "" if np.isnan(value) else float(value)
+    return None if np.isnan(value) else float(value)

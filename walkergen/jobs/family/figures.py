@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import COLUMN, STYLES, style, wrapped
 from walkergen.jobs.family.beside import Beside, ends
-from walkergen.jobs.family.tables import Simulated
+from walkergen.points.members import Simulated
 from walkergen.theory.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
 

@@ -12,7 +12,7 @@ from walkergen.files.report import Report, Table
 from walkergen.jobs.simulate.report import LINES, Line
 from walkergen.jobs.simulate.uncertain import Uncertain
 from walkergen.numerics import statistics
-from walkergen.theory.uncertain import SHARES
+from walkergen.points.speed_table import SHARES
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:

@@ -6,7 +6,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.analysis import facts
 from walkergen.analysis.motion import Motion
-from walkergen.analysis.speed import Speed, speed_of
 from walkergen.errors import InputError
 from walkergen.files import report, words
 from walkergen.files.progress import Progress, silent
@@ -18,6 +17,7 @@ from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.points import Asked
 from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.prediction import Speed, speed_of
 from walkergen.walker.design import Design
 
 if TYPE_CHECKING:

@@ -1,0 +1,63 @@
+"""Report of predicted speeds: a row a walker, and what their bounds are made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from walkergen.files.report import Report
+from walkergen.points import speed_table
+from walkergen.points.members import Member
+from walkergen.scene import Scene
+from walkergen.theory.prediction import Prediction, Speed
+from walkergen.theory.uncertain import Share
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class PredictReport(Report):
+    """Predicted speeds of walkers in a scene; of several, single numbers are the first one's."""
+
+    scene: Scene
+    members: Sequence[Member]
+
+    @property
+    def design(self) -> Design:
+        """Walker that was predicted."""
+        return self.members[0].design
+
+    @property
+    def mass(self) -> MassProperties:
+        """Masses that its speed follows from."""
+        return self.members[0].mass
+
+    @property
+    def row(self) -> Prediction:
+        """Row of the table, with units in its names."""
+        return self.members[0].row
+
+    @property
+    def speed(self) -> Speed:
+        """Median speed in mm/s; its `se` is the standard deviation of its distribution."""
+        return self.row.speed
+
+
+def of(
+    design: Design, scene: Scene, mode: str, made: Sequence[Member],
+    shares: Sequence[Sequence[Share]] = (),
+) -> PredictReport:  # fmt: skip
+    """Report of walkers, with the shares of the variance behind their bounds where asked for."""
+    tables = speed_table.tables("prediction", design.name, made)
+    rows = list(tables[0])
+    for row, member, own in zip(rows, made, shares, strict=False):
+        row["shares"] = [share._asdict() for share in own]
+        title = f"{member.name}: share of the variance behind the bounds"
+        tables.append(speed_table.shares(f"shares of {member.name}", own, title))
+    title = design.name
+    if len(made) == 1:
+        (one,) = made
+        title += f", {one.design.kind} legs, tilt {one.design.tilt_deg:g} deg: {one.row.speed}"
+    return PredictReport(
+        name="predict", title=title, tables=tables, facts={"rows": rows},
+        caption=speed_table.caption(design, scene, mode), lines=speed_table.lines(made),
+        scene=scene, members=made,
+    )  # fmt: skip

@@ -1,0 +1,130 @@
+"""Walkers of a design as they are predicted: weighed, with speeds, beside balance and runs."""
+
+from collections import namedtuple
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import chain
+from types import MappingProxyType
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.scene import Scene
+from walkergen.shapes.mesh import Mesh
+from walkergen.theory import prediction
+from walkergen.theory.prediction import Prediction
+from walkergen.theory.speed import Mode
+from walkergen.walker import names, solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+from walkergen.walker.solids import Solids
+
+if TYPE_CHECKING:
+    from walkergen.walker.weights import Weighings
+
+
+class Simulated(NamedTuple):
+    """Results of a member's ensemble in the family's table; the field names are columns."""
+
+    sim_speed_mm_s: float | None
+    sim_se_mm_s: float | None
+    """Standard error of the simulated speed; None when the data are too few."""
+    sim_low_95_mm_s: float | None
+    sim_high_95_mm_s: float | None
+    sim_model: str
+    sim_method: str
+    sim_outcomes: str
+    verdict: str
+    """Agreement of the predicted speed with the simulated one."""
+
+
+class Weighing(NamedTuple):
+    """Weighed mass of a member beside its mesh's; the field names are columns."""
+
+    weighings: int
+    """Number of weighings on which the row rests."""
+    mass_g: float
+    """Mass of the whole walker used for the prediction, g."""
+    mass_se_g: float | None
+    """Standard error of `mass_g`; None when it is not known."""
+    mass_mesh_g: float
+    speed_mesh_mm_s: float
+    """Speed predicted with the mesh's masses."""
+
+
+class Member(NamedTuple):
+    """Walker of a design, with its mesh, masses and speeds."""
+
+    design: Design
+    name: str
+    mesh: Mesh
+    """Mesh of the walker as it stands, in the design's frame."""
+    mass: MassProperties
+    row: Prediction
+    simulated: Simulated | None = None
+    weighing: Weighing | None = None
+
+
+def predicted(
+    designs: Sequence[Design],
+    built: Sequence[Solids],
+    scene: Scene,
+    mode: Mode,
+    weighed: "Mapping[str, Weighings]" = MappingProxyType({}),
+) -> Iterator[Member]:
+    """Weigh and predict walkers one by one, with the same random numbers for all.
+
+    With masses from a balance every member also has its mesh's mass and speed. Raises InputError,
+    before the first member, when the masses are impossible.
+    """
+    named = [names.part(design) for design in designs]
+    final = [
+        _applied(design, parts, weighed, name)
+        for name, design, parts in zip(named, designs, built, strict=True)
+    ]
+    for name, design, parts in zip(named, final, built, strict=True):
+        mass = solids.weigh(design, parts)
+        row = prediction.predict(design, mass, scene, mode)
+        member = Member(design, name, parts.walker, mass, row)
+        if weighed:
+            member = member._replace(weighing=_weighing(member, parts, scene, mode, weighed))
+        yield member
+
+
+def _applied(
+    design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str
+) -> Design:
+    """Design with its masses from the balance, if it was weighed."""
+    if name not in weighed:
+        return design
+    from walkergen.walker import weights
+
+    return weights.applied(design, parts, weighed[name], name)
+
+
+def _weighing(
+    member: Member, parts: Solids, scene: Scene, mode: Mode, weighed: "Mapping[str, Weighings]"
+) -> Weighing:
+    """Mass of a member, and its mesh's with the speed that would go with it."""
+    from walkergen.walker import weights
+
+    plain = weights.meshed(member.design)
+    mesh = solids.weigh(plain, parts)
+    means = weighed.get(member.name, weights.Weighings())
+    return Weighing(
+        weighings=sum(mean.weighings for mean in means if mean is not None),
+        mass_g=float(member.mass.total),
+        mass_se_g=weights.total_error(means, len(member.mass.legs)),
+        mass_mesh_g=float(mesh.total),
+        speed_mesh_mm_s=prediction.predict(plain, mesh, scene, mode).speed_mm_s,
+    )
+
+
+def rows(members: Sequence[Member]) -> list[Any]:
+    """Named tuples of all that is told of each walker: prediction, runs, weighed mass."""
+    parts = [
+        [part for part in (member.row, member.simulated, member.weighing) if part is not None]
+        for member in members
+    ]
+    if not parts:
+        return []
+    keys = [key for part in parts[0] for key in part._fields]
+    Row = namedtuple("Row", keys)  # type: ignore[misc]
+    return [Row(*chain(*each)) for each in parts]

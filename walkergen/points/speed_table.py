@@ -1,0 +1,158 @@
+"""Table of predicted speeds as people read it: what it rests on, its columns, its notes."""
+
+from collections.abc import Sequence
+from typing import Any
+
+from walkergen.files import report, words
+from walkergen.files.report import Column, Table
+from walkergen.points import members
+from walkergen.points.members import Member
+from walkergen.scene import Scene
+from walkergen.theory.prediction import Prediction
+from walkergen.theory.uncertain import Share
+from walkergen.walker.design import Design
+
+
+def caption(design: Design, scene: Scene, mode: str) -> str:
+    """Statement of the assumptions on which the speeds of a table of one design rest."""
+    contact, assumed = scene.contact, scene.prediction
+    what = "mean factor v/w" if design.alike else "balanced factor v/w (in the column mean)"
+    origin = contact.origin[0].upper() + contact.origin[1:]
+    return (
+        f"Speed: the median by the model in space, with what is not known of contact, print and "
+        f"masses, and {100 * assumed.model_sd:g} % for the model itself. {origin}"
+        f": restitution (the feet's label) {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}. "
+        f"Theory (eq. 15): {what} x impact speed w, {assumed.impact_speed_factor:g} of the plate's "
+        f"peak speed, {scene.impact_speed:.1f} mm/s; mode {mode}, law {contact.law}"
+    )
+
+
+WEIGHED = (
+    "Weighed: whole walkers alone (grams) scale every mass alike, which changes the predicted "
+    "speed by the legs' frequency alone; a body or leg weighed apart (body_g, leg_g) changes it "
+    "more."
+)
+
+
+def tables(name: str, design: str, made: Sequence[Member]) -> list[Table]:
+    """Table of a design's walkers, and if they were weighed their masses beside the meshes'."""
+    rows = members.rows(made)
+    keys = rows[0]._fields if rows else Prediction._fields
+    speeds = Table(name, rows, keys, columns(made), f"Predicted speeds of {design}")
+    return [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(made) else [speeds]
+
+
+def lines(made: Sequence[Member]) -> list[str]:
+    """Notes of the table by their numbers, and what weighed masses change."""
+    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(made), start=1)]
+    return [*notes, WEIGHED] if _weighed(made) else notes
+
+
+def columns(made: Sequence[Member]) -> tuple[Column, ...]:
+    """Columns of the table; a speed with a note carries its number."""
+    simulated, notes = any(member.simulated for member in made), _notes(made)
+
+    def speed(row: Any) -> str:
+        mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
+        return words.fixed(row.speed_mm_s, 1) + mark
+
+    return (
+        report.number("tilt\n(deg)", "tilt_deg", 6),
+        report.text("legs", "legs"),
+        report.number("M\n(g)", "M_g", wide=simulated),
+        report.number("J\n(g mm²)", "J_g_mm2", wide=True),
+        report.number("m\n(g)", "m_g", wide=simulated),
+        report.number("j\n(g mm²)", "j_g_mm2", wide=True),
+        Column("speed\n(mm/s)", speed, right=True),
+        _bounds("68 %\n(mm/s)", "68"),
+        _bounds("95 %\n(mm/s)", "95", wide=simulated),
+        report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1),
+        report.fixed("back\n(v/w)", "factor_back", 3, wide=True),
+        report.fixed("front\n(v/w)", "factor_front", 3, wide=True),
+        report.fixed("mean\n(v/w)", "factor_mean", 3, wide=True),
+        *(RUNS if simulated else ()),
+    )
+
+
+def _weighed(made: Sequence[Member]) -> bool:
+    return any(member.weighing is not None for member in made)
+
+
+def _notes(made: Sequence[Member]) -> list[str]:
+    """Distinct notes of the walkers, in order."""
+    return list(dict.fromkeys(member.row.note for member in made if member.row.note))
+
+
+def _bounds(heading: str, share: str, wide: bool = False) -> Column:
+    """Column of the bounds that hold a speed with 68 or 95 %."""
+    low, high = f"speed_low_{share}_mm_s", f"speed_high_{share}_mm_s"
+    return Column(heading, lambda row: _range(getattr(row, low), getattr(row, high)), True, wide)
+
+
+def _range(low: float | None, high: float | None) -> str:
+    """Bounds in whole numbers, or that they are unknown."""
+    if low is None or high is None:
+        return "unknown"
+    return f"{words.fixed(low, 0)} to {words.fixed(high, 0)}"
+
+
+def _of_runs(row: Any) -> str:
+    if row.sim_speed_mm_s is None:
+        return "-"
+    bounds = _range(row.sim_low_95_mm_s, row.sim_high_95_mm_s)
+    return f"{words.fixed(row.sim_speed_mm_s, 1)}, {bounds}"
+
+
+RUNS = (
+    Column("simulated\n(mm/s, 95 %)", _of_runs),
+    report.text("verdict", "verdict"),
+    report.text("model", "sim_model")._replace(wide=True),
+    report.text("ended", "sim_outcomes"),
+)
+"""Columns of simulated speeds."""
+
+
+def _mass(row: Any) -> str:
+    error = "" if row.mass_se_g is None else f" ± {words.number(row.mass_se_g, 2)}"
+    return f"{words.number(row.mass_g, 4)}{error}"
+
+
+def _change(row: Any) -> str:
+    return words.fixed(row.speed_mm_s - row.speed_mesh_mm_s, 2)
+
+
+MASSES = (
+    report.number("tilt\n(deg)", "tilt_deg", 6),
+    report.text("legs", "legs"),
+    report.number("weighings", "weighings"),
+    Column("mass\n(g)", _mass, right=True),
+    report.number("mesh's\n(g)", "mass_mesh_g"),
+    report.fixed("speed\n(mm/s)", "speed_mm_s", 2),
+    report.fixed("mesh's\n(mm/s)", "speed_mesh_mm_s", 2),
+    Column("change\n(mm/s)", _change, right=True),
+)
+"""Columns of weighed masses and their speeds beside those of the mesh."""
+
+
+def _percent(heading: str, key: str) -> Column:
+    """Column of a share of a variance with its error, percent."""
+
+    def cell(row: Any) -> str:
+        value, error = getattr(row, key), getattr(row, f"{key}_se")
+        return f"{100 * value:.0f} ± {100 * error:.0f}"
+
+    return Column(f"{heading}, %", cell, right=True)
+
+
+SHARES = (
+    report.text("measure next", "name"),
+    _percent("alone", "first"),
+    _percent("with all others", "total"),
+)
+"""Columns of an input's shares of a variance: measure next what stands first."""
+
+
+def shares(name: str, listed: Sequence[Share], title: str) -> Table:
+    """Table of inputs with their shares of a variance."""
+    return Table(name, listed, Share._fields, SHARES, title)
