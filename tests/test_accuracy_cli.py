@@ -71,7 +71,7 @@ def test_an_error_that_was_asked_for_is_met(run):
     assert "within the" in run(*words).stdout
     same = wg.simulate("koumakis2016", Path("short.toml"), tilt=10, error="20%")
     assert same.speed.value == facts["speed_mm_s"]
-    assert same.found.chosen.facts == met
+    assert same.simulated.chosen.facts == met
     assert "within the" in repr(same)
 
 

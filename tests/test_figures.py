@@ -19,10 +19,11 @@ from walkergen.jobs.accuracy import figures as precision
 from walkergen.jobs.accuracy.choice_figure import choice_figure, front
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
-from walkergen.jobs.analyse import figures as analysed
+from walkergen.jobs.analyse import report as analysis
 from walkergen.jobs.family import beside
 from walkergen.jobs.family import figures as family
 from walkergen.points.members import Simulated
+from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction
 
 TITLE = "koumakis2016: 90 Hz, 1.8 g, restitution 0.8 (poisson), friction 0.25"
@@ -102,9 +103,14 @@ def tracks():
     return film(1, 3, 5.0)
 
 
+def figures_of(tracks, title):
+    """Figures of the motion of tracks by their names."""
+    made = analysis.of(tracks, motion.analyse(tracks), title)
+    return {name: draw() for name, draw in made.figures.items()}
+
+
 @pytest.fixture(scope="module")
 def drawn(tracks):
-    found = motion.analyse(tracks, None)
     made = {
         "speed": speed_figure(),
         "speed of one": speed_of_one(),
@@ -112,7 +118,7 @@ def drawn(tracks):
         "steps": precision.ladder_figure(ladder("step_us")),
         "models": precision.ladder_figure(ladder("")),
         "choice": choices(),
-        **dict(analysed.figures(found, tracks, "films/a_film_with_a_long_name_of_2026.csv")),
+        **figures_of(tracks, "films/a_film_with_a_long_name_of_2026.csv"),
     }
     with figures.style():
         for figure in made.values():
@@ -217,7 +223,7 @@ def test_walkers_that_do_not_turn_have_neither_correlation_nor_tracks_from_above
             for one in straight.tracks]  # fmt: skip
     straight = straight._replace(tracks=tuple(line))
     for tracks, names in ((turning, {"correlation"}), (straight, set())):
-        found = dict(analysed.figures(motion.analyse(tracks), tracks, "title"))
+        found = figures_of(tracks, "title")
         assert {"correlation"} & found.keys() == names
         label = found["trajectories"].axes[0].get_xlabel()
         assert label == ("x (mm); arrows: headings" if names else "time (s)")
@@ -231,7 +237,7 @@ def test_arrows_point_where_the_tracks_head(tracks, drawn):
             at = np.nanargmin(np.abs(track.position - place).sum(axis=1))
             assert (U, V) == pytest.approx((np.cos(track.heading[at]), np.sin(track.heading[at])))
     headless = film(2, 2, 1.0, headed=False)
-    axes = analysed.tracks_figure(headless, "without").axes[0]
+    axes = tracks_figure(headless, "without").axes[0]
     assert not [one for one in axes.collections if hasattr(one, "U")]
 
 

@@ -9,8 +9,8 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.track import doubts, find, look, make, tables
-from walkergen.jobs.track.make import Options
+from walkergen.jobs.track import doubts, find, look, make, report
+from walkergen.jobs.track.result import Options
 
 
 def sigmoid(low, soft):
@@ -101,10 +101,10 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
 
     pictures = [films.picture([(*way(one), 0.4)], seed=n) for n, one in enumerate(t)]
     path = films.write(tmp_path / "film.mp4", pictures, words)
-    made = make.track(path, Options(mm_per_px=1.0), tmp_path / "out", silent)
+    made = make.track(path, Options(mm_per_px=1.0), tmp_path / "out", silent).tracked
     np.testing.assert_allclose(made.clock.times, t, atol=1e-4)
     assert not made.clock.regular
-    assert tables.warnings(made) == []
+    assert report.warnings(made) == []
     found = tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units())
     assert "rate varies" in found.told
     (one,) = found.tracks
@@ -113,7 +113,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     assert regular[-1] > t[-1] - 2 * found.interval
     # Filmed at a fifth of the time, as slow motion plays.
     slow = make.track(path, Options(mm_per_px=1.0, fps=5 * made.clock.fps), tmp_path / "o", silent)
-    np.testing.assert_allclose(slow.clock.times, t / 5.0, atol=1e-4)
+    np.testing.assert_allclose(slow.tracked.clock.times, t / 5.0, atol=1e-4)
 
 
 def test_places_between_frames_stop_at_gaps(tmp_path):
@@ -150,7 +150,7 @@ def tracked(folder, film, shifts=None):
         films.picture([way[n] for way in CIRCLES], film, shifts[n], seed=n) for n in range(50)
     ]
     path = films.write(folder / "film.mp4", pictures)
-    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent)
+    made = make.track(path, Options(mm_per_px=1.0), folder / "out", silent).tracked
     errors = []
     for one in made.walkers:
         ways = [way[one.seen.frames, :2] - one.position for way in CIRCLES]
@@ -161,7 +161,7 @@ def tracked(folder, film, shifts=None):
 @pytest.mark.usefixtures("undrawn")
 def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
     made, errors = tracked(tmp_path, Filmed(screws=True))
-    assert tables.warnings(made) == []
+    assert report.warnings(made) == []
     assert np.abs(errors).max() < 0.3
     assert made.shake.largest < 0.1
     ways = {round(made.path_mm(one)): one.net_mm for one in made.walkers}
@@ -175,20 +175,20 @@ def test_a_good_film_warns_of_nothing_and_tells_path_from_net_way(tmp_path):
 @pytest.mark.usefixtures("undrawn")
 def test_a_shaking_camera_is_measured_by_what_stands_still(tmp_path):
     made, errors = tracked(tmp_path, Filmed(screws=True), SHIFTS)
-    assert any("camera shakes" in line for line in tables.warnings(made))
+    assert any("camera shakes" in line for line in report.warnings(made))
     assert made.shake.rms == pytest.approx(SHIFTS.std(), rel=0.05)
     assert made.shake.rms == pytest.approx(np.sqrt(np.mean(errors**2)), rel=0.1)
     largest = np.hypot(*(SHIFTS - SHIFTS.mean(axis=0)).T).max()
     assert made.shake.largest == pytest.approx(largest, rel=0.05)
-    assert tables.facts(made)["shake_px"] == made.shake.rms
+    assert report.facts(made, ())["shake_px"] == made.shake.rms
 
 
 @pytest.mark.usefixtures("undrawn")
 def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
     made, _ = tracked(tmp_path, Filmed(), SHIFTS)
     assert math.isnan(made.shake.rms)
-    assert tables.facts(made)["shake_px"] is None
-    assert any("stands still" in line for line in tables.notes(made))
+    assert report.facts(made, ())["shake_px"] is None
+    assert any("stands still" in line for line in report.notes(made))
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -196,10 +196,10 @@ def test_what_cannot_be_known_of_a_bare_plates_shake_is_said(tmp_path):
 def test_a_shadow_is_measured(tmp_path, share):
     """Against the true mean error, which a shadow in one direction makes."""
     made, errors = tracked(tmp_path, Filmed(shadow=(5.0, -4.0, share)))
-    assert any("shadows" in line for line in tables.warnings(made))
+    assert any("shadows" in line for line in report.warnings(made))
     pull = np.hypot(*errors.mean(axis=0))
     assert pull > 1.5
-    assert tables.facts(made)["shadow_px"] == pytest.approx(pull, rel=0.2)
+    assert report.facts(made, ())["shadow_px"] == pytest.approx(pull, rel=0.2)
 
 
 @pytest.mark.usefixtures("undrawn")
@@ -215,13 +215,13 @@ def test_a_shadow_is_measured(tmp_path, share):
 )  # fmt: skip
 def test_bad_light_and_a_tilted_camera_are_warned_of(tmp_path, film, word):
     made, errors = tracked(tmp_path, film)
-    assert any(word in line for line in tables.warnings(made))
+    assert any(word in line for line in report.warnings(made))
     if film.noise > 2:  # half of the contrast as the threshold: fractions of a pixel all the same
         assert np.abs(errors).max() < 0.6
     if film.tilt:
         near, far = 1.0 + film.tilt * (np.array([280.0, 45.0]) / film.wide - 0.5)
         grown = (near / far) ** 1.5 - 1.0  # along the tilt by the square, across it by itself
-        assert tables.facts(made)["size_change_share"] == pytest.approx(grown, rel=0.15)
+        assert report.facts(made, ())["size_change_share"] == pytest.approx(grown, rel=0.15)
 
 
 @pytest.mark.parametrize("noise", [0.0, 0.05, 0.3])

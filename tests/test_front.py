@@ -14,10 +14,10 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.api.table import Table
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError, WalkergenError
 from walkergen.files import templates
+from walkergen.files.report import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -197,9 +197,9 @@ def test_a_simulation_is_the_commands(run, runs):
     bounds = runs.speed.low_95, runs.speed.high_95
     assert bounds == (plain["speed_low_95_mm_s"], plain["speed_high_95_mm_s"])
     found, (first, *_) = runs.trajectory(50), Path("all.csv").read_text().splitlines()
-    assert list(found.columns) == first.split(",")
+    assert list(found.keys) == first.split(",")
     rows = np.loadtxt("all.csv", delimiter=",", skiprows=1)
-    np.testing.assert_array_equal(np.column_stack([*found.columns.values()]), rows)
+    np.testing.assert_array_equal(np.array(found.rows), rows)
     frame = runs.to_dataframe()
     assert frame["speed_mm_s"].tolist() == [runs.speed.value]
     assert frame["outcomes.ok"].tolist() == [4]
@@ -207,7 +207,7 @@ def test_a_simulation_is_the_commands(run, runs):
 
 def test_a_simulation_shows_itself(runs):
     page = runs._repr_html_()
-    assert f"<th>mean speed</th><td>{runs.speed.value:.2f} mm/s" in page
+    assert f"<td>mean speed</td><td>{runs.speed.value:.2f} mm/s" in page
     assert runs.speed.orbit in page
     assert "relaxed, method event" in page
     assert runs.plot()._repr_png_().startswith(b"\x89PNG")
@@ -252,7 +252,8 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
     found = wg.analyse(Path("film.csv"), **units, folder="found", pictures=False)
     assert (found.speed.value, found.speed.se) == (told["speed_mm_s"], told["speed_se_mm_s"])
     assert found.speed.value == pytest.approx(30.0, abs=1.0)
-    for same in (frame, columns, Table(columns)):
+    rows = Table("film", list(zip(*columns.values(), strict=True)), list(columns))
+    for same in (frame, columns, rows):
         assert wg.analyse(same, **units).estimates == found.estimates
     told_files = sorted((tmp_path / "told" / "analysis").iterdir())
     assert [path.name for path in told_files] == sorted(
@@ -261,8 +262,8 @@ def test_tracks_are_analysed_from_a_file_a_frame_and_columns(run, tmp_path):
     for path in told_files:
         assert (tmp_path / "found" / path.name).read_bytes() == path.read_bytes()
     assert found.plot("msd")._repr_png_().startswith(b"\x89PNG")
-    assert "speed (mm/s)</th><td>3" in found._repr_html_()
-    row = found.to_dataframe().set_index("name").loc["speed"]
+    assert "<td>speed_mm_s</td><td>" in found._repr_html_()
+    row = found.to_dataframe().set_index("quantity").loc["speed_mm_s"]
     assert row["value"] == found.speed.value
 
 
@@ -533,14 +534,15 @@ def test_samples_that_are_none_are_refused(words, told):
 
 
 def test_tables_escape_count_and_need_pandas(monkeypatch):
-    table = Table({"a": range(30), "b": [None] * 29 + ["<i>"]}, "<b>", ["x & y"])
+    rows = [*((number, None) for number in range(29)), (29, "<i>")]
+    table = Table("t", rows, ("a", "b"), (), "<b>", ["x & y"])
     page = table._repr_html_()
     assert "<b>" not in page
     assert "&lt;b&gt;" in page
     assert "x &amp; y" in page
     assert "and 10 more rows" in page
     assert table["a"].dtype == np.int64
-    assert np.isnan(Table({"c": [1.5, None]})["c"][1])
+    assert np.isnan(Table("t", [(1.5,), (None,)], ["c"])["c"][1])
     with pytest.raises(KeyError, match="no column 'd'; columns: a, b"):
         _ = table["d"]
     monkeypatch.setitem(sys.modules, "pandas", None)

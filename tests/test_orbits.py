@@ -67,7 +67,7 @@ def test_in_python_too():
     assert np.isnan(runs.speed.se)
     assert str(runs.speed).startswith("97.54 mm/s, one periodic orbit; 95 % of prints ")
     assert runs.speed.low_95 < 97.5 < runs.speed.high_95
-    assert "draws of what design and scene do not know" in dict(runs.rows())["prints"]
+    assert "draws of what design and scene do not know" in dict(runs["summary"].rows)["prints"]
 
 
 def test_a_walker_at_rest_is_told_so():

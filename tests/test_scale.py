@@ -9,11 +9,12 @@ from synthetic_tracks import film
 from typer.testing import CliRunner
 
 import walkergen as wg
+from walkergen.analysis.estimates import UNITS
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files.measured import measured
 from walkergen.files.tables import csv_text
-from walkergen.jobs.track import make
+from walkergen.jobs.track import report
 
 SCALE, ERROR = 0.2, 0.01
 
@@ -32,7 +33,7 @@ def rows():
 
 def ours(rows, *scale):
     """Columns of tracks.csv with a scale and its error."""
-    return csv_text(make.COLUMNS, [(*row, *row[2:5], *scale) for row in rows])
+    return csv_text(report.COLUMNS, [(*row, *row[2:5], *scale) for row in rows])
 
 
 def trackpys(rows, _scale):
@@ -62,7 +63,7 @@ def test_every_number_with_a_length_bears_the_scales_error(tmp_path, rows, text,
     found = wg.analyse(larger)
     assert data["scale_se_share"] == pytest.approx(ERROR / SCALE)
     moved = 0
-    for name, unit in zip(found.table.columns["name"], units_of(found), strict=True):
+    for name, unit in UNITS.items():
         value, scale = data[f"{name}_{unit}"], data[f"{name}_scale_se_{unit}"]
         if value is not None:
             # To first order: a square grows by twice the share, and the square of it.
@@ -75,27 +76,20 @@ def test_every_number_with_a_length_bears_the_scales_error(tmp_path, rows, text,
     assert float(speed["scale_se"]) == pytest.approx(float(speed["value"]) * ERROR / SCALE)
 
 
-def units_of(found):
-    from walkergen.analysis.estimates import UNITS
-
-    assert list(UNITS) == list(found.table.columns["name"])
-    return UNITS.values()
-
-
 def test_a_scale_without_an_error_says_so_and_a_simulation_needs_none(tmp_path, rows):
     path = tmp_path / "tracks.csv"
     path.write_text(ours(rows, SCALE, ""))
     unknown = wg.analyse(path)
     assert unknown.motion.scale_se is None
     assert "scale's error is not known" in " ".join(unknown.notes)
-    path.write_text(csv_text(make.COLUMNS[:9], [(*row, *row[2:5]) for row in rows]))
+    path.write_text(csv_text(report.COLUMNS[:9], [(*row, *row[2:5]) for row in rows]))
     exact = wg.analyse(path)
     assert exact.motion.scale_se == 0.0
     assert "scale" not in " ".join(exact.notes)
 
 
 def test_the_speed_over_the_plates_bears_it_too(tmp_path):
-    names = ("particle", "t_s", "x_mm", "plate_speed_mm_s", *make.COLUMNS[-2:])
+    names = ("particle", "t_s", "x_mm", "plate_speed_mm_s", *report.COLUMNS[-2:])
     rng = np.random.default_rng(1)
     lines = [
         (8 * plate + n, 0.02 * k, 0.02 * k * plate + rng.normal(0, 0.1), plate, SCALE, ERROR)

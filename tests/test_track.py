@@ -19,10 +19,10 @@ from walkergen.files import figures, templates
 from walkergen.files.progress import silent
 from walkergen.jobs.movie import above
 from walkergen.jobs.movie import make as movie
-from walkergen.jobs.track import film, find, heading, link, look, make, tables
+from walkergen.jobs.track import film, find, heading, link, look, make, report
 from walkergen.jobs.track.find import Blob
 from walkergen.jobs.track.link import Seen
-from walkergen.jobs.track.make import Options
+from walkergen.jobs.track.result import Options
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -258,7 +258,7 @@ def test_a_film_becomes_tracks_that_analyse_reads(run, tmp_path, two, by):
 @pytest.mark.usefixtures("undrawn")
 def test_a_part_of_a_film_keeps_its_frames_and_places(tmp_path, two):
     wish = Options(mm_per_px=0.5, frames=(5, 20), region=(0, 70, 240, 80))
-    part = make.track(two, wish, tmp_path, silent)
+    part = make.track(two, wish, tmp_path, silent).tracked
     (one,) = part.walkers
     assert one.seen.frames.tolist() == list(range(5, 20))
     np.testing.assert_allclose(one.position, 0.5 * np.array(RIGHT)[5:20, :2], atol=0.1)
@@ -275,8 +275,8 @@ def test_touching_lost_and_held_walkers_are_warned_of(tmp_path):
     frames[12:15] = [drawn([], noise=0)] * 3
     frames += [frames[-1]] * 20
     write_film(tmp_path / "bad.mp4", frames)
-    made = make.track(tmp_path / "bad.mp4", Options(mm_per_px=1.0), tmp_path / "o", silent)
-    told = " ".join(tables.warnings(made))
+    made = make.track(tmp_path / "bad.mp4", Options(mm_per_px=1.0), tmp_path / "o", silent).tracked
+    told = " ".join(report.warnings(made))
     assert "nothing was found in 3 of 60 frames" in told
     assert f"nothing moves in {made.still} of 60 frames: if the film holds" in told
     assert 15 <= made.still <= 20
@@ -302,7 +302,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     """Simulated, drawn from above, filmed, tracked: places, headings and way of the simulation."""
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
     wish = Options(mm_per_px=scale)
-    made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent)
+    made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent).tracked
     by_length = make._scale(Options(length_mm=28.0), made.linked)
     assert by_length[0] == pytest.approx(scale, abs=by_length[1])
     (one,) = made.walkers
@@ -396,16 +396,16 @@ def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):
     found = wg.track(two, length=28.0, heading="mark", folder=tmp_path / "here")
     assert found.picture == tmp_path / "here" / "check.png"
     table = found.table
-    assert list(table.columns) == list(make.COLUMNS)
+    assert table.keys == report.COLUMNS
     assert len(table.to_dataframe()) == 60
-    assert "the long axis and the mark, in 30 of 30 frames" in repr(found)
-    moved = found.analyse()
+    assert found["walkers"]["heading_by"][0] == "the long axis and the mark, in 30 of 30 frames"
+    moved = wg.analyse(found)
     assert moved.motion.particles == 2
     with pytest.raises(InputError, match="give either --mm-per-px"):
         wg.track(two, folder=tmp_path / "none")
     assert not (tmp_path / "none").exists()
     wish = Options(length_mm=28.0, heading="mark")
-    again = make.track(two, wish, tmp_path / "again", silent)
+    again = make.track(two, wish, tmp_path / "again", silent).tracked
     with Image.open(found.picture) as picture:
         assert picture.size[0] == 3 * figures.DPI
     assert again.mm_per_px == pytest.approx(0.5, abs=again.mm_per_px_se)

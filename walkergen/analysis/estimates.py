@@ -320,9 +320,3 @@ def with_error(estimate: Estimate) -> str:
     if estimate.value is None or estimate.se is None:
         return estimate.reason
     return words.with_error(estimate.value, estimate.se)
-
-
-def bounds_95(estimate: Estimate) -> str:
-    """Format the bounds of 95 % to two digits of the error; '' without any."""
-    ends = estimate.interval(0.95)
-    return " to ".join(words.to_digits_of(estimate.se, ends)) if ends and estimate.se else ""

@@ -5,11 +5,11 @@ from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Literal, TypeVar, overload
 
-from walkergen.api.table import Table, table_of
 from walkergen.errors import InputError
-from walkergen.files import config
+from walkergen.files import config, report
 from walkergen.files import templates as shipped
 from walkergen.files.config import Section
+from walkergen.files.report import Table
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -62,7 +62,7 @@ def load(name: Name, kind: str | None = None) -> Any:
 
 def templates() -> Table:
     """Table of the shipped walkers, scenes and printers: kind, name, description."""
-    return table_of(shipped.listing(), "templates")
+    return report.table("templates", shipped.listing(), title="templates")
 
 
 def walker_of(design: Walker) -> Design:

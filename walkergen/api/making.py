@@ -65,7 +65,7 @@ def family(
     made = families.make(job, Path(folder), progress or silent, findings.extend)
     warnings = [checks.line(one) for one in checks.grouped(findings) if one.level == "warning"]
     warnings += [*unused, *bad]
-    return replace(made, warnings=warnings, lines=[*made.lines, *warnings])
+    return replace(made, warnings=warnings)
 
 
 def _copied(

@@ -32,13 +32,9 @@ def as_json(data: dict[str, Any]) -> None:
 
 
 def rows_as_json(
-    rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = (),
-    partial: bool | None = None,
+    rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()
 ) -> None:  # fmt: skip
-    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files.
-
-    `partial` says whether Ctrl-C left rows out, where it can.
-    """
+    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files."""
     listed = [row._asdict() for row in rows]
     for table in more:
         for row, extra in zip(listed, table, strict=False):
@@ -46,8 +42,6 @@ def rows_as_json(
     data: dict[str, Any] = {"rows": listed}
     if files:
         data["files"] = [str(path) for path in files]
-    if partial is not None:
-        data["partial"] = partial
     as_json(data)
 
 
@@ -69,7 +63,12 @@ def table(made: "Table") -> None:
 
 
 def report(made: "Report", json: bool, quiet: bool) -> None:
-    """Print what a job found: as JSON, or its caption, tables and lines, and where it lies."""
+    """Print what a job found: as JSON, or its caption, tables and lines, and where it lies.
+
+    Its warnings come first, on the error stream, even when the command is quiet.
+    """
+    for warning in made.warnings:
+        print(f"warning: {warning}", file=sys.stderr)
     folder = {} if made.folder is None else {"folder": str(made.folder)}
     if json:
         as_json({**made.facts, **folder})
@@ -81,7 +80,7 @@ def report(made: "Report", json: bool, quiet: bool) -> None:
         for line in made.lines:
             text(line)
         if folder:
-            print(f"tables, page and figures in {made.folder}/")
+            print(f"written into {made.folder}/")
 
 
 def text(line: str) -> None:

@@ -9,7 +9,6 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli import uncertain as prints
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
@@ -102,7 +101,7 @@ def simulate(
         return
     (chosen,) = members
     if uncertain:
-        prints.simulate(resolved_scene, chosen, draws, out, json, quiet)
+        _simulate_uncertain(resolved_scene, chosen, draws, out, json, quiet)
         return
     mass = solids.mass_of(chosen)
     interval = None if trajectory is None else 1.0 / rate
@@ -114,9 +113,7 @@ def simulate(
             trajectories.write(trajectory, one._replace(scene=found.scene), found.point, progress)
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
-    for warning in found.point.warnings:
-        print(f"warning: {warning}", file=sys.stderr)
-    show.report(report.of(found, chosen), json, quiet)
+    show.report(report.of(one, found), json, quiet)
     if trajectory is not None and done == wished and not (json or quiet):
         print(trajectory)
     if done < wished:
@@ -147,18 +144,23 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
                 rows.append(row)
         except KeyboardInterrupt:
             print(f"interrupted after {len(rows)} of {len(wanted)} walkers", file=sys.stderr)
-    for warning in dict.fromkeys(warning for row in rows for warning in row.warnings):
-        print(f"warning: {warning}", file=sys.stderr)
-    if json:
-        show.rows_as_json(rows, partial=len(rows) < len(wanted))
-    elif rows and not quiet:
-        drive = scene.drive
-        plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
-        title = f"{members[0].name} on {scene.name}, {plate}"
-        show.table(several.to_table(rows, title))
-        for note in several.notes(rows):
-            show.text(note)
+    show.report(several.of(rows, scene, wanted), json, quiet)
     if missing := members[len(rows) :]:
         told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
         print(f"missing: {told}", file=sys.stderr)
         raise typer.Exit(130)
+
+
+def _simulate_uncertain(
+    scene: "Scene", design: "Design", draws: int, out: Path | None, json: bool, quiet: bool
+) -> None:
+    """Simulate uncertain prints and print their speeds, with what to measure next."""
+    from walkergen.jobs.simulate import prints
+    from walkergen.jobs.simulate import uncertain as drawing
+
+    with show.progress("simulate", wanted=not quiet) as progress:
+        measured = drawing.measure(scene, design, draws, progress)
+    made = prints.of(measured, design, scene.name, out)
+    if out is not None:
+        prints.write(made, out)
+    show.report(made, json, quiet)

@@ -1,6 +1,5 @@
 """The command `sweep`."""
 
-import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
@@ -112,8 +111,6 @@ def sweep(
         job = make.Job(request, asked.title(), pictures, seconds)
         with show.progress("sweep", wanted=not quiet) as progress:
             made = make.make(job, folder, store, crew, progress)
-    for line in made.warnings:
-        print(f"warning: {line}", file=sys.stderr)
     show.report(made, json, quiet)
 
 

@@ -1,6 +1,5 @@
 """The command `track`."""
 
-import sys
 from pathlib import Path
 from typing import Annotated
 
@@ -61,11 +60,12 @@ def track(
     """
     from walkergen.files import output
     from walkergen.files.measured import measured
-    from walkergen.jobs.track import make, tables
+    from walkergen.jobs.track import make
+    from walkergen.jobs.track.result import Options
 
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
     long, long_se = measured(length, "--length")
-    options = make.Options(
+    options = Options(
         mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
         frames=_frames(frames), region=None if region is None else _region(region),
         walkers=walkers, threshold=threshold, width_px=width, heading=heading,
@@ -73,16 +73,7 @@ def track(
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
         made = make.track(film, options, folder, progress)
-    for warning in tables.warnings(made):
-        print(f"warning: {warning}", file=sys.stderr)
-    if json:
-        show.as_json(tables.facts(made) | {"folder": str(folder)})
-    elif not quiet:
-        show.table(tables.to_table(made))
-        for note in tables.notes(made):
-            show.text(note)
-        print(f"{folder / make.TRACKS}")
-        print(f"{folder / make.PICTURE}: look at it before you believe the numbers")
+    show.report(made, json, quiet)
 
 
 def _frames(text: str) -> tuple[int, int | None]:

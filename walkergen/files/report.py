@@ -94,6 +94,8 @@ class Table:
     """What people read; without any the table is for machines alone, and on no page."""
     title: str = ""
     notes: Sequence[str] = ()
+    read: Sequence[Any] | None = None
+    """Rows that people read, where these are not all."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -133,9 +135,13 @@ class Table:
         for column in columns:
             justify: Literal["left", "right"] = "right" if column.right else "left"
             made.add_column(column.heading, justify=justify, no_wrap="\n" in column.heading)
-        for row in self.rows:
+        for row in self._read():
             made.add_row(*(literally(column.cell(row)) for column in columns))
         return made
+
+    def _read(self) -> Sequence[Any]:
+        """Rows that people read."""
+        return self.rows if self.read is None else self.read
 
     def to_dataframe(self) -> Any:
         """Frame of pandas with the same columns. Raises InputError where pandas is missing."""
@@ -149,12 +155,16 @@ class Table:
         return pandas.DataFrame({key: self[key] for key in self.keys})
 
     def _repr_html_(self) -> str:
-        head = "".join(f"<th>{escape(key)}</th>" for key in self.keys)
+        heads: Sequence[str] = self.keys or [column.heading for column in self.columns]
+        rows = [
+            map(rounded, row) if self.keys else [column.cell(row) for column in self.columns]
+            for row in self._read()[:MOST_SHOWN]
+        ]
+        head = "".join(f"<th>{escape(one)}</th>" for one in heads) if any(heads) else ""
         body = "".join(
-            "<tr>" + "".join(f"<td>{escape(rounded(value))}</td>" for value in row) + "</tr>"
-            for row in self.rows[:MOST_SHOWN]
+            "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
         )
-        more = len(self) - MOST_SHOWN
+        more = len(self._read()) - MOST_SHOWN
         notes = [*self.notes, *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
@@ -204,6 +214,8 @@ class Report:
     """What was asked, without a full stop."""
     lines: Sequence[str] = ()
     """Answers, settings and notes, a sentence each."""
+    warnings: Sequence[str] = ()
+    """What went wrong or may mislead; on the error stream of a command."""
     figures: "Mapping[str, Callable[[], Figure]]" = field(default_factory=dict)
     """What draws each figure, by the stems of their files."""
     folder: Path | None = None
@@ -236,12 +248,16 @@ class Report:
 
     def write(self, folder: "Folder", pictures: bool) -> None:
         """Write a CSV file a table, the page, and the figures as PNG and PDF."""
-        for each in self.tables:
-            if each.keys:
-                folder.write(f"{each.name}.csv", each.csv().encode())
+        self.write_tables(folder)
         folder.write(f"{self.name}.md", self.markdown().encode())
         if pictures:
             self.write_figures(folder)
+
+    def write_tables(self, folder: "Folder") -> None:
+        """Write a CSV file for each table that has keys."""
+        for each in self.tables:
+            if each.keys:
+                folder.write(f"{each.name}.csv", each.csv().encode())
 
     def write_figures(self, folder: "Folder") -> None:
         """Write the figures as PNG and PDF."""
@@ -268,9 +284,14 @@ class Report:
 
     def __repr__(self) -> str:
         sizes = [f"{each.name}: {len(each)} rows" for each in self.tables]
-        return "\n".join([self.title, *sizes, *self.lines])
+        return "\n".join([self.title, *sizes, *self._said()])
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
-        parts += [each._repr_html_() for each in self.shown() if each.keys]
-        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self.lines)])
+        parts += [each._repr_html_() for each in self.shown()]
+        return "".join([*parts, *(f"<p>{escape(line)}</p>" for line in self._said())])
+
+    def _said(self) -> Iterator[str]:
+        """Lines and warnings."""
+        yield from self.lines
+        yield from (f"warning: {warning}" for warning in self.warnings)

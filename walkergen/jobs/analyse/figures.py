@@ -1,7 +1,6 @@
 """Figures of measured motion, as in the paper's figures 5 and 6."""
 
 import math
-from collections.abc import Sequence
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -9,30 +8,14 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis import walks
 from walkergen.analysis.motion import Curve, Motion
-from walkergen.analysis.tracks import Track, Tracks
-from walkergen.files.figures import SERIES, SMALLEST, axes_of, logarithmic, panels_of, style
+from walkergen.files.figures import SMALLEST, axes_of, logarithmic, panels_of, style
+from walkergen.points.track_figure import MOST_TRACKS
 
 INK, WARM = "#0072B2", "#D55E00"
 """What was measured, and what was fitted to it."""
 
-ARROWS = 8
-"""Arrows along the longest track that show the heading."""
-
-ARROW = 0.05
-"""Length of an arrow over the width of the tracks."""
-
-MOST_TRACKS = 24
-"""Largest number of tracks drawn: more would hide one another."""
-
 DRAWN = 0.5
 """Standard error of a local exponent beyond which it is not drawn: it tells 1 from 2 no more."""
-
-STRAIGHT = 0.05
-"""Width of all tracks over their length, or share of the direction that is lost, below which
-walkers do not turn, as in a lane: from above their tracks are one line."""
-
-MOST_POINTS = 4000
-"""Largest number of points drawn of a track: more only make the PDF large."""
 
 
 @style()
@@ -134,58 +117,6 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
 
 
 @style()
-def tracks_figure(tracks: Tracks, title: str) -> Figure:
-    """Draw tracks seen from above (fig. 6b), or displacement against time in a lane (fig. 5).
-
-    Tracks along x that do not turn are drawn as those of a lane.
-    """
-    drawn = tracks.tracks[:MOST_TRACKS]
-    if len(drawn) < len(tracks.tracks):
-        title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
-    figure, axes = axes_of(title)
-    everywhere = np.concatenate([one.position for one in drawn])
-    extent = np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)
-    size = float(np.max(extent))
-    along = tracks.lane or extent[1] < STRAIGHT * extent[0]
-    for number, track in enumerate(drawn):
-        colour, line, marker = SERIES[number % len(SERIES)]
-        stride = len(track.position) // MOST_POINTS + 1
-        seen = track.position[~np.isnan(track.position).any(axis=1)]
-        start = seen[0]
-        path = track.position[::stride]
-        if along:
-            time = np.arange(len(track.position))[::stride] * tracks.interval
-            axes.plot(time, path[:, 0] - start[0], color=colour, ls=line, lw=0.8)
-        else:
-            axes.plot(*path.T, color=colour, ls=line, lw=0.8)
-            axes.plot(*start, marker, color=colour, markersize=4)
-            if track.heading is not None:
-                _head(axes, track, size, colour)
-    if along:
-        axes.set_xlabel("time (s)")
-        axes.set_ylabel(f"displacement along {'the lane' if tracks.lane else 'x'} (mm)")
-    else:
-        axes.set_aspect("equal", adjustable="datalim")
-        axes.set_xlabel("x (mm)" + ("; arrows: headings" if drawn[0].heading is not None else ""))
-        axes.set_ylabel("y (mm)")
-    return figure
-
-
-def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
-    """Draw arrows along a track that point where the walker's front did."""
-    assert track.heading is not None
-    known = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
-    at = np.flatnonzero(known)
-    chosen = at[np.linspace(0, len(at) - 1, min(ARROWS, len(at))).astype(int)] if len(at) else at
-    heading = track.heading[chosen]
-    axes.quiver(
-        *track.position[chosen].T, np.cos(heading), np.sin(heading), color=colour, angles="xy",
-        scale_units="xy", scale=1.0 / max(ARROW * size, 1e-9), width=0.006, headwidth=4.5,
-        zorder=3,
-    )  # fmt: skip
-
-
-@style()
 def walkers_figure(motion: Motion, title: str) -> Figure:
     """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
     figure, axes = axes_of(title)
@@ -233,26 +164,14 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
     return figure
 
 
-def figures(motion: Motion, tracks: Tracks, title: str) -> Sequence[tuple[str, Figure]]:
-    """Draw all figures that the motion allows, each with its name."""
-    drawn = [("trajectories", tracks_figure(tracks, title))]
-    if motion.by_plate_speed:
-        return [*drawn, ("plate_speed", plate_speed_figure(motion, title))]
-    if sum(one.of("speed").value is not None for one in motion.walkers) > 1:
-        drawn.append(("walkers", walkers_figure(motion, title)))
-    if (motion.msd.value > 0).any():
-        drawn.append(("msd", msd_figure(motion, title)))
-    if len(motion.parallel.at):
-        drawn.append(("density", density_figure(motion, title)))
-    if _turns(motion):
-        drawn.append(("correlation", correlation_figure(motion, title)))
-    return drawn
-
-
-def _turns(motion: Motion) -> bool:
-    """Whether enough of the direction is lost for a figure of it to say anything."""
-    kept = motion.correlation.value
-    return bool((kept < (1.0 - STRAIGHT) * kept[:1]).any())
+OF_MOTION = {
+    "plate_speed": plate_speed_figure,
+    "walkers": walkers_figure,
+    "msd": msd_figure,
+    "density": density_figure,
+    "correlation": correlation_figure,
+}
+"""Figures of a motion beside its tracks, by the stems of their files."""
 
 
 def _points(axes: Axes, curve: Curve, label: str) -> None:

@@ -23,8 +23,6 @@ class FamilyReport(Report):
     """Family that was made, in its folder."""
 
     members: Sequence[Member]
-    warnings: Sequence[str] = ()
-    """Warnings of the printability checks, and on rows left out of files, a line each."""
 
     def markdown(self) -> str:
         """Page of the tables and lines, and of the marks that tell parts apart."""

@@ -1,4 +1,4 @@
-"""Results of many uncertain prints: rows of a summary, JSON, CSV and a figure."""
+"""Report of many uncertain prints: a summary, draws, shares of the variance and a figure."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -8,9 +8,12 @@ import numpy as np
 
 from walkergen.files import words
 from walkergen.files.output import Folder
-from walkergen.files.tables import csv_text
+from walkergen.files.report import Report, Table
+from walkergen.jobs.simulate.report import LINES, Line
 from walkergen.jobs.simulate.uncertain import Uncertain
 from walkergen.numerics import statistics
+from walkergen.points.speed_table import SHARES
+from walkergen.walker.design import Design
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -19,27 +22,52 @@ UNEXPLAINED = "which print it is"
 """Name of the variance that no input explains: corner heights, and the emulator's error."""
 
 
+def of(found: Uncertain, design: Design, scene: str, folder: Path | None = None) -> Report:
+    """Report of uncertain prints of a walker in a scene of this name; written where folder says."""
+    title = f"{design.name}, {design.tilt_deg:g} deg, {scene}"
+    unexplained = found.unexplained, found.unexplained_se
+    lines = []
+    if found.shares:
+        share = " ± ".join(words.fixed(100.0 * value, 0) for value in unexplained)
+        lines += [f"{UNEXPLAINED}: {share} % (heights of its corners, and what the fit misses)"]
+    if folder is not None:
+        lines += [f"draws.csv, shares.csv, uncertain.png and .pdf in {folder}/"]
+    inputs = [one.name.replace(" ", "_") for one in found.inputs]
+    shares = [*found.shares, (UNEXPLAINED, *unexplained, None, None)]
+    return Report(
+        name="uncertain", title=title, facts=_facts(found), lines=lines,
+        tables=[
+            Table("summary", [Line(*row) for row in rows(found)], (), LINES, title),
+            Table("shares", shares, ("input", "first", "first_se", "total", "total_se"),
+                  SHARES if found.shares else (), "share of the variance between prints",
+                  read=found.shares),
+            Table("draws", np.column_stack([found.values, found.speeds]).tolist(),
+                  [*inputs, "speed_mm_s"]),
+        ],
+        figures={"uncertain": lambda: figure(found, title)},
+    )  # fmt: skip
+
+
+def write(made: Report, folder: Path) -> None:
+    """Write draws.csv (inputs and speed of every print), shares.csv, uncertain.png and .pdf."""
+    with Folder(folder, "") as target:
+        made.write_tables(target)
+        made.write_figures(target)
+
+
 def rows(found: Uncertain) -> Iterator[tuple[str, str]]:
     """Rows of a summary: mean, scatter between prints, and statistical error apart from it."""
     low2, low1, high1, high2 = found.bounds_mm_s
-    yield (
-        "mean over prints",
-        f"{found.speed_mm_s:.1f} ± {words.number(found.speed_se_mm_s, 2)} mm/s",
-    )
-    yield "a print", f"{low1:.1f} to {high1:.1f} mm/s (68 %), {low2:.1f} to {high2:.1f} (95 %)"
-    scatter = f"standard deviation {found.between_prints_mm_s:.1f} mm/s"
+    yield "mean over prints", f"{words.with_error(found.speed_mm_s, found.speed_se_mm_s)} mm/s"
+    likely, wide = words.span(low1, high1, 3), words.span(low2, high2, 3)
+    yield "a print", f"{likely} mm/s (68 %), {wide} (95 %)"
+    scatter = f"standard deviation {words.number(found.between_prints_mm_s)} mm/s"
     if not found.between_prints_mm_s:
         scatter = "not resolved by runs so short; longer --seconds would"
     yield "between prints", scatter
     step = found.by_step_mm_s
-    yield (
-        "by the step",
-        (
-            "not known: see `simulate` without --uncertain"
-            if step is None
-            else f"± {words.number(step, 2)} mm/s"
-        ),
-    )
+    unknown = "not known: see `simulate` without --uncertain"
+    yield "by the step", unknown if step is None else f"± {words.number(step, 2)} mm/s"
     yield "statistical", f"± {words.number(found.statistical_mm_s, 2)} mm/s of each short run"
     outcomes = ", ".join(f"{count} x {name}" for name, count in found.outcomes.items())
     yield "runs", f"model {found.model}, a run a draw: {outcomes}"
@@ -64,7 +92,7 @@ def notes(found: Uncertain) -> Iterator[str]:
         yield "the statistical error of short runs is taken out of the bounds"
 
 
-def as_dict(found: Uncertain) -> dict[str, Any]:
+def _facts(found: Uncertain) -> dict[str, Any]:
     """Results for JSON; shares are parts of the variance between prints."""
     low2, low1, high1, high2 = found.bounds_mm_s
     unexplained = {"share": found.unexplained, "se": found.unexplained_se}
@@ -85,23 +113,6 @@ def as_dict(found: Uncertain) -> dict[str, Any]:
         "unexplained": unexplained if found.shares else None,
         "notes": list(notes(found)),
     }
-
-
-def write(found: Uncertain, folder: Path, title: str) -> None:
-    """Write draws.csv (inputs and speed of every print), shares.csv, uncertain.png and .pdf."""
-    from walkergen.files import figures
-
-    lines = np.column_stack([found.values, found.speeds]).tolist()
-    header = (*(one.name.replace(" ", "_") for one in found.inputs), "speed_mm_s")
-    draws = csv_text(header, lines)
-    shares = [*found.shares, (UNEXPLAINED, found.unexplained, found.unexplained_se, None, None)]
-    header = ("input", "first", "first_se", "total", "total_se")
-    drawn = figure(found, title)
-    with Folder(folder, "") as target:
-        target.write("draws.csv", draws.encode())
-        target.write("shares.csv", csv_text(header, shares).encode())
-        target.write("uncertain.png", figures.png(drawn))
-        target.write("uncertain.pdf", figures.pdf(drawn))
 
 
 def figure(found: Uncertain, title: str) -> "Figure":

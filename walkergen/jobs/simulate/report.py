@@ -1,15 +1,30 @@
 """Report of simulated runs: what was simulated, the mean speed, and all that came with it."""
 
-from collections.abc import Iterator, Mapping
-from typing import Any, NamedTuple
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.analysis import facts
+from walkergen.analysis.motion import Motion
+from walkergen.errors import InputError
 from walkergen.files import report, words
-from walkergen.files.report import Report
-from walkergen.jobs.simulate import tables
+from walkergen.files.progress import Progress, silent
+from walkergen.files.report import Report, Table
+from walkergen.jobs.simulate import tables, trajectories
 from walkergen.jobs.simulate.make import Simulated
+from walkergen.points.runs import tracks_of
 from walkergen.scene import Scene
+from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.points import Asked
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.theory.prediction import Speed, speed_of
 from walkergen.walker.design import Design
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RATE_HZ = 1000.0
+"""Samples per second of trajectories, as on the command line."""
 
 
 class Line(NamedTuple):
@@ -22,15 +37,105 @@ class Line(NamedTuple):
 LINES = (report.text("", "name"), report.text("", "value"))
 
 
-def of(simulated: Simulated, design: Design) -> Report:
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SimulationReport(Report):
+    """Runs of one walker in a scene, and what they say of its speed and motion."""
+
+    asked: Asked
+    """Walker and scene, with the runs and the step that were taken."""
+    simulated: Simulated
+    """Everything that was measured."""
+
+    @property
+    def summary(self) -> Summary:
+        """Statistics of all runs, with units in the names."""
+        return self.simulated.point.summary
+
+    @property
+    def motion(self) -> Motion | None:
+        """Motion of a walker in space: turning, persistence, spread; None where it is not known."""
+        return self.simulated.motion
+
+    @property
+    def speed(self) -> Speed:
+        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step.
+
+        Where all runs end on one orbit they tell no error, and bounds are those of prints.
+        """
+        return _speed_of(self.simulated)
+
+    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
+
+        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
+        theta (rad) from above, then t_s and the model's own. The runs are simulated again. Raises
+        InputError for more samples than can be kept.
+        """
+        if not 1e-3 <= rate_hz <= 1e7:
+            raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
+        one = self.asked._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.of(one, self.simulated.point, progress or silent)
+        title = f"trajectories of {self.summary.runs} runs"
+        return Table("trajectory", list(states.rows), states.columns, title=title)
+
+
+def of(asked: Asked, simulated: Simulated) -> SimulationReport:
     """Report of the runs of a walker in a scene, and of what an error that was asked for took."""
-    scene = simulated.scene
+    scene, design = simulated.scene, asked.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
-    title = f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}"
-    return Report(
-        name="simulate", title=title, tables=[report.table("summary", lines, LINES)],
-        facts=_facts(simulated, scene),
+    return SimulationReport(
+        name="simulate", title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
+        tables=[_row(simulated, design), Table("summary", lines, (), LINES)],
+        facts=_facts(simulated, scene), warnings=simulated.point.warnings,
+        figures=_figures(simulated, design),
+        asked=asked._replace(scene=scene), simulated=simulated,
     )  # fmt: skip
+
+
+def _row(simulated: Simulated, design: Design) -> Table:
+    """Table of the summary in one row; tables within it become columns with a dot."""
+    named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind,
+             "scene": simulated.scene.name, "model": simulated.point.model,
+             "method": simulated.point.method}  # fmt: skip
+    values = named | _flat(simulated.point.summary._asdict())
+    return Table("simulation", [tuple(values.values())], tuple(values))
+
+
+def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Values of tables within tables, by names with dots."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{before}{name}.")
+        else:
+            flat[f"{before}{name}"] = value
+    return flat
+
+
+def _speed_of(simulated: Simulated) -> Speed:
+    summary = simulated.point.summary
+    kind = "" if simulated.orbit is None else simulated.orbit.kind
+    return speed_of(
+        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
+        summary.speed_high_95_mm_s, kind,
+    )  # fmt: skip
+
+
+def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":
+    """What draws the runs: way against time in a lane, on a plane as seen from above.
+
+    Nothing where no run ended well.
+    """
+    good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
+
+    def draw() -> "Figure":
+        from walkergen.points.track_figure import tracks_figure
+
+        tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
+        title = f"{design.name}, {design.tilt_deg:g} deg: {_speed_of(simulated)}"
+        return tracks_figure(tracks, title)
+
+    return {"runs": draw} if good else {}
 
 
 def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:

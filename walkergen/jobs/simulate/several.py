@@ -3,11 +3,9 @@
 from collections.abc import Iterator, Mapping, Sequence
 from typing import Any, NamedTuple
 
-from rich import box
-from rich.table import Table
-
-from walkergen.analysis.estimates import Estimate, with_error
+from walkergen.files import report, words
 from walkergen.files.progress import Progress
+from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.simulate import orbit, tables
 from walkergen.scene import Scene
 from walkergen.simulation import points
@@ -75,27 +73,19 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
         )  # fmt: skip
 
 
-def to_table(rows: Sequence[Row], title: str) -> Table:
-    """Table for the console, of at most 80 letters while outcomes are few."""
-    table = Table(title=title, box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False)
-    for heading in ("tilt\ndeg", "legs", "model", "predicted\nmm/s", "simulated\nmm/s",
-                    "95 %\nmm/s", "runs", "outcomes"):  # fmt: skip
-        left = heading in ("legs", "model", "outcomes")
-        table.add_column(heading, justify="left" if left else "right", no_wrap=not left)
-    for row in rows:
-        table.add_row(
-            f"{row.tilt_deg:g}", row.legs, row.model, _fixed(row.predicted_mm_s), _speed(row),
-            _bounds(row), str(row.runs), listed(row.outcomes),
-        )  # fmt: skip
-    return table
-
-
-def notes(rows: Sequence[Row]) -> list[str]:
-    """Notes below the table: what marks mean."""
+def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Asked]) -> Report:
+    """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
+    drive = scene.drive
+    plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
+    title = f"{wanted[0].design.name} on {scene.name}, {plate}"
+    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(wanted)}
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
-    return [
-        f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
-    ] * bool(kinds)
+    note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    return Report(
+        name="simulate", title=title, facts=facts, lines=[note] if kinds else [],
+        tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
+        warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
+    )  # fmt: skip
 
 
 def _speed(row: Row) -> str:
@@ -106,14 +96,24 @@ def _speed(row: Row) -> str:
         return f"{row.speed_mm_s:.2f} {ORBIT}"
     if row.speed_se_mm_s is None:
         return f"{row.speed_mm_s:.2f} ± ?"
-    return with_error(Estimate(row.speed_mm_s, row.speed_se_mm_s))
+    return words.with_error(row.speed_mm_s, row.speed_se_mm_s)
 
 
 def _bounds(row: Row) -> str:
     low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
-    return "unknown" if low is None or high is None else f"{_fixed(low)} to {_fixed(high)}"
+    if low is None or high is None:
+        return "unknown"
+    return f"{words.fixed(low, 1)} to {words.fixed(high, 1)}"
 
 
-def _fixed(value: float) -> str:
-    """Format a number with a decimal, without a minus on zero."""
-    return f"{round(value, 1) + 0.0:.1f}"
+COLUMNS = (
+    Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
+    report.text("legs", "legs"),
+    report.text("model", "model"),
+    report.fixed("predicted\nmm/s", "predicted_mm_s", 1),
+    Column("simulated\nmm/s", _speed, right=True),
+    Column("95 %\nmm/s", _bounds, right=True),
+    Column("runs", lambda row: str(row.runs), right=True),
+    Column("outcomes", lambda row: listed(row.outcomes)),
+)
+"""At most 80 letters while outcomes are few."""

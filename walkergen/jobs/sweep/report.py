@@ -49,15 +49,16 @@ class SweepReport(Report):
 
     keys: tuple[str, ...]
     """Keys that vary."""
-    warnings: Sequence[str]
-    """Messages on an earlier table in the folder."""
 
     def _repr_html_(self) -> str:
         return self.table._repr_html_()
 
 
 def of(request: Request, title: str, points: Points, warnings: Sequence[str] = ()) -> SweepReport:
-    """Report of points; without kept rows its table is empty, and there is no figure."""
+    """Report of points; without kept rows its table is empty, and there is no figure.
+
+    The warnings are those on an earlier table in the folder.
+    """
     keys = request.space.keys
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
     return SweepReport(

@@ -5,9 +5,8 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
-from walkergen.jobs.track.film import Grey
 from walkergen.jobs.track.heading import LONG, Array
-from walkergen.jobs.track.make import Tracked, Walker
+from walkergen.jobs.track.result import Tracked, Walker
 
 WIDE, TALLEST = 8.0, 9.0
 """Width of the figure, and largest height of the film's frame in it, inches."""
@@ -22,19 +21,19 @@ MOST_ROWS = 40
 """Largest number of walkers that have a row of their own in the lower panel."""
 
 
-def check_figure(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) -> Figure:
+def check_figure(made: Tracked) -> Figure:
     """Draw the first frame with what was found in it, all tracks, and when each was seen."""
-    left, top, right, bottom = part
+    left, top, right, bottom = made.part
     tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
     shown = min(len(made.walkers), MOST_ROWS)
     low = 0.9 + 0.16 * shown
     figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
     axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
     axes.imshow(
-        picture, cmap="gray", vmin=0, vmax=255, extent=(left, right, bottom, top), alpha=0.75
+        made.picture, cmap="gray", vmin=0, vmax=255, extent=(left, right, bottom, top), alpha=0.75
     )
     for number, one in enumerate(made.walkers):
-        _draw(axes, made, one, number, part)
+        _draw(axes, made, one, number)
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
     axes.set_xlabel("x (pixels)")
@@ -49,13 +48,11 @@ def check_figure(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) 
     return figure
 
 
-def _draw(
-    axes: Axes, made: Tracked, one: Walker, number: int, part: tuple[int, int, int, int]
-) -> None:
+def _draw(axes: Axes, made: Tracked, one: Walker, number: int) -> None:
     """Draw a walker's box where it was first and last seen, its track, number and heading."""
     colour = COLOURS[number % len(COLOURS)]
     blobs = one.seen.blobs
-    x, y = blobs[:, 0] + part[0] + 0.5, blobs[:, 1] + part[1] + 0.5
+    x, y = blobs[:, 0] + made.part[0] + 0.5, blobs[:, 1] + made.part[1] + 0.5
     gaps = np.flatnonzero(np.diff(one.seen.frames) > 1) + 1
     axes.plot(
         np.insert(x, gaps, np.nan), np.insert(y, gaps, np.nan), color=colour, lw=1.2,

@@ -4,39 +4,23 @@ import math
 from collections.abc import Sequence
 from itertools import chain, islice, pairwise
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.files.tables import csv_text
-from walkergen.jobs.track import camera, doubts, heading, link
+from walkergen.jobs.track import camera, heading, link, report
 from walkergen.jobs.track import film as films
 from walkergen.jobs.track import look as looks
 from walkergen.jobs.track.camera import Shake
 from walkergen.jobs.track.film import Clock, Film, Grey
 from walkergen.jobs.track.find import Blob, find
-from walkergen.jobs.track.heading import Headed
 from walkergen.jobs.track.link import Linked, Seen
 from walkergen.jobs.track.look import Look
-
-Array = npt.NDArray[np.float64]
-
-COLUMNS = (
-    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px",
-    "mm_per_px_se",
-)  # fmt: skip
-"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
-
-The last two are the scale, by which places have been multiplied, and its standard error, blank when
-that is not known: every length measured from the tracks is off by them.
-"""
-
-TRACKS, PICTURE = "tracks.csv", "check.png"
-"""Files of tracks, and to check them by."""
+from walkergen.jobs.track.report import TrackReport
+from walkergen.jobs.track.result import Array, Options, Tracked, Walker
 
 SAMPLES = 8
 """Number of frames, from the first on, that tell the look of a film."""
@@ -55,82 +39,6 @@ STILL = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
 LEAST, LARGEST = 1e-6, 1e9
-
-
-class Options(NamedTuple):
-    """Wishes of a person; None is what the film tells."""
-
-    mm_per_px: float | None = None
-    mm_per_px_se: float | None = None
-    """Standard error of `mm_per_px`; None when it is not known."""
-    length_mm: float | None = None
-    """Length of a walker; either this or `mm_per_px` is given."""
-    length_se_mm: float | None = None
-    """Standard error of `length_mm`, beside that of its image."""
-    fps: float | None = None
-    """Frames per second at which the film was taken."""
-    frames: tuple[int, int | None] = (0, None)
-    """First frame, and the one after the last."""
-    region: tuple[int, int, int, int] | None = None
-    """Left and upper edge, width and height of the part that is looked at, pixels."""
-    walkers: str | None = None
-    """One of `SIDES`."""
-    threshold: float | None = None
-    """Contrast beyond which a pixel is a walker's, steps of 255."""
-    width_px: float | None = None
-    """Width of a walker, the shorter side."""
-    heading: str = "motion"
-    """One of `heading.BY`."""
-
-
-class Walker(NamedTuple):
-    """One tracked walker."""
-
-    seen: Seen
-    position: Array
-    """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
-    headed: Headed
-
-    @property
-    def net_mm(self) -> float:
-        """Distance from its first place to its last, mm; a full circle has none."""
-        return math.dist(self.position[0], self.position[-1])
-
-
-class Tracked(NamedTuple):
-    """What was found in a film, and where it was written."""
-
-    film: Film
-    options: Options
-    look: Look
-    linked: Linked
-    walkers: Sequence[Walker]
-    looked: int
-    """Frames looked at."""
-    still: int
-    """Frames in which nothing has moved since the one before."""
-    clock: Clock
-    mm_per_px: float
-    mm_per_px_se: float | None
-    """Standard error of `mm_per_px`; None where it was given without."""
-    shake: Shake
-    folder: Path
-
-    @property
-    def jitter_mm(self) -> float:
-        """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
-        return doubts.jitter([self._unbroken(one) for one in self.walkers])
-
-    def path_mm(self, walker: Walker) -> float:
-        """Length of a walker's path, mm, its jitter left out."""
-        return doubts.path(walker.position, 0.0 if math.isnan(self.jitter_mm) else self.jitter_mm)
-
-    def _unbroken(self, walker: Walker) -> tuple[Array, Array]:
-        """Times and places of all frames from a walker's first to its last; NaN where lost."""
-        first, last = walker.seen.frames[[0, -1]]
-        places = np.full((last - first + 1, 2), np.nan)
-        places[walker.seen.frames - first] = walker.position
-        return self.clock.times[first : last + 1], places
 
 
 def check(options: Options) -> None:
@@ -160,7 +68,7 @@ def check(options: Options) -> None:
         )
 
 
-def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tracked:
+def track(path: Path, options: Options, folder: Path, progress: Progress) -> TrackReport:
     """Track the walkers of a film and write tracks.csv, check.png and manifest.json.
 
     Raises InputError, before anything is written, when the film cannot be read or no walker is
@@ -180,11 +88,17 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     walkers = [
         Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
     ]
-    made = Tracked(
+    tracked = Tracked(
         film, options, found.look, linked, walkers, len(found.blobs), _still(found.blobs),
-        found.clock, scale, scale_se, found.shake, folder,
+        found.clock, scale, scale_se, found.shake, found.picture, part,
     )  # fmt: skip
-    _write(made, found.picture, part)
+    made = report.of(tracked, folder)
+    from walkergen.files import figures  # brings matplotlib
+
+    with Folder(folder) as target:
+        target.write(report.TRACKS, made.table.csv().encode())
+        target.write(report.PICTURE, figures.png(made.figures["check"]()))
+        target.finish(dict(made.facts))
     return made
 
 
@@ -268,29 +182,3 @@ def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: floa
     left, top, _, _ = part
     x, y = seen.blobs[:, 0] + left + 0.5, film.height - (seen.blobs[:, 1] + top + 0.5)
     return scale * np.column_stack([x, y])
-
-
-def rows(made: Tracked) -> list[tuple[Any, ...]]:
-    """Rows of tracks.csv, frame by frame."""
-    rows = []
-    for number, walker in enumerate(made.walkers):
-        for frame, (x, y), theta in zip(
-            walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(),
-            strict=True,
-        ):  # fmt: skip
-            angle = None if math.isnan(theta) else theta
-            place = (x, y, angle)
-            scale = (made.mm_per_px, made.mm_per_px_se)
-            rows.append((frame, number, *place, float(made.clock.times[frame]), *place, *scale))
-    return sorted(rows, key=lambda row: row[:2])
-
-
-def _write(made: Tracked, picture: Grey, part: tuple[int, int, int, int]) -> None:
-    from walkergen.files import figures
-    from walkergen.jobs.track import tables
-    from walkergen.jobs.track.figures import check_figure
-
-    with Folder(made.folder) as target:
-        target.write(TRACKS, csv_text(COLUMNS, rows(made)).encode())
-        target.write(PICTURE, figures.png(check_figure(made, picture, part)))
-        target.finish(tables.facts(made))

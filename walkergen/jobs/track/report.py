@@ -1,16 +1,33 @@
-"""Tables of what was tracked: console, JSON, and warnings with their numbers."""
+"""Report of what was tracked: tracks, walkers, and warnings with their numbers."""
 
 import math
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
-from rich import box
-from rich.markup import escape
-from rich.table import Table
 
-from walkergen.files import words
+from walkergen.files import report, words
+from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.track import doubts
-from walkergen.jobs.track.make import Tracked
+from walkergen.jobs.track.result import Tracked
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+COLUMNS = (
+    "frame", "particle", "x", "y", "theta", "t_s", "x_mm", "y_mm", "theta_rad", "mm_per_px",
+    "mm_per_px_se",
+)  # fmt: skip
+"""Columns of tracks.csv: trackpy's names, here in mm and rad, then walkergen's own.
+
+The last two are the scale, by which places have been multiplied, and its standard error, blank when
+that is not known: every length measured from the tracks is off by them.
+"""
+
+TRACKS, PICTURE = "tracks.csv", "check.png"
+"""Files of tracks, and to check them by."""
 
 READ, LEAST_S = 0.95, 0.5
 """Share of its duration, less this time (s) for its last frames, below which a film breaks off."""
@@ -23,21 +40,84 @@ LOST = 0.05
 """Share of frames in which a walker is lost that is worth a warning."""
 
 
-def to_table(made: Tracked) -> Table:
-    """Table of the walkers: in how many frames each was seen, and what its heading rests on."""
-    table = Table(
-        title=escape(made.film.path.name), box=box.SIMPLE_HEAD, padding=(0, 1, 0, 0), pad_edge=False
-    )
-    for heading in ("walker", "frames", "lost", "net way (mm)", "path (mm)"):
-        table.add_column(heading, justify="right")
-    table.add_column("heading by")
-    for number, one in enumerate(made.walkers):
-        frames = one.seen.frames
-        table.add_row(
-            str(number), f"{frames[0]}..{frames[-1]}", str(_lost(frames)),
-            words.number(one.net_mm), words.number(made.path_mm(one)), one.headed.how,
-        )  # fmt: skip
-    return table
+@dataclass(frozen=True, kw_only=True, repr=False)
+class TrackReport(Report):
+    """Walkers that were tracked in a film; look at `.picture` before you believe the numbers."""
+
+    tracked: Tracked
+    """Everything that was found, walker by walker."""
+    picture: Path
+    """Picture of what was found, to be looked at."""
+
+
+class Row(NamedTuple):
+    """Track of a walker; the field names are keys of JSON."""
+
+    particle: int
+    first: int
+    """First frame in which it was seen."""
+    last: int
+    net_mm: float
+    path_mm: float
+    lost: int
+    """Frames between these in which it was not seen."""
+    heading_by: str
+    headings: int
+    """Frames in which its heading is known."""
+
+
+WALKERS = (
+    report.number("walker", "particle"),
+    Column("frames", lambda row: f"{row.first}..{row.last}", right=True),
+    Column("lost", lambda row: str(row.lost), right=True),
+    report.number("net way (mm)", "net_mm", 3),
+    report.number("path (mm)", "path_mm", 3),
+    report.text("heading by", "heading_by"),
+)
+
+
+def of(made: Tracked, folder: Path) -> TrackReport:
+    """Report of a tracked film, to be written into a folder."""
+    walkers, title = _walkers(made), made.film.path.name
+    warned, picture = warnings(made), folder / PICTURE
+
+    def draw() -> "Figure":
+        from walkergen.jobs.track import figures
+
+        return figures.check_figure(made)
+
+    return TrackReport(
+        name="track", title=title,
+        tables=[Table("tracks", rows(made), COLUMNS, title=title),
+                report.table("walkers", walkers, WALKERS, title)],
+        facts=facts(made, walkers) | {"warnings": warned},
+        lines=[*notes(made), f"{picture}: look at it before you believe the numbers"],
+        figures={"check": draw}, folder=folder, tracked=made, picture=picture, warnings=warned,
+    )  # fmt: skip
+
+
+def rows(made: Tracked) -> list[tuple[Any, ...]]:
+    """Rows of tracks.csv, frame by frame."""
+    rows = []
+    for number, walker in enumerate(made.walkers):
+        for frame, (x, y), theta in zip(
+            walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(),
+            strict=True,
+        ):  # fmt: skip
+            angle = None if math.isnan(theta) else theta
+            place = (x, y, angle)
+            scale = (made.mm_per_px, made.mm_per_px_se)
+            rows.append((frame, number, *place, float(made.clock.times[frame]), *place, *scale))
+    return sorted(rows, key=lambda row: row[:2])
+
+
+def _walkers(made: Tracked) -> list[Row]:
+    return [
+        Row(number, int(one.seen.frames[0]), int(one.seen.frames[-1]), one.net_mm,
+            made.path_mm(one), _lost(one.seen.frames), one.headed.how,
+            int((~np.isnan(one.headed.theta)).sum()))
+        for number, one in enumerate(made.walkers)
+    ]  # fmt: skip
 
 
 def notes(made: Tracked) -> list[str]:
@@ -142,8 +222,8 @@ def _length(pixels: float, made: Tracked) -> str:
     return f"{words.number(pixels, 2)} pixels ({words.number(pixels * made.mm_per_px, 2)} mm)"
 
 
-def facts(made: Tracked) -> dict[str, Any]:
-    """Everything for JSON and the manifest, with units in the names."""
+def facts(made: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
+    """Everything but warnings for JSON and the manifest, with units in the names."""
     linked, look = made.linked, made.look
     size = doubts.sizes([one.seen for one in made.walkers])
     return {
@@ -160,14 +240,7 @@ def facts(made: Tracked) -> dict[str, Any]:
         "shadow_px": doubts.shadow([one.seen for one in made.walkers]),
         "size_change_share": size.change, "size_change_se_share": _known(size.error),
         "size_scatter_share": size.scatter,
-        "tracks": [
-            {"particle": number, "first": int(one.seen.frames[0]), "last": int(one.seen.frames[-1]),
-             "net_mm": one.net_mm, "path_mm": made.path_mm(one),
-             "lost": _lost(one.seen.frames), "heading_by": one.headed.how,
-             "headings": int((~np.isnan(one.headed.theta)).sum())}
-            for number, one in enumerate(made.walkers)
-        ],
-        "warnings": warnings(made),
+        "tracks": [row._asdict() for row in walkers],
     }  # fmt: skip
 
 
