@@ -2,13 +2,14 @@
 
 import json
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.accuracy import choose, elastic, kept, shape, statistics, steps
-from walkergen.jobs.accuracy.ladder import order
+from walkergen.jobs.accuracy import choose, elastic, kept, report, shape, statistics, steps
+from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.points import wanted
@@ -307,3 +308,19 @@ def test_the_longer_of_two_measurements_is_kept_and_a_broken_record_is_none():
     for broken in ("", "[{}]", "[1]", "{}x"):
         path.write_text(broken)
         assert kept.recall(survey_of()) == 0
+
+
+@pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])
+def test_a_console_has_few_columns_of_a_ladder_and_no_rows_of_a_long_one(rungs, shown):
+    settings = [
+        Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)
+    ]
+    ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
+    made = report.of([ladder], None, 1.0, None, "walker", Path("here"))
+    assert [len(table.columns) for table in made.shown()] == [5] * shown
+    assert (f"Bias: {rungs} rows in steps.md" in made.lines) != shown
+    assert "reference: the finest" in (made.table.notes if shown else made.lines)
+    assert len(made.facts["ladders"]["steps"]) == len(made["steps"]) == rungs
+    page = report.of_ladder(ladder, "walker").markdown()
+    assert "| a      | 1 us    |   0.5 |          |     2 ms | ok    |" in page
+    assert page.index("## Bias") < page.index("- Chaos.") < page.index("- measured on: ")

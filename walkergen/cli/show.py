@@ -83,6 +83,8 @@ def report(made: "Report", json: bool, quiet: bool, width: int | None = None) ->
             text(made.caption)
         for each in made.shown():
             table(each.rich(), width)
+            for note in each.notes:
+                text(note)
         for line in made.lines:
             text(line)
         if folder:

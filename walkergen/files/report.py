@@ -80,6 +80,7 @@ class Table:
     """What people read; without any the table is for machines alone, and on no page."""
     title: str = ""
     notes: Sequence[str] = ()
+    """What stands below it, a sentence each."""
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -215,6 +216,7 @@ class Report:
         for each in self.shown():
             parts += [f"## {each.title}" if each.title else ""]
             parts += [tables.as_markdown(each.rich(markdown=True))]
+            parts += ["\n".join(f"- {note}" for note in each.notes)]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return "\n\n".join(part for part in parts if part) + "\n"
 
