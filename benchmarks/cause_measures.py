@@ -7,9 +7,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from walkergen.analysis.values import mean
 from walkergen.files import templates
 from walkergen.jobs.paper import plane
-from walkergen.jobs.validate.ensembles import landings, mean
+from walkergen.jobs.validate.ensembles import landings
 from walkergen.numerics import kernels
 from walkergen.points import drops, still
 from walkergen.scene import Scene

@@ -35,6 +35,7 @@ from walkergen.numerics import kernels  # noqa: E402
 
 STYLE = ("walkergen/files/figures.py",)
 SIMULATION = tuple(f"walkergen/{pattern}" for pattern in kernels.SOURCES)
+MEASURES = ("walkergen/analysis/values.py", "walkergen/analysis/landings.py")
 SCENES = ("walkergen/scene.py", "templates/scenes/*.toml")
 PREDICTION = ("walkergen/theory/*.py", "walkergen/theory/*.npz", *SCENES)
 WALKER = ("walkergen/shapes/*.py", "walkergen/walker/*.py", "templates/walkers/*.toml")
@@ -136,11 +137,13 @@ PICTURES = (
             (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/family/figures.py"), 40,
             "speed.png"),
     Picture("reproduced.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/paper/*.py"), 190, "figure2.png"),
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/paper/*.py"), 190,
+            "figure2.png"),
     Picture("figure6.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/paper/*.py"), 0, "figure6.png"),
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/paper/*.py"), 0,
+            "figure6.png"),
     Picture("validation.png", VALIDATE,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/validate/*.py"), 180,
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/validate/*.py"), 180,
             "validation.png", beside=("validation.md",), program="prusa-slicer",
             package="prusa-slicer"),
 )  # fmt: skip

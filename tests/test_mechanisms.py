@@ -3,11 +3,12 @@
 import numpy as np
 import pytest
 
+from walkergen.analysis.values import Value
 from walkergen.files import templates
 from walkergen.jobs.orders import make as orders
 from walkergen.jobs.paper import mechanisms
 from walkergen.jobs.paper.mechanisms import Mechanism
-from walkergen.jobs.paper.sweeps import Point, Value
+from walkergen.jobs.paper.sweeps import Point
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import points

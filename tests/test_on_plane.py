@@ -11,13 +11,15 @@ import pytest
 from matplotlib.figure import Figure
 
 from walkergen.analysis import walks
+from walkergen.analysis.landings import QUIET_S
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.values import Value
 from walkergen.errors import InputError
 from walkergen.files import figures as pictures
 from walkergen.files import templates
 from walkergen.jobs.paper import compare, curves, figure6, plane, sweeps
 from walkergen.jobs.paper import make as reproduce
-from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
+from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
 from walkergen.simulation.run import Outcome
 from walkergen.walker.design import Design
@@ -161,7 +163,7 @@ def test_a_scene_that_space_refuses_is_named_before_anything_runs(design, scene)
 
 
 def test_a_foot_in_space_lands_with_either_corner_once_within_the_quiet_time():
-    quiet = sweeps.QUIET
+    quiet = QUIET_S
     rows = np.zeros((5, 7))
     # Time of landing, corner; in the order in which the contacts end.
     rows[:, :2] = [(0.1 * quiet, 1), (0.0, 0), (0.2 * quiet, 3), (0.2 * quiet, 2), (3.0 * quiet, 0)]

@@ -1,13 +1,14 @@
 """The accuracy study: ladders against closed forms, honest error bars, the choice of a setting."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.accuracy import choose, elastic, shape, statistics, steps
-from walkergen.jobs.accuracy.ladder import order
+from walkergen.jobs.accuracy import choose, elastic, report, shape, statistics, steps
+from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.points import wanted
@@ -249,3 +250,19 @@ def test_orders_in_space_are_those_claimed():
         rungs = [rung for rung in ladder.rungs if rung.series == series]
         slope, _ = order([r.details["value"] for r in rungs], [r.error for r in rungs])
         assert slope == pytest.approx(claimed, abs=tolerance), series
+
+
+@pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])
+def test_a_console_has_few_columns_of_a_ladder_and_no_rows_of_a_long_one(rungs, shown):
+    settings = [
+        Rung("a", f"{n} us", 0.5, None, 2e-3, {"ended": "ok", "n": n}) for n in range(rungs)
+    ]
+    ladder = Ladder("steps", "Bias", "bias", "CPU time, s", "the finest", settings, ("Chaos.",))
+    made = report.of([ladder], None, 1.0, None, "walker", Path("here"))
+    assert [len(table.columns) for table in made.shown()] == [5] * shown
+    assert (f"Bias: {rungs} rows in steps.md" in made.lines) != shown
+    assert "reference: the finest" in (made.table.notes if shown else made.lines)
+    assert len(made.facts["ladders"]["steps"]) == len(made["steps"]) == rungs
+    page = report.of_ladder(ladder, "walker").markdown()
+    assert "| a      | 1 us    |   0.5 |          |     2 ms | ok    |" in page
+    assert page.index("## Bias") < page.index("- Chaos.") < page.index("- measured on: ")

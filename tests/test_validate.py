@@ -9,6 +9,8 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
+from walkergen.analysis import values
+from walkergen.analysis.values import Value
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.jobs.validate import (
@@ -177,7 +179,7 @@ def test_another_gravity_flips_what_slides(monkeypatch):
 
 
 def test_braced_walkers_that_ran_would_be_seen(monkeypatch):
-    fast = ensembles.Measured(20.0, 1.0, 0.9, 0.01, 1.0)
+    fast = ensembles.Measured(Value(20.0, 1.0), Value(0.9, 0.01), 1.0)
     monkeypatch.setattr(claims_paper, "in_space", lambda *a, **k: fast)
     assert set(verdicts([claims_paper.braced]).values()) == {"disagree"}
 
@@ -209,22 +211,23 @@ def test_a_slicer_that_fails_is_said(tmp_path):
 
 def test_the_top_of_a_curve_is_found_within_its_error():
     tilts = np.array([5.0, 8.0, 10.0, 12.0, 15.0])
-    points = [ensembles.Measured(60.0 - (t - 9.3) ** 2, 0.5, 1.0, 0.0, 1.0) for t in tilts]
-    found, error = ensembles.top(tilts, points)
+    points = [Value(60.0 - (t - 9.3) ** 2, 0.5) for t in tilts]
+    found, error = values.top(tilts, points).place
     assert found == pytest.approx(9.3, abs=1e-9)  # a parabola through a parabola
     assert 0.5 < error < 1.0  # the grid's 2 / sqrt 12, and a little noise
 
 
 def test_distance_from_a_line_through_zero():
-    line = [ensembles.Measured(30.0 * gamma, 0.1, 1.0, 0.0, 1.0) for gamma in (1.0, 2.0, 3.0)]
-    found, error = ensembles.off_line((1.0, 2.0, 3.0), line)
+    gammas = np.array([1.0, 2.0, 3.0])
+    line = [Value(30.0 * gamma, 0.1) for gamma in gammas]
+    found, error = values.off_line(gammas, line)
     assert found == pytest.approx(0.0, abs=1e-12)
-    step = [ensembles.Measured(speed, 0.1, 1.0, 0.0, 1.0) for speed in (0.0, 60.0, 60.0)]
+    step = [Value(speed, 0.1) for speed in (0.0, 60.0, 60.0)]
     slope = (2 * 60 + 3 * 60) / 14
-    rest = np.array([0.0, 60.0, 60.0]) - slope * np.array([1.0, 2.0, 3.0])
-    found, error = ensembles.off_line((1.0, 2.0, 3.0), step)
-    assert found == pytest.approx(100.0 * math.sqrt((rest**2).mean()) / 40.0)
-    assert 0.0 < error < 1.0
+    rest = np.array([0.0, 60.0, 60.0]) - slope * gammas
+    found, error = values.off_line(gammas, step)
+    assert found == pytest.approx(math.sqrt((rest**2).mean()) / 40.0)
+    assert 0.0 < error < 0.01
 
 
 @pytest.mark.parametrize("only", ["", "nonsense", "paper,nonsense", "../paper", "\x00", "p" * 999])

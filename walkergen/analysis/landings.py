@@ -1,5 +1,8 @@
-"""Landings of corners: which land alone, as an edge, or with the other foot."""
+"""Landings of feet among their impacts; of corners: which land alone, as an edge, or with the
+other foot.
+"""
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -13,6 +16,11 @@ TOGETHER_S = 50e-6
 
 CORNERS = 2
 """Number of corners of a foot: 0 and 1 belong to the first foot, 2 and 3 to the second."""
+
+
+QUIET_S = 1e-3
+"""Time without impacts before a foot's landing, s; a flexible leg's contact takes some 0.4 ms, a
+period of the paper's drive 11 ms."""
 
 
 class Landings(NamedTuple):
@@ -29,6 +37,16 @@ class Landings(NamedTuple):
     pairs: int
     """Groups in which two feet landed, or more."""
     groups: int
+
+
+def of_feet(time: Array, foot: Whole) -> npt.NDArray[np.bool_]:
+    """Whether each impact is a landing: the first of its foot after QUIET_S without any."""
+    landing = np.zeros(len(time), dtype=bool)
+    for each in np.unique(foot):
+        (own,) = np.nonzero(foot == each)
+        own = own[np.argsort(time[own], kind="stable")]  # in space in the order of their ends
+        landing[own] = np.diff(time[own], prepend=-math.inf) > QUIET_S
+    return landing
 
 
 def count(time: Array, corner: Whole, duration: float, feet: int = 2) -> Landings:

@@ -1,8 +1,7 @@
 """The command `reproduce`."""
 
-from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
@@ -10,10 +9,6 @@ from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
 from walkergen.files import words
-
-if TYPE_CHECKING:
-    from walkergen.jobs.paper.compare import Findings
-    from walkergen.jobs.paper.compare import Row as Compared
 
 
 def reproduce(
@@ -52,11 +47,8 @@ def reproduce(
     )
     folder = out or Path("out") / "reproduce"
     with show.progress("reproduce", wanted=not quiet) as progress:
-        found, rows = side_by_side.make(job, folder, progress)
-    if json:
-        _comparison_as_json(found, rows, folder)
-    elif not quiet:
-        _show_comparison(found, rows, folder)
+        report = side_by_side.make(job, folder, progress)
+    show.report(report, json, quiet)
 
 
 def parse_gammas(text: str) -> list[float]:
@@ -68,27 +60,3 @@ def parse_gammas(text: str) -> list[float]:
     if not all(0.01 <= value <= 50.0 for value in found):
         raise InputError(f"--gamma {text[:60]!r}: each must lie in 0.01..50")
     return found
-
-
-def _comparison_as_json(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
-    """Print every comparison with its verdict, the mechanisms, and where the figures are."""
-    listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
-    ways = [
-        {"mechanism": one.what, "design": one.name, "theory": one.theory._asdict(),
-         "simulated": one.simulated.speed and one.simulated.speed._asdict(),
-         "direction": one.direction}
-        for one in found.mechanisms
-    ]  # fmt: skip
-    show.as_json({"rows": listed, "mechanisms": ways, "folder": str(folder)})
-
-
-def _show_comparison(found: "Findings", rows: "Sequence[Compared]", folder: Path) -> None:
-    """Print the paper's facts beside our numbers, and where the figures are."""
-    from walkergen.jobs.paper import mechanisms_tables
-    from walkergen.jobs.paper import tables as tables
-
-    show.table(tables.to_console(rows, found.assumptions))
-    print("± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much")
-    for line in mechanisms_tables.lines(found.mechanisms):
-        print(line)
-    print(f"in {folder}/: reproduce.md, .csv; figures 2, 3, 5, 6, mechanisms as PNG, PDF and CSV")

@@ -53,19 +53,20 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
         print("\n".join(str(path) for path in paths))
 
 
-def table(made: "Table") -> None:
-    """Print a table with all its numbers whole, at any width of the terminal."""
+def table(made: "Table", width: int | None = None) -> None:
+    """Print a table with all its numbers whole, at any width (letters); None: the terminal's."""
     from rich.console import Console
 
     from walkergen.files import tables
 
-    tables.show(made, Console(highlight=False))
+    tables.show(made, Console(highlight=False, width=width))
 
 
-def report(made: "Report", json: bool, quiet: bool) -> None:
+def report(made: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
     """Print what a job found: as JSON, or its caption, tables and lines, and where it lies.
 
-    Its warnings come first, on the error stream, even when the command is quiet.
+    Its warnings come first, on the error stream, even when the command is quiet. `width` of the
+    tables, letters; None: the terminal's.
     """
     for warning in made.warnings:
         print(f"warning: {warning}", file=sys.stderr)
@@ -76,7 +77,9 @@ def report(made: "Report", json: bool, quiet: bool) -> None:
         if made.caption:
             text(made.caption)
         for each in made.shown():
-            table(each.rich())
+            table(each.rich(), width)
+            for note in each.notes:
+                text(note)
         for line in made.lines:
             text(line)
         if folder:

@@ -94,6 +94,7 @@ class Table:
     """What people read; without any the table is for machines alone, and on no page."""
     title: str = ""
     notes: Sequence[str] = ()
+    """What stands below it, a sentence each."""
     read: Sequence[Any] | None = None
     """Rows that people read, where these are not all."""
 
@@ -243,6 +244,7 @@ class Report:
         for each in self.shown():
             parts += [f"## {each.title}" if each.title else ""]
             parts += [tables.as_markdown(each.rich(markdown=True))]
+            parts += ["\n".join(f"- {note}" for note in each.notes)]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return "\n\n".join(part for part in parts if part) + "\n"
 

@@ -1,19 +1,27 @@
-"""The study of accuracy: its cost in time, as ladders with tables and figures in a folder."""
+"""The study of accuracy: its cost in time, as ladders in a folder."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
-from walkergen.files.tables import as_markdown
-from walkergen.jobs.accuracy import choose, elastic, everything, models, shape, statistics, steps
-from walkergen.jobs.accuracy import tables as ladders
-from walkergen.jobs.accuracy.ladder import Ladder, machine
+from walkergen.files.report import Report
+from walkergen.jobs.accuracy import (
+    choose,
+    elastic,
+    everything,
+    models,
+    report,
+    shape,
+    statistics,
+    steps,
+)
+from walkergen.jobs.accuracy.ladder import Ladder
+from walkergen.jobs.accuracy.report import Answer
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.jobs.accuracy.tables import Answer
 from walkergen.points import wanted as asked_error
 from walkergen.scene import Scene
 from walkergen.walker import solids
@@ -35,17 +43,6 @@ class Job(NamedTuple):
     """Wall time for all simulations, s; solids, compilation, tables and figures come on top."""
 
 
-class Study(NamedTuple):
-    """Results of a study."""
-
-    ladders: list[Ladder]
-    answers: list[Answer]
-    simulated_s: float
-    """Wall time that the simulations took, s."""
-    least_s: float | None
-    """Least budget of these ladders, s, taken in place of a smaller one; None: that was enough."""
-
-
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "models": (models.ladder,),
     "steps": (steps.short, steps.long, everything.ladder, elastic.frames),
@@ -64,7 +61,7 @@ ANSWERING = {"models", "steps"}
 """Ladders whose measurements answer what to run for which error."""
 
 
-def make(job: Job, folder: Path, progress: Progress) -> Study:
+def make(job: Job, folder: Path, progress: Progress) -> Report:
     """Measure ladders and write NAME.csv, .md, .png, .pdf for each as soon as it is measured.
 
     With the ladders of models or steps also accuracy.md, choice.png and .pdf: what to run for which
@@ -75,16 +72,22 @@ def make(job: Job, folder: Path, progress: Progress) -> Study:
     mass = solids.weigh(job.design, parts)
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     least = _share_out(survey, job.only, progress)
+    title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     done: list[Ladder] = []
+    answers = None
     with Folder(folder, "") as target:
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
                 if measure is elastic.frames and survey.complete != "space":
                     continue
                 done.append(measure(survey, part(progress, place, len(job.only))))
-                _write(done[-1], target)
-        answers = _answers(job, survey, target, progress) if {*job.only} & ANSWERING else []
-    return Study(done, answers, survey.purse.spent_s, least)
+                report.of_ladder(done[-1], title).write(target, pictures=True)
+        if {*job.only} & ANSWERING:
+            answers = _answers(survey, title, progress)
+            answers.write_figures(target)
+            page = f"{answers.markdown()}\n![choice](choice.png)\n"
+            target.write("accuracy.md", page.encode())
+    return report.of(done, answers, survey.purse.spent_s, least, title, folder)
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
@@ -123,45 +126,21 @@ def check(names: str) -> list[str]:
     return list(dict.fromkeys(wanted))
 
 
-def _write(ladder: Ladder, target: Folder) -> None:
-    from walkergen.files import figures as pictures
-    from walkergen.jobs.accuracy import figures as precision
-
-    target.write(f"{ladder.name}.csv", ladders.to_csv(ladder).encode())
-    target.write(f"{ladder.name}.md", ladders.to_markdown(ladder, machine()).encode())
-    drawn = precision.ladder_figure(ladder)
-    target.write(f"{ladder.name}.png", pictures.png(drawn))
-    target.write(f"{ladder.name}.pdf", pictures.pdf(drawn))
-
-
-def _answers(job: Job, survey: Survey, target: Folder, progress: Progress) -> list[Answer]:
-    """Answer what to run for which error, as a table and a figure."""
-    from walkergen.files import figures as pictures
-    from walkergen.jobs.accuracy.choice_figure import choice_figure
-
+def _answers(survey: Survey, title: str, progress: Progress) -> Report:
+    """Answer what to run for which error."""
     found = choose.candidates(survey, progress)
     reference = survey.reference(progress)
-    title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
-    formulas = models.formulas(survey, reference)
+    formulas = list(models.formulas(survey, reference))
     others = [survey.known[one] for one in survey.simpler if one in survey.known]
-    figure = choice_figure(survey, [*found, *others], reference, formulas, title)
-    target.write("choice.png", pictures.png(figure))
-    target.write("choice.pdf", pictures.pdf(figure))
-    table = as_markdown(ladders.answers_table(answers, markdown=True))
-    page = (
-        f"# {title}: what to run for which error\n\n"
-        f"Truth: {models.certificate(survey, progress)}.\nMeasured on: {machine()}.\n\n"
-        f"{table}\n\n"
-        "In one command: `walkergen simulate ... --error 5%`, by the model's own step or a finer.\n"
-        "The error is that of the mean speed with 95 % confidence: the bound of the setting's\n"
-        "bias and twice the standard error together. Errors below what the truth is certified to\n"
-        "rest on the order of the stepping (steps-short), not on a second method.\n\n"
-        "![choice](choice.png)\n"
-    )
-    target.write("accuracy.md", page.encode())
-    return answers
+
+    def draw() -> Any:
+        from walkergen.jobs.accuracy.choice_figure import choice_figure
+
+        return choice_figure(survey, [*found, *others], reference, formulas, title)
+
+    return report.of_answers(answers, models.certificate(survey, progress), title, draw)
 
 
 def _answer(survey: Survey, error: str, progress: Progress) -> Answer:

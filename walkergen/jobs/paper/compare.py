@@ -7,15 +7,17 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis.values import Top, Value
 from walkergen.jobs.paper import curves
 from walkergen.jobs.paper.mechanisms import Mechanism
 from walkergen.jobs.paper.plane import Runs
-from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point, Value
+from walkergen.jobs.paper.sweeps import COUNTINGS, Assumption, Point
 from walkergen.jobs.paper.theory import Curve
 from walkergen.published import FACTS, Verdict, judge
 from walkergen.scene import Scene
 from walkergen.theory.impact import Kind, Law, impact
-from walkergen.theory.speed import Mode, factor, factors
+from walkergen.theory.maximum import Range
+from walkergen.theory.speed import Mode, factor
 from walkergen.theory.tensors import feet
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -40,9 +42,6 @@ COUNTED = (
 RATIOS = {"15 below 10": (15.0, 10.0), "35 below 15": (35.0, 15.0)}
 """Tilts of the speeds that a fact compares, as numerator and denominator of a ratio, deg."""
 
-RESTITUTIONS, FRICTIONS = np.linspace(0.5, 1.0, 11), np.linspace(0.05, 0.4, 15)
-"""Values that we take for the paper's "wide range of realistic values"."""
-
 
 class Theory(NamedTuple):
     """Predicted curve of speed against tilt."""
@@ -60,14 +59,6 @@ class Theory(NamedTuple):
     def label(self) -> str:
         """Name of the curve in tables and legends."""
         return f"theory, {'eq. 15' if self.mode == 'paper' else 'feet may stick'}"
-
-
-class Range(NamedTuple):
-    """Range of tilts of the theory's maximum over RESTITUTIONS x FRICTIONS, deg."""
-
-    mode: Mode
-    low_deg: float
-    high_deg: float
 
 
 class Findings(NamedTuple):
@@ -160,24 +151,12 @@ def stationary_type_three(
     return kinds.count(Kind.III) / len(kinds)
 
 
-def peak_range(design: Design, mode: Mode) -> Range:
-    """Tilts of the theory's largest speed over realistic contacts, to 0.25 deg within 0.25..25."""
-    tilts = np.arange(0.25, 25.1, 0.25)
-    e, mu = np.meshgrid(RESTITUTIONS, FRICTIONS)
-    found = []
-    for tilt in tilts:
-        variant = design.variant(tilt_deg=float(tilt))
-        found.append(factors(solids.mass_of(variant), e, mu, mode).mean)
-    tops = tilts[np.argmax(found, axis=0)]
-    return Range(mode, float(tops.min()), float(tops.max()))
-
-
 def _of_theory(theory: Theory) -> Iterator[Row]:
     name, curve = theory.assumption, theory.curve
     top = _predicted_peak(curve)
     for fact in ("peak tilt", "maximum below"):
-        yield _row(fact, theory.label, name, None if top is None else top.tilt_deg)
-    yield _row("peak speed", theory.label, name, None if top is None else top.speed)
+        yield _row(fact, theory.label, name, None if top is None else top.place)
+    yield _row("peak speed", theory.label, name, None if top is None else top.height)
     if theory.type_three is not None:
         for fact in ("types II and III", "mostly type III"):
             share = Value(theory.type_three, 0.0)
@@ -195,14 +174,14 @@ def _of_theory(theory: Theory) -> Iterator[Row]:
             yield _row(fact, theory.label, name, Value(float(ratio[0] / ratio[1]), 0.0))
 
 
-def _predicted_peak(curve: Curve) -> curves.Peak | None:
+def _predicted_peak(curve: Curve) -> Top | None:
     """Top of a predicted curve; None at an end of the curve, beyond which it may rise on."""
     at = int(curve.speed.argmax())
     if at in (0, len(curve.speed) - 1):
         return None
     grid = float(curve.tilt_deg[1] - curve.tilt_deg[0]) / math.sqrt(12.0)
     speed = Value(float(curve.speed[at]), float(curve.sd[at]))
-    return curves.Peak(Value(float(curve.tilt_deg[at]), grid), speed)
+    return Top(Value(float(curve.tilt_deg[at]), grid), speed)
 
 
 def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
@@ -211,8 +190,8 @@ def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
         yield _row("braced", model, name, curves.largest(series))
         return
     top = curves.peak(series)
-    yield _row("peak tilt", model, name, None if top is None else top.tilt_deg)
-    yield _row("peak speed", model, name, None if top is None else top.speed)
+    yield _row("peak tilt", model, name, None if top is None else top.place)
+    yield _row("peak speed", model, name, None if top is None else top.height)
     for fact, (over, under) in RATIOS.items():
         yield _row(fact, model, name, curves.ratio(series, over, under))
     yield _row("impact speed", f"{model}, landings, over tilts", name, curves.impact_speed(series))

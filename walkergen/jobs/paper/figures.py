@@ -214,6 +214,6 @@ def figure6(found: Findings) -> Figure:
     return figure
 
 
-FIGURES: dict[int, Callable[[Findings], Figure]] = {
-    2: figure2, 3: figure3, 5: figure5, 6: figure6,
+FIGURES: dict[str, Callable[[Findings], Figure]] = {
+    "figure2": figure2, "figure3": figure3, "figure5": figure5, "figure6": figure6,
 }  # fmt: skip

@@ -1,19 +1,19 @@
 """Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.paper import compare, mechanisms, mechanisms_tables, plane, sweeps, theory
-from walkergen.jobs.paper import page as supplement
-from walkergen.jobs.paper import tables as comparison
-from walkergen.jobs.paper.compare import Findings, Row, Theory
+from walkergen.files.report import Report, Table
+from walkergen.jobs.paper import compare, mechanisms, page, plane, report, sweeps, theory
+from walkergen.jobs.paper.compare import Findings, Theory
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.published import FACTS
 from walkergen.scene import Scene
+from walkergen.theory import maximum
 from walkergen.theory.speed import MODES
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Kind
@@ -57,7 +57,7 @@ class Job(NamedTuple):
     gammas: Sequence[float] = GAMMAS
 
 
-def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row]]:
+def make(job: Job, folder: Path, progress: Progress) -> Report:
     """Write figureN.png, .pdf, .csv as soon as each is made, mechanisms.*, reproduce.md and .csv.
 
     Equal jobs give equal bytes of every CSV. Ctrl-C keeps the figures already done. Raises
@@ -81,25 +81,24 @@ def make(job: Job, folder: Path, progress: Progress) -> tuple[Findings, list[Row
     parts = parts_of(counts, progress)
     progress("theory", 0, 1)
     theories = _theories(job, assumptions)
-    peaks = [compare.peak_range(job.design.variant(kind="flexible"), mode) for mode in MODES]
+    peaks = [maximum.tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
 
     tilts = sweeps.along_tilts(flexible + braced, job.tilts_deg, parts[0])
     found = Findings(assumptions, theories, peaks, tilts, {}, (), ())
     with Folder(folder, "") as target:
-        _write_figures(found, target, (2, 3))
+        _write(found, target, "figure2", "figure3")
         found = found._replace(labels=_labels(found, labelled, parts[1]))
-        target.write("figure2_labels.csv", comparison.labels_to_csv(found.labels).encode())
+        _write_table(report.labels(found.labels), target)
         found = found._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
-        _write_figures(found, target, (5,))
+        _write(found, target, "figure5")
         found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
-        _write_figures(found, target, (6,))
+        _write(found, target, "figure6")
         found = found._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
-        _write_mechanisms(found.mechanisms, target)
+        _write(found, target, "mechanisms")
         rows = compare.rows(found)
-        target.write("reproduce.csv", comparison.rows_to_csv(rows).encode())
-        page = supplement.to_markdown(found, rows, job.design.name)
-        target.write("reproduce.md", page.encode())
-    return found, rows
+        _write_table(report.compared(rows), target)
+        target.write("reproduce.md", page.to_markdown(found, rows, job.design.name).encode())
+    return report.of(found, rows, page.TITLE, folder)
 
 
 def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:
@@ -210,33 +209,17 @@ def _cases(
     return [Case(one, model, design) for one in assumptions for model in models]
 
 
-def _write_figures(found: Findings, target: Folder, numbers: Sequence[int]) -> None:
-    from walkergen.files import figures as pictures
-    from walkergen.jobs.paper import figures as reproduced
+def _write(found: Findings, target: Folder, *names: str) -> None:
+    """Write figures and the tables behind them."""
+    from walkergen.files import figures
 
-    texts: dict[int, tuple[tuple[str, Callable[[Any], str], Sequence[Any]], ...]] = {
-        2: (("", comparison.speeds_to_csv, found.tilts),
-            ("_theory", comparison.theory_to_csv, found.theories)),
-        3: (("", comparison.types_to_csv, found.tilts),),
-        5: (("", comparison.speeds_to_csv, found.drives),),
-        6: (("", comparison.squares_to_csv, found.plane),
-            ("_exponents", comparison.exponents_to_csv, found.plane),
-            ("_densities", comparison.densities_to_csv, found.plane),
-            ("_tracks", comparison.tracks_to_csv, found.plane)),
-    }  # fmt: skip
-    for number in numbers:
-        for part, to_csv, rows in texts[number]:
-            target.write(f"figure{number}{part}.csv", to_csv(rows).encode())
-        figure = reproduced.FIGURES[number](found)
-        target.write(f"figure{number}.png", pictures.png(figure))
-        target.write(f"figure{number}.pdf", pictures.pdf(figure))
+    for name in names:
+        for table in report.TABLES[name](found):
+            _write_table(table, target)
+        figure = report.draw(name, found)
+        target.write(f"{name}.png", figures.png(figure))
+        target.write(f"{name}.pdf", figures.pdf(figure))
 
 
-def _write_mechanisms(found: Sequence[mechanisms.Mechanism], target: Folder) -> None:
-    from walkergen.files import figures as pictures
-    from walkergen.jobs.paper import mechanisms_figure
-
-    target.write("mechanisms.csv", mechanisms_tables.to_csv(found).encode())
-    figure = mechanisms_figure.draw(found)
-    target.write("mechanisms.png", pictures.png(figure))
-    target.write("mechanisms.pdf", pictures.pdf(figure))
+def _write_table(table: Table, target: Folder) -> None:
+    target.write(f"{table.name}.csv", table.csv().encode())

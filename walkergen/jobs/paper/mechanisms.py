@@ -6,10 +6,11 @@ Rigid walkers come from templates, and are simulated as flexible ones are, by MO
 from collections.abc import Sequence
 from typing import NamedTuple
 
+from walkergen.analysis.values import Value
 from walkergen.files import templates
 from walkergen.files.progress import Progress
 from walkergen.jobs.paper import sweeps
-from walkergen.jobs.paper.sweeps import Assumption, Case, Point, Value
+from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.theory import uncertain
 from walkergen.theory.prediction import DRAWS, SEED, theory_speeds
 from walkergen.theory.stationary import stationary

@@ -3,22 +3,27 @@
 from collections.abc import Iterator, Sequence
 from itertools import pairwise
 
+from walkergen.analysis.landings import QUIET_S
+from walkergen.analysis.values import Value
+from walkergen.files.report import Table
 from walkergen.files.tables import as_markdown
-from walkergen.jobs.paper import mechanisms_tables
-from walkergen.jobs.paper.compare import FRICTIONS, RESTITUTIONS, Findings, Row
+from walkergen.jobs.paper.compare import Findings, Row
 from walkergen.jobs.paper.curves import peak, series_of, through_zero
 from walkergen.jobs.paper.plane import LONGER, Runs
-from walkergen.jobs.paper.sweeps import NOISE_RATIO, QUIET, SHORTER, Point, Value
-from walkergen.jobs.paper.tables import name, number, to_table
+from walkergen.jobs.paper.report import mechanisms, name, number, side_by_side, verdict
+from walkergen.jobs.paper.sweeps import NOISE_RATIO, SHORTER, Point
 from walkergen.published import FACTS, judge
 from walkergen.simulation.compliant.lengths import MOST
+from walkergen.theory.maximum import FRICTIONS, RESTITUTIONS
+
+TITLE = "The paper, side by side"
 
 
 def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
     """Format the page: what comes out, the table, the statements, the figures."""
     scene = found.assumptions[0].scene
     run, drive, factor = scene.run, scene.drive, scene.prediction.impact_speed_factor
-    return f"""# The paper, side by side
+    return f"""# {TITLE}
 
 Statements of Koumakis, Gnoli, Maggi, Puglisi and Di Leonardo, *Mechanism of self-propulsion in
 3D-printed active granular particles* (2016), against walkergen's theory and simulations of its own
@@ -40,7 +45,7 @@ Beside the table:
 
 ## Table
 
-{as_markdown(to_table(rows, found.assumptions))}
+{_table(side_by_side(rows, found.assumptions, verdict))}
 
 ± is twice the standard error over the runs; for landings over the tilts; of the theory twice the
 standard deviation that those of restitution, friction and masses give, with impact speed
@@ -57,7 +62,7 @@ but for the feet whose contact the template states), by the theory, the paper's 
 the balance of unlike feet (docs/physics.md section 4b), and simulated (model
 {found.mechanisms[0].simulated.model}).
 
-{as_markdown(mechanisms_tables.to_table(found.mechanisms))}
+{_table(mechanisms(found.mechanisms))}
 
 ± of the theory is twice the standard deviation by restitution, friction, masses and impact speed.
 Direction: of the simulation against the theory's, undecided within two standard errors.
@@ -84,7 +89,7 @@ errors.
 ![Figure 3](figure3.png)
 
 Figure 3. Types of impacts against tilt, with the fitted contact, counted in three ways: every
-impact, chatter included; landings, a foot's first impact after {1e3 * QUIET:g} ms without one;
+impact, chatter included; landings, a foot's first impact after {1e3 * QUIET_S:g} ms without one;
 by normal impulse. In space an impact is a contact of a corner from the first force to the last, its
 impulse with the weight that it bears meanwhile. As in the paper the foot's sliding speed I stays
 forward, II turns backward during restitution, III during compression, IV stays backward. From rest
@@ -108,6 +113,10 @@ margin. (b) Tracks of {LONGER * run.seconds:g} s from one start, each turned by 
 of 35 deg magnified. (c) Densities of displacements along and across the heading over 40 ms; the
 paper states no number of them. Bars and bands are two standard errors.
 """
+
+
+def _table(table: Table) -> str:
+    return as_markdown(table.rich(markdown=True))
 
 
 def _listed(lines: Iterator[str] | Sequence[str]) -> str:
@@ -158,7 +167,7 @@ def _notes(found: Findings) -> Iterator[str]:
 def _peaks(found: Findings) -> Iterator[str]:
     """Lines on the peak in space by restitution."""
     tops = [
-        f"e = {label:g}: {number(*top.speed)} mm/s at {number(*top.tilt_deg)} deg"
+        f"e = {label:g}: {number(*top.height)} mm/s at {number(*top.place)} deg"
         for label, series in found.labels.items()
         if (top := peak(series)) is not None
     ]

@@ -10,8 +10,9 @@ import numpy.typing as npt
 from walkergen.analysis import lagged, motion
 from walkergen.analysis.motion import Curve, Motion
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.analysis.values import Value, mean
 from walkergen.files.progress import Progress
-from walkergen.jobs.paper.sweeps import Assumption, Value, mean, on_plane
+from walkergen.jobs.paper.sweeps import Assumption, on_plane
 from walkergen.numerics import statistics
 from walkergen.scene import Scene
 from walkergen.simulation import points

@@ -1,12 +1,13 @@
 """Sweeps: mean speeds, impact speeds and types of impacts along the tilt and the plate's speed."""
 
-import math
 from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis import landings
+from walkergen.analysis.values import Value, mean
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation import points, record
@@ -35,13 +36,8 @@ SUMS = {"II+III": ("II", "III"), "II+III+rest": ("II", "III", "from rest"),
 COUNTINGS = ("every impact", "landings", "by impulse")
 """Ways to take a share: of all impacts, chatter included (of relaxed legs a cascade's geometric
 tail counts once; in space every contact of a corner, from the first force to the last); of
-landings, a foot's first impact after QUIET without any; or of the normal impulse, of relaxed legs
-that of a whole cascade under the type of its first impact."""
-
-QUIET = 1e-3
-"""Time without impacts before a landing, s; a flexible leg's contact takes some 0.4 ms, a period
-of the paper's drive 11 ms."""
-
+landings, a foot's first impact after a time without any (`landings.QUIET_S`); or of the normal
+impulse, of relaxed legs that of a whole cascade under the type of its first impact."""
 
 NOISE_RATIO = 0.5
 """Noise of the noisy plate, rms velocity over the drive's peak speed, in the scene's band: chosen
@@ -81,14 +77,6 @@ class Assumption(NamedTuple):
         """Name and numbers of the assumption."""
         contact = self.scene.contact
         return f"{self.name}: e = {contact.restitution:g}, μ = {contact.friction:g}"
-
-
-class Value(NamedTuple):
-    """Mean over independent runs."""
-
-    mean: float
-    se: float
-    """Standard error of the mean."""
 
 
 class Point(NamedTuple):
@@ -210,11 +198,6 @@ def _point(case: Case, point: points.Point) -> Point:
     )
 
 
-def mean(values: Sequence[float]) -> Value:
-    """Mean and standard error of at least two independent values."""
-    return Value(float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values))))
-
-
 class _Impacts(NamedTuple):
     """Impacts of one run, arrays with an entry for each."""
 
@@ -228,11 +211,7 @@ class _Impacts(NamedTuple):
 def _impacts(result: RunResult, corners: int = 1) -> _Impacts:
     """Impacts of a run whose events count so many corners to a foot."""
     rows = impacts_of(result)
-    landing = np.zeros(len(rows), dtype=bool)
-    for foot in (0, 1):
-        (own,) = np.nonzero(rows[:, 1] // corners == foot)
-        own = own[np.argsort(rows[own, 0], kind="stable")]  # in space in the order of their ends
-        landing[own] = np.diff(rows[own, 0], prepend=-math.inf) > QUIET
+    landing = landings.of_feet(rows[:, 0], rows[:, 1].astype(np.int64) // corners)
     return _Impacts(rows[:, 6].astype(np.int64), rows[:, 3], -rows[:, 5], landing)
 
 

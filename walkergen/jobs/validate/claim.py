@@ -71,8 +71,8 @@ class Claim(NamedTuple):
         return self.margin + TIMES * self.error
 
     @property
-    def deviation(self) -> float | None:
-        """Gap over the allowed one: within -1..1 the two agree; infinite for no finite gap."""
+    def gap_over_allowed(self) -> float | None:
+        """Within -1..1 where the two agree; infinite for no finite gap."""
         if self.gap is None:
             return None
         if not math.isfinite(self.gap):
@@ -84,9 +84,9 @@ class Claim(NamedTuple):
     @property
     def verdict(self) -> Word:
         """Word on the claim."""
-        if self.deviation is None:
+        if self.gap_over_allowed is None:
             return "not run"
-        if not abs(self.deviation) <= 1.0:
+        if not abs(self.gap_over_allowed) <= 1.0:
             return "disagree"
         if self.fitted:
             return "fitted"

@@ -5,22 +5,14 @@ from collections.abc import Iterator
 
 import numpy as np
 
+from walkergen.analysis import values
+from walkergen.analysis.values import Value
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Bound, Claim, Effort
-from walkergen.jobs.validate.ensembles import (
-    exponent,
-    in_space,
-    off_line,
-    paper_design,
-    paper_model,
-    ratio,
-    rebound,
-    top,
-)
+from walkergen.jobs.validate.ensembles import exponent, in_space, paper_design, paper_model, rebound
 from walkergen.published import FACTS
 from walkergen.scene import PAPER_CONTACT, Scene
-from walkergen.theory import prediction
-from walkergen.theory.speed import factors
+from walkergen.theory import maximum, prediction
 from walkergen.walker import solids
 
 GROUP = "paper"
@@ -86,6 +78,10 @@ def _of_fact(
     )  # fmt: skip
 
 
+def _percent(share: Value) -> Value:
+    return Value(100.0 * share.mean, 100.0 * share.se)
+
+
 def drive(effort: Effort) -> Iterator[Claim]:
     """Claim on the plate's peak speed, which frequency and acceleration give."""
     scene = templates.load("plane-90hz", "scenes", Scene)
@@ -112,10 +108,7 @@ def predicted(effort: Effort) -> Iterator[Claim]:
 
 def theory_maximum(effort: Effort) -> Iterator[Claim]:
     """Claim of the theory on the tilt of its largest speed, over realistic contacts."""
-    tilts = np.arange(0.5, 20.1, 0.5)
-    e, mu = np.meshgrid(np.linspace(0.5, 1.0, 6), np.linspace(0.05, 0.4, 8))
-    found = [factors(solids.mass_of(paper_design(float(tilt))), e, mu).mean for tilt in tilts]
-    largest = float(tilts[np.argmax(found, axis=0)].max())
+    largest = maximum.tilts(paper_design(10.0), "coulomb").high_deg
     yield _of_fact("maximum below", "theory, e 0.5 to 1, μ 0.05 to 0.4", largest, None)
 
 
@@ -124,7 +117,7 @@ def speeds(effort: Effort) -> Iterator[Claim]:
     for restitution, told in CONTACTS:
         found, fitted = in_space(10.0, effort, restitution), restitution == LABEL
         why = "The label was inferred from the paper's speeds." if fitted else BOUNCE
-        yield _of_fact("speed at 10 deg", f"in space, {told}", *found[:2], why, fitted)
+        yield _of_fact("speed at 10 deg", f"in space, {told}", *found.speed, why, fitted)
 
 
 def bounces(effort: Effort) -> Iterator[Claim]:
@@ -145,36 +138,35 @@ def bounces(effort: Effort) -> Iterator[Claim]:
 def shape(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on the shape of the curve of speed against tilt."""
     for restitution, told in CONTACTS:
-        curve = [in_space(tilt, effort, restitution) for tilt in TILTS]
+        curve = [in_space(tilt, effort, restitution).speed for tilt in TILTS]
         high, middle = curve[TILTS.index(10.0)], curve[-1]
-        low = in_space(35.0, effort, restitution)
-        yield _of_fact("peak tilt", told, *top(TILTS, curve))
-        yield _of_fact("15 below 10", told, *ratio(middle, high))
-        yield _of_fact("35 below 15", told, *ratio(low, middle))
+        low = in_space(35.0, effort, restitution).speed
+        yield _of_fact("peak tilt", told, *values.top(np.array(TILTS), curve).place)
+        yield _of_fact("15 below 10", told, *values.ratio(middle, high))
+        yield _of_fact("35 below 15", told, *values.ratio(low, middle))
 
 
 def braced(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on braced walkers."""
     for tilt in (10.0, 20.0):
         found = in_space(tilt, effort, MEASURED, kind="braced")
-        yield _of_fact("braced", f"in space at {tilt:g} deg, e = 0.8", *found[:2])
+        yield _of_fact("braced", f"in space at {tilt:g} deg, e = 0.8", *found.speed)
 
 
 def proportional(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed against the plate's speed at 15 deg."""
-    series = [in_space(15.0, effort, LABEL, gamma) for gamma in GAMMAS]
-    told = f"in space, label {LABEL:g}, from {{:g}} g"
-    yield _of_fact("proportional", told.format(GAMMAS[0]), *off_line(GAMMAS, series), THRESHOLD)
-    start = GAMMAS.index(LIVELY)
-    yield _of_fact("proportional", told.format(LIVELY), *off_line(GAMMAS[start:], series[start:]))
+    series = [in_space(15.0, effort, LABEL, gamma).speed for gamma in GAMMAS]
+    for start, why in ((0, THRESHOLD), (GAMMAS.index(LIVELY), "")):
+        told = f"in space, label {LABEL:g}, from {GAMMAS[start]:g} g"
+        off = values.off_line(np.array(GAMMAS[start:]), series[start:])
+        yield _of_fact("proportional", told, *_percent(off), why)
 
 
 def types(effort: Effort) -> Iterator[Claim]:
     """Claim on the types of landings, by the paper's model and in space, and on their speed."""
     relaxed = paper_model(10.0, effort)
     yield _of_fact(
-        "types II and III", "the paper's model at 10 deg", 100.0 * relaxed.types,
-        100.0 * relaxed.types_se,
+        "types II and III", "the paper's model at 10 deg", *_percent(relaxed.types),
         "At 35 deg landings of that model start from rest, the limit of type III for slow slip.",
     )  # fmt: skip
     for restitution, told in CONTACTS:
@@ -182,7 +174,7 @@ def types(effort: Effort) -> Iterator[Claim]:
             found = in_space(tilt, effort, restitution)
             yield _of_fact(
                 "types II and III", f"in space at {tilt:g} deg, {told}",
-                100.0 * found.types, 100.0 * found.types_se,
+                *_percent(found.types),
                 "Others of our landings slide forward throughout (type I, at 10 deg) or backward "
                 "(IV, at 35 deg): corners on springs land slowly and one after another. The paper "
                 "counted impacts of its own model, in which legs relax at once.",

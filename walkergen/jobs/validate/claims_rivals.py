@@ -7,8 +7,9 @@ from importlib import metadata
 
 import numpy as np
 
+from walkergen.analysis.values import mean
 from walkergen.jobs.validate.claim import Claim, Effort, exact, missing
-from walkergen.jobs.validate.ensembles import mean, simulated
+from walkergen.jobs.validate.ensembles import simulated
 from walkergen.scene import Scene
 from walkergen.simulation import points
 from walkergen.simulation.model import Plan

@@ -1,7 +1,6 @@
 """Ensembles that claims need: the paper's walker on its plate, at tilts, contacts and drives."""
 
 import math
-from collections.abc import Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -9,6 +8,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import lagged
+from walkergen.analysis.landings import of_feet
+from walkergen.analysis.values import Value, mean
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
 from walkergen.scene import GRAVITY, Scene, at_rest
@@ -23,11 +24,8 @@ from walkergen.walker.limbs import Kind as Legs
 
 Array = npt.NDArray[np.float64]
 
-DRAWS, SEED = 2000, 2016
-"""Random draws of measured speeds within their errors, for what is not linear in them."""
-
-QUIET_S = 1e-3
-"""Time without impacts before a landing, s: contacts last some 0.4 ms, a period 11 ms."""
+SEED = 2016
+"""Seed of the attitudes of drops."""
 
 FRAME_S = 0.01
 """Time between samples of a run, s."""
@@ -42,12 +40,10 @@ STARTED_S = 0.5
 class Measured(NamedTuple):
     """Mean over the runs of an ensemble."""
 
-    speed: float
+    speed: Value
     """Mean speed, mm/s."""
-    se: float
-    types: float
+    types: Value
     """Share of types II and III among landings."""
-    types_se: float
     landing_speed: float
     """Mean normal speed of landings over the plate's peak speed."""
 
@@ -92,12 +88,12 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
 
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(points.Asked(scene, design, solids.mass_of(design), impacts=True))
-    speed, se = mean([result.speed for result in point.results])
     corners = 2 if point.model == "space" else 1
     landed = [landings(impacts_of(result), corners) for result in point.results]
     shares = [float(np.isin(one[:, 6], (Kind.II, Kind.III)).mean()) for one in landed]
     approach = float(-np.concatenate(landed)[:, 5].mean()) / scene.drive.peak_speed
-    return Measured(speed, se, *mean(shares), approach)
+    speed = mean([result.speed for result in point.results])
+    return Measured(speed, mean(shares), approach)
 
 
 def simulated(asked: points.Asked) -> points.Point:
@@ -107,21 +103,14 @@ def simulated(asked: points.Asked) -> points.Point:
 
 
 def landings(impacts: Array, corners: int) -> Array:
-    """Rows of a run's impacts that are landings: a foot's first after QUIET_S without any.
+    """Rows of a run's impacts that are landings.
 
     `corners`: number of points by which a foot touches, counted one after another.
     """
-    rows = []
-    for foot in (0, 1):
-        own = impacts[impacts[:, 1] // corners == foot]
-        own = own[np.argsort(own[:, 0], kind="stable")]
-        rows.append(own[np.diff(own[:, 0], prepend=-math.inf) > QUIET_S])
-    return np.concatenate(rows)
+    return impacts[of_feet(impacts[:, 0], impacts[:, 1].astype(np.int64) // corners)]
 
 
-def exponent(
-    tilt_deg: float, effort: Effort, restitution: float, lag_s: float
-) -> tuple[float, float]:
+def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Value:
     """Exponent of the mean square displacement between a lag and twice it, and its error.
 
     2: a straight run; 1: diffusion. The error is the jackknife's, over runs.
@@ -130,7 +119,7 @@ def exponent(
     total = squares.sum(axis=0)
     without = np.log2((total[1] - squares[:, 1]) / (total[0] - squares[:, 0]))
     n = len(squares)
-    return float(np.log2(total[1] / total[0])), math.sqrt((n - 1) / n * n * without.var())
+    return Value(float(np.log2(total[1] / total[0])), math.sqrt((n - 1) / n * n * without.var()))
 
 
 def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Array:
@@ -155,7 +144,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
     return np.array(found)
 
 
-def rebound(tilt_deg: float, restitution: float, drops: int) -> tuple[float, float]:
+def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
     """Height of the first bounce of walkers dropped level by 1 mm on a plate at rest, as a speed.
 
     Mean of the rebound's over the impact's speed, and its standard error over the drops, whose
@@ -182,56 +171,3 @@ def rebound(tilt_deg: float, restitution: float, drops: int) -> tuple[float, flo
             heights.append(float(state[C_Y]) - ground)
         found.append(math.sqrt(max(*heights, 0.0)))
     return mean(found)
-
-
-def mean(values: Sequence[float]) -> tuple[float, float]:
-    """Mean of independent values, and its standard error."""
-    return float(np.mean(values)), float(np.std(values, ddof=1) / math.sqrt(len(values)))
-
-
-def drawn(points: Sequence[Measured]) -> tuple[Array, Array]:
-    """Mean speeds, shape (points,), and random ones within their errors, (DRAWS, points)."""
-    means = np.array([point.speed for point in points])
-    errors = np.array([point.se for point in points])
-    normal = np.random.default_rng(SEED).normal(size=(DRAWS, len(means)))
-    return means, np.asarray(means + errors * normal)
-
-
-def ratio(over: Measured, under: Measured) -> tuple[float, float]:
-    """Ratio of two speeds and its standard error."""
-    found = over.speed / under.speed
-    return found, math.hypot(over.se, found * under.se) / abs(under.speed)
-
-
-def top(tilts_deg: Sequence[float], points: Sequence[Measured]) -> tuple[float, float]:
-    """Tilt (deg) of the largest speed, by a parabola through it and its neighbours, and its error.
-
-    The error holds that of the speeds and a grid's, the spacing over sqrt 12.
-    """
-    means, random = drawn(points)
-    tilts = np.asarray(tilts_deg)
-    places = np.array([_vertex(tilts, one) for one in random])
-    at = min(max(int(means.argmax()), 1), len(tilts) - 2)
-    grid = float(tilts[at + 1] - tilts[at - 1]) / 2.0 / math.sqrt(12.0)
-    return _vertex(tilts, means), math.hypot(float(places.std(ddof=1)), grid)
-
-
-def _vertex(tilts: Array, speeds: Array) -> float:
-    at = int(speeds.argmax())
-    if at in (0, len(tilts) - 1):
-        return float(tilts[at])
-    a, b, _ = np.polyfit(tilts[at - 1 : at + 2] - tilts[at], speeds[at - 1 : at + 2], 2)
-    return float(tilts[at] - b / (2.0 * a))
-
-
-def off_line(gammas: Sequence[float], points: Sequence[Measured]) -> tuple[float, float]:
-    """Rms distance of speeds from their line through zero, over their mean, and its error, in %."""
-    plate = np.asarray(gammas)
-
-    def off(speeds: Array) -> Array:
-        slope = speeds @ plate / (plate @ plate)
-        rest = speeds - slope[:, None] * plate
-        return np.asarray(100.0 * np.sqrt((rest**2).mean(axis=1)) / np.abs(speeds).mean(axis=1))
-
-    means, random = drawn(points)
-    return float(off(means[None])[0]), float(off(random).std(ddof=1))

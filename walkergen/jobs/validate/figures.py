@@ -8,7 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.files.figures import PAGE, SMALLEST, png, style, wrapped
+from walkergen.files.figures import PAGE, SMALLEST, style, wrapped
 from walkergen.jobs.validate.claim import Claim, Word
 
 COLOURS: dict[Word, str] = {
@@ -50,8 +50,8 @@ class Row(NamedTuple):
 
 
 @style()
-def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> bytes:
-    """Picture of the claims (PNG): dots by group where they agree, named lines where they do not.
+def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
+    """Picture of the claims: dots by group where they agree, named lines where they do not.
 
     `titles`: of the groups, in order.
     """
@@ -84,7 +84,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> bytes:
         number = sum(one.verdict == word for one in claims)
         axes.plot([], [], MARKERS[word], color=colour, markersize=4, label=f"{number} {word}")
     figure.legend(loc="outside lower center", ncols=3)
-    return png(figure)
+    return figure
 
 
 def _rows(claims: Sequence[Claim]) -> list[Row]:
@@ -125,8 +125,8 @@ def _count(claims: Sequence[Claim]) -> str:
 
 def _place(one: Claim) -> float:
     """Place on the axis: linear up to what is allowed, beyond logarithmic up to LARGEST."""
-    assert one.deviation is not None
-    return _at(abs(one.deviation))
+    assert one.gap_over_allowed is not None
+    return _at(abs(one.gap_over_allowed))
 
 
 def _at(size: float) -> float:
@@ -141,7 +141,7 @@ def _swarm(claims: Sequence[Claim]) -> list[tuple[Claim, float, int]]:
     Those without a gap fill a block left of the axis.
     """
     shown = [one for one in claims if one.verdict in ("agree", "undecided", "fitted")]
-    exact = [one for one in shown if abs(one.deviation or 0.0) < EXACT]
+    exact = [one for one in shown if abs(one.gap_over_allowed or 0.0) < EXACT]
     found = [
         (one, -DOT * (1.5 + number // BLOCK), number % BLOCK) for number, one in enumerate(exact)
     ]

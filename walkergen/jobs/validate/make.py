@@ -6,12 +6,15 @@ from pathlib import Path
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
+from walkergen.files.report import Report
 from walkergen.jobs.validate import (
     claims_bounce,
     claims_closed,
     claims_paper,
     claims_programs,
     claims_rivals,
+    page,
+    report,
 )
 from walkergen.jobs.validate.claim import Claim, Effort, Test
 
@@ -57,19 +60,19 @@ def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim
     return found
 
 
-def write(claims: Sequence[Claim], command: str, folder: Path) -> list[Path]:
-    """Write validation.md, .csv and .png into a folder; returns their paths.
+def make(
+    groups: Sequence[str], effort: Effort, command: str, folder: Path, progress: Progress
+) -> Report:  # fmt: skip
+    """Put the claims of some groups to the test; write validation.png, .csv, .md into a folder.
 
     `command`: words that made them, for the page's head.
     """
-    from walkergen.jobs.validate import figures, page
+    from walkergen.files import figures
 
-    made = {
-        "validation.png": figures.deviations(claims, TITLES),
-        "validation.csv": page.as_csv(claims).encode(),
-        "validation.md": page.as_markdown(claims, command, TITLES).encode(),
-    }
+    claims = run(groups, effort, progress)
+    made = report.of(claims, TITLES, folder)
     with Folder(folder, "") as target:
-        for name, data in made.items():
-            target.write(name, data)
-    return [folder / name for name in made]
+        target.write("validation.png", figures.png(made.plot()))
+        target.write("validation.csv", made.table.csv().encode())
+        target.write("validation.md", page.as_markdown(claims, command, TITLES).encode())
+    return made

@@ -1,16 +1,12 @@
-"""Page and table of the claims: each number with its error bar, source, z-score and verdict."""
+"""Page of the claims: each number with its error bar, source, z-score and verdict."""
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 
 from walkergen import __version__
-from walkergen.files import tables
 from walkergen.jobs.validate.claim import VERDICTS, Claim, Word
 from walkergen.published import TIMES
 
-HEADER = (
-    "group", "quantity", "unit", "ours", "ours_se", "theirs", "theirs_se", "bound", "margin",
-    "margin_reason", "z", "gap_over_allowed", "verdict", "source", "why", "missing",
-)  # fmt: skip
+TITLE = "What walkergen predicts, against what is known outside it"
 
 TITLES: dict[Word, str] = {
     "disagree": "Where we disagree, and why", "undecided": "Undecided", "fitted": "Fitted",
@@ -21,20 +17,9 @@ TITLES: dict[Word, str] = {
 SIGNS = {"<": "below ", ">": "above ", "": ""}
 
 
-def as_csv(claims: Iterable[Claim]) -> str:
-    """Claims as comma-separated values, with every digit."""
-    lines = [
-        (one.group, one.quantity, one.unit, one.ours, one.ours_se, one.theirs, one.theirs_se,
-         one.bound, one.margin, one.margin_reason, one.z, one.deviation, one.verdict, one.source,
-         one.why, one.missing)
-        for one in claims
-    ]  # fmt: skip
-    return tables.csv_text(HEADER, lines)
-
-
-def counts(claims: Sequence[Claim]) -> dict[str, int]:
+def counted(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict."""
-    return {word: sum(one.verdict == word for one in claims) for word in VERDICTS}
+    return ", ".join(f"{sum(one.verdict == word for one in claims)} {word}" for word in VERDICTS)
 
 
 def as_markdown(claims: Sequence[Claim], command: str, titles: Mapping[str, str]) -> str:
@@ -52,15 +37,13 @@ def as_markdown(claims: Sequence[Claim], command: str, titles: Mapping[str, str]
 
 
 def _head(claims: Sequence[Claim], command: str) -> str:
-    number = counts(claims)
-    words = [f"{number[word]} {word}" for word in VERDICTS]
     meanings = [f"- **{word}**: {meaning}" for word, meaning in VERDICTS.items()]
     return "\n".join(
         [
-            "# What walkergen predicts, against what is known outside it",
+            f"# {TITLE}",
             "",
             f"Made by `{command}` (walkergen {__version__}): {len(claims)} claims, of which "
-            f"{', '.join(words)}.",
+            f"{counted(claims)}.",
             "",
             "![Gaps over what is allowed, by group](validation.png)",
             "",
