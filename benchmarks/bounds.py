@@ -36,9 +36,9 @@ from walkergen.files.tables import csv_text
 from walkergen.jobs.fit import learn
 from walkergen.jobs.simulate import uncertain as prints
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
+from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked
 from walkergen.theory import prediction, uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -138,8 +138,8 @@ def speeds(hidden: Hidden, tilts: Sequence[float], seconds: float) -> list[float
                 "run.seed": int(hidden.rng.integers(2**31))}  # fmt: skip
         scene = scene.variant(**keys)
         step = prepare(scene, printed, mass).world.options.step
-        asked.append(Asked(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
-    found = points.on_threads(asked, [f"{tilt:g}" for tilt in tilts], silent)
+        asked.append(Experiment(scene.variant(**{"run.step_us": 1e5 * step}), printed, mass))
+    found = experiments.on_threads(asked, [f"{tilt:g}" for tilt in tilts], silent)
     told = [one.summary.speed_mm_s for one in found]
     if None in told:
         raise InputError("a hidden print falls")

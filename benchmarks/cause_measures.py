@@ -12,7 +12,7 @@ from walkergen.files import templates
 from walkergen.jobs.paper import plane
 from walkergen.jobs.validate.ensembles import landings
 from walkergen.numerics import kernels
-from walkergen.points import drops, still
+from walkergen.points import drops, resting
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.model import Plan
@@ -117,7 +117,7 @@ def fast(one: Setting, label: float) -> Quantities:
 def bounce(one: Setting, label: float) -> Quantities:
     """Rebound of drops by 1 mm at 10 deg: level, and turned by up to 1 mrad, a print a drop."""
     plan = plan_of(one, label, 10.0, 1, 1.0)
-    plan = still.plan_of(plan.scene, plan.case.design)
+    plan = resting.plan_of(plan.scene, plan.case.design)
     turns = np.random.default_rng(2016).uniform(-1e-3, 1e-3, (16, 2))
     for name, starts in (("level", np.zeros((4, 2))), ("rebound", turns)):
         lets = [drops.Let(1.0, *start, number) for number, start in enumerate(starts)]

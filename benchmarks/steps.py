@@ -23,9 +23,9 @@ from walkergen.files import templates
 from walkergen.files.tables import csv_text
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
-from walkergen.simulation import observables, points, resolution
+from walkergen.simulation import experiments, observables, resolution
+from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked
 from walkergen.theory import discrepancy, prediction
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -115,8 +115,8 @@ def measured(one: Setting, code: str, options: argparse.Namespace) -> Row:
     own = scene.variant(**run)
     plan = prepare(own, design, mass)
     fine = {"run.seed": 2, "run.step_us": 1e6 * plan.world.options.step / options.finer}
-    pair = [Asked(own, design, mass), Asked(own.variant(**fine), design, mass)]
-    coarse, finer = (one.summary for one in points.on_threads(pair, ["own", "fine"], silent))
+    pair = [Experiment(own, design, mass), Experiment(own.variant(**fine), design, mass)]
+    coarse, finer = (one.summary for one in experiments.on_threads(pair, ["own", "fine"], silent))
     stated = resolution.judge(plan, coarse)[observables.SPEED].error
     speeds = (coarse.speed_mm_s, coarse.speed_se_mm_s, finer.speed_mm_s, finer.speed_se_mm_s)
     known = [math.nan if value is None else value for value in (*speeds, stated)]

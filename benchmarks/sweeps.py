@@ -16,14 +16,14 @@ from pathlib import Path
 from walkergen.files import templates
 from walkergen.jobs.sweep.make import Job, make
 from walkergen.points import axes, run
-from walkergen.points.crew import local
 from walkergen.points.measure import with_runs
 from walkergen.points.point import Point
 from walkergen.points.request import Request
 from walkergen.points.store import Store
+from walkergen.points.worker_pool import local
 from walkergen.scene import Scene
-from walkergen.simulation import points
-from walkergen.simulation.points import Asked
+from walkergen.simulation import experiments
+from walkergen.simulation.experiments import Experiment
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -32,6 +32,7 @@ REPEATS = 3
 MEMORY = """
 import resource, sys
 from walkergen.cli import app
+from walkergen.simulation import experiments
 if __name__ == "__main__":
     try:
         app(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",
@@ -57,13 +58,15 @@ def overhead(count: int, folder: Path) -> None:
     """Points of short runs through the store against their masses and simulations in a loop."""
     request = request_of(count, "compliant")
     short = with_runs(request.scene, runs=4, seconds=0.05, discard_seconds=0.0)
-    asked = [one for one in request._replace(scene=short).asked() if isinstance(one, Point)]
+    asked = [one for one in request._replace(scene=short).points() if isinstance(one, Point)]
     list(run.each(asked[:1], Store(folder / "warm")))
     times = []
     for number in range(REPEATS):
         started = time.perf_counter()
         for one in asked:
-            points.measure(Asked(one.scene, one.design, solids.mass_of(one.design)), silent, 1)
+            experiments.measure(
+                Experiment(one.scene, one.design, solids.mass_of(one.design)), silent, 1
+            )
         middle = time.perf_counter()
         list(run.each(asked, Store(folder / f"overhead{number}")))
         times.append((middle - started, time.perf_counter() - middle))
@@ -78,11 +81,11 @@ def workers(count: int, folder: Path) -> None:
         request = request_of(count, "compliant")
         asked = [one for one in request.asked() if isinstance(one, Point)]
         asked = [one._replace(scene=with_runs(one.scene, runs=16)) for one in asked]
-        with local(number) as crew:
+        with local(number) as pool:
             store = Store(folder / f"workers{number}")
-            list(run.each(asked[: 2 * number], store, crew))
+            list(run.each(asked[: 2 * number], store, pool))
             started = time.perf_counter()
-            list(run.each(asked[4:], store, crew))
+            list(run.each(asked[4:], store, pool))
             times.append(time.perf_counter() - started)
     print(f"two workers: {times[0] / times[1]:.2f} times one ({times[0]:.1f} s, {times[1]:.1f} s)")
 

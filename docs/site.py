@@ -25,7 +25,7 @@ ROOMS = {
     "predictions": ["theory/prediction", "theory/uncertain", "theory/discrepancy"],
     "simulation": [
         "simulation/plan",
-        "simulation/points",
+        "simulation/experiments",
         "simulation/ensemble",
         "simulation/run",
         "simulation/observables",
@@ -39,7 +39,7 @@ ROOMS = {
         "points/measure",
         "points/evaluate",
         "points/run",
-        "points/crew",
+        "points/worker_pool",
         "points/drops",
     ],
     "analysis": [

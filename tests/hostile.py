@@ -90,7 +90,7 @@ def warm() -> None:
         "jobs.analyse.make", "jobs.fit.make", "jobs.page.make", "jobs.orders.make",
         "jobs.sweep.make", "jobs.calibration.make", "jobs.track.make", "jobs.family.make",
         "jobs.weigh.make", "jobs.selftest.make", "walker.own_mesh", "walker.outlines",
-        "simulation.points",
+        "simulation.experiments",
     ):  # fmt: skip
         importlib.import_module(f"walkergen.{name}")
     for name in ("trimesh", "ezdxf", "svgelements", "scipy.optimize", "scipy.stats", "rich.table"):

@@ -15,7 +15,7 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.jobs.family import figures, preview
 from walkergen.jobs.family import make as families
-from walkergen.jobs.family.beside import Beside
+from walkergen.jobs.family.chart_data import ChartData
 from walkergen.jobs.orders import make as batch
 from walkergen.points import members as predictions
 from walkergen.points import speed_table
@@ -373,10 +373,10 @@ def test_curves_are_drawn_only_where_walkers_can_be_built(monkeypatch):
 
     monkeypatch.setattr(families.prediction, "curve", refuse)
     assert families._curves(job, made) == {}
-    figure = figures.speed_figure([one.row for one in made], Beside({}), "points")
+    figure = figures.speed_figure([one.row for one in made], ChartData({}), "points")
     labels = [text.get_text() for text in figure.legends[0].get_texts()]
     assert labels == ["flexible, 68 and 95 %"]
-    alone = figures.speed_figure([made[0].row], Beside({}), "a point")
+    alone = figures.speed_figure([made[0].row], ChartData({}), "a point")
     low, high = alone.axes[0].get_xlim()
     assert (low, high) == (0.0, 10.0)
 

@@ -9,9 +9,9 @@ from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.jobs.bench import pluck
 from walkergen.jobs.movie import shot
 from walkergen.jobs.simulate import tables
-from walkergen.points import still
+from walkergen.points import resting
 from walkergen.scene import Scene
-from walkergen.simulation import points, poses
+from walkergen.simulation import experiments, poses
 from walkergen.simulation.effects import compliance
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.plan import prepare
@@ -93,9 +93,9 @@ def test_a_point_of_a_drawing_is_named_by_what_the_drawing_holds(tmp_path):
 
         body._shape.cache_clear()
         design = design_of(TWO, body={"outline": str(path), "thickness_mm": 2.0})
-        keys.append(points.facts(Scene(), design))
+        keys.append(experiments.facts(Scene(), design))
     assert keys[0] != keys[1]
-    assert len(points.facts(Scene(), Design())) == 4
+    assert len(experiments.facts(Scene(), Design())) == 4
 
 
 def test_explain_names_the_slowest_and_the_fastest_leg():
@@ -150,5 +150,5 @@ def test_the_bench_plucks_the_first_free_leg_and_asks_for_one_material():
         pluck.plucked_leg(design_of({"kind": "braced"}))
     two = design_of([TWO[0], TWO[1] | {"friction": 0.4}])
     with pytest.raises(InputError, match=r"legs\[2\].friction is that foot's own"):
-        still.one_material(two, "friction")
-    still.one_material(two, "restitution")
+        resting.one_material(two, "friction")
+    resting.one_material(two, "restitution")

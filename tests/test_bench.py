@@ -9,7 +9,7 @@ from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Curve, Measured
 from walkergen.files import templates
 from walkergen.jobs.bench import pluck, slide
-from walkergen.points import drops, still
+from walkergen.points import drops, resting
 from walkergen.points.drops import Let
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
@@ -28,11 +28,11 @@ steps of a drop (heights of 8 to 12 mm, 10 deg), three of them."""
 
 
 def plan_of(tilt=10.0, kind="flexible", damping=None, **contact):
-    scene = still.with_contact(LANE, **contact)
+    scene = resting.with_contact(LANE, **contact)
     if damping is not None:
         legs = scene.legs.model_copy(update={"damping_ratio": damping})
         scene = scene.model_copy(update={"legs": legs})
-    return still.plan_of(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
+    return resting.plan_of(scene, PAPER.variant(tilt_deg=tilt, kind=kind))
 
 
 def flat(height=10.0, **choices):
@@ -73,8 +73,8 @@ def test_upright_legs_rebound_as_four_viscous_feet_under_a_quarter_of_the_walker
 @pytest.mark.parametrize("label", [0.1, 0.3, 0.5, 0.8])
 def test_upright_hysteretic_feet_rebound_with_their_label_whatever_they_carry(label):
     feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
-    scene = still.with_contact(LANE.model_copy(update={"feet": feet_of}), restitution=label)
-    plan = still.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
+    scene = resting.with_contact(LANE.model_copy(update={"feet": feet_of}), restitution=label)
+    plan = resting.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
     assert drops.rebound(plan, Let(10.0)).ratio == pytest.approx(label, abs=STEP_SCATTER)
 
 
@@ -138,8 +138,8 @@ def rocked(walker, label, height, roll, dt=4e-6):
 def test_a_rolled_block_rebounds_by_one_impact_after_the_other(label, height, roll):
     feet_of = LANE.feet.model_copy(update={"damping": "hysteretic"})
     scene = LANE.model_copy(update={"feet": feet_of})
-    scene = still.with_contact(scene, restitution=label, friction=0.0)
-    plan = still.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
+    scene = resting.with_contact(scene, restitution=label, friction=0.0)
+    plan = resting.plan_of(scene, PAPER.variant(tilt_deg=0.0, kind="braced"))
     found = drops.rebound(plan, Let(height, roll=roll)).ratio
     # The rival has impacts without duration, and rises by 5e-4 less per step of 4 us
     assert found == pytest.approx(rocked(plan.world.walker, label, height, roll), abs=5e-3)
@@ -170,9 +170,9 @@ def test_the_film_shows_the_drop_that_was_asked_for():
 
 def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
     scene = templates.load("plane-noisy", "scenes", Scene)
-    quiet = still.still(scene)
+    quiet = resting.resting(scene)
     assert (quiet.contact, quiet.feet) == (scene.contact, scene.feet)
-    plan = still.plan_of(scene, PAPER)
+    plan = resting.plan_of(scene, PAPER)
     assert plan.world.acting.noise is None
     assert plan.world.acting.gravity.into == GRAVITY
     state = plan.start(0.0, 0.0, 0.0)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from walkergen.jobs.accuracy import elastic, make, statistics
-from walkergen.jobs.accuracy.purse import KINDS, Purse, Runs, rounded_down, widened
+from walkergen.jobs.accuracy.budget import KINDS, Budget, Runs, rounded_down, widened
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.scene import Scene
@@ -36,52 +36,52 @@ def rated(survey, cpu_per_s=0.06):
 def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slowness):
     """Made-up runs that take `slowness` times what their CPU time says; only the clock is false."""
     survey = rated(survey_of(budget))
-    survey.purse.cores = 2
+    survey.budget.cores = 2
     least = make._share_out(survey, ("models", "steps", "statistics", "shape"), silent)
     assert least is None
     for setting in [*survey.steps, *survey.simpler]:
         kinds = KINDS
         rate = survey.rate(setting)
-        runs = survey.purse.affords(survey.granted(setting), rate, 1.0, kinds)
+        runs = survey.budget.affords(survey.granted(setting), rate, 1.0, kinds)
         idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
-        survey.purse.pay_runs(runs, rate, 1.0, slowness * idle)
+        survey.budget.pay_runs(runs, rate, 1.0, slowness * idle)
         cost = runs.number * rate * (runs.seconds + 1.0)
         survey.known[setting] = Measured(setting, 1.0, 0.1, *runs, 1.0, cost, None, "ok")
-    survey.purse.pay(survey.take("steps-short"))
+    survey.budget.pay(survey.take("steps-short"))
     for name, kinds in (("frames", KINDS), ("statistics", statistics.KINDS)):
         rate = survey.rate(survey.own)
         parts = len(elastic.FRAMES) if name == "frames" else 1
-        runs = survey.purse.affords(survey.take(name) / parts, rate, 1.0, kinds)
+        runs = survey.budget.affords(survey.take(name) / parts, rate, 1.0, kinds)
         idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
-        survey.purse.pay_runs(runs, rate, 1.0, parts * slowness * idle)
+        survey.budget.pay_runs(runs, rate, 1.0, parts * slowness * idle)
     assert not survey.due
     assert not survey.others
-    assert survey.purse.spent_s == pytest.approx(budget, rel=0.3)
+    assert survey.budget.spent_s == pytest.approx(budget, rel=0.3)
 
 
 def test_what_one_leaves_over_the_others_get():
-    purse = Purse(10.0, 2)
+    budget = Budget(10.0, 2)
     due = {"a": 1.0, "b": 3.0, "c": 1.0}
-    assert purse.grant("a", due) == pytest.approx(2.0)
-    purse.pay(1.0)
-    assert purse.grant("b", {"b": 3.0, "c": 1.0}) == pytest.approx(9.0 * 0.75)
-    purse.pay(20.0)
-    assert purse.grant("c", {"c": 1.0}) == 0.0
+    assert budget.grant("a", due) == pytest.approx(2.0)
+    budget.pay(1.0)
+    assert budget.grant("b", {"b": 3.0, "c": 1.0}) == pytest.approx(9.0 * 0.75)
+    budget.pay(20.0)
+    assert budget.grant("c", {"c": 1.0}) == 0.0
 
 
-def test_a_purse_learns_how_much_slower_a_busy_machine_is():
-    purse = Purse(10.0, 2)
-    purse.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
-    assert purse.spent_s == pytest.approx(1.2)
-    assert purse.slowness == pytest.approx(3.0)
+def test_a_budget_learns_how_much_slower_a_busy_machine_is():
+    budget = Budget(10.0, 2)
+    budget.pay_runs(Runs(4, 1.0), 0.1, 1.0, wall_s=1.2)
+    assert budget.spent_s == pytest.approx(1.2)
+    assert budget.slowness == pytest.approx(3.0)
 
 
 def test_runs_are_fewer_before_they_are_too_short():
-    purse = Purse(10.0, 1)
-    afforded = [purse.affords(wall, 0.1, 1.0, KINDS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
+    budget = Budget(10.0, 1)
+    afforded = [budget.affords(wall, 0.1, 1.0, KINDS) for wall in (100.0, 3.3, 2.0, 1.0, 0.0)]
     # 16 runs of 61.5 s; 16 of 1.06; 8 of 1.5; 4 of 1.5; and the least
     assert afforded == [Runs(16, 60.0), Runs(16, 1.0), Runs(8, 1.5), Runs(4, 1.5), Runs(4, 0.5)]
-    crowd = Purse(10.0, 64)  # no run is split: 16 runs keep 16 of 64 cores busy
+    crowd = Budget(10.0, 64)  # no run is split: 16 runs keep 16 of 64 cores busy
     assert crowd.affords(1.0, 0.1, 1.0, KINDS) == Runs(16, 8.0)
     assert crowd.cost(Runs(16, 8.0), 0.1, 1.0) == pytest.approx(0.9)
 
@@ -111,7 +111,7 @@ def test_the_least_budget_is_named_and_taken():
     survey = rated(survey_of(1.0), cpu_per_s=1.0)
     least = make._share_out(survey, ("models", "steps", "statistics"), silent)
     assert least is not None
-    assert survey.purse.budget_s == least
+    assert survey.budget.budget_s == least
     alone = rated(survey_of(1.0), cpu_per_s=1.0)
     fewer = make._share_out(alone, ("statistics",), silent)
     assert fewer is not None
@@ -137,7 +137,7 @@ def test_parts_of_eight_runs_still_give_a_rung(monkeypatch):
     for one in {reference, survey.own}:
         survey.known[one] = Measured(one, 10.0, 0.5, 4, 0.5, 1.0, 1.0, None, "4 ok")
     survey.others["statistics"] = statistics.WEIGHT
-    survey.purse.budget_s = 1e-6
+    survey.budget.budget_s = 1e-6
 
     def made(setting, runs, progress):
         assert runs == Runs(8, 1.0)

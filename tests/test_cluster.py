@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.points import crew
+from walkergen.points import worker_pool
 
 POINTS = ["sweep", "koumakis2016", "--set", "legs.tilt_deg=1:40:1",
           "--set", "scene.contact.friction=0.1:0.34:0.01", "--no-pictures",
@@ -87,7 +87,10 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
     try:
         with Client(address, set_as_default=False) as client:
             client.wait_for_workers(3, timeout=60)
-        with pytest.raises(InputError, match=r"worker tcp.* has .*none here"), crew.dask(address):
+        with (
+            pytest.raises(InputError, match=r"worker tcp.* has .*none here"),
+            worker_pool.dask(address),
+        ):
             pass
     finally:
         third.kill()
@@ -95,30 +98,36 @@ def test_a_worker_without_walkergen_is_named(cluster, tmp_path):
 
 
 def test_a_scheduler_that_is_not_there_is_one_line(monkeypatch):
-    monkeypatch.setattr(crew, "ANSWER_S", 0.5)
-    with pytest.raises(InputError, match="no scheduler answers there"), crew.dask("tcp://[::1]:9"):
+    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
+    with (
+        pytest.raises(InputError, match="no scheduler answers there"),
+        worker_pool.dask("tcp://[::1]:9"),
+    ):
         pass
 
 
 def test_what_is_no_scheduler_ends_in_time(monkeypatch):
     """A port that accepts and says nothing, as web servers do until they are asked."""
-    monkeypatch.setattr(crew, "ANSWER_S", 0.5)
+    monkeypatch.setattr(worker_pool, "ANSWER_S", 0.5)
     with socket.create_server(("127.0.0.1", 0)) as server:
         address = f"tcp://127.0.0.1:{server.getsockname()[1]}"
         started = time.monotonic()
-        with pytest.raises(InputError, match="no scheduler answers there"), crew.dask(address):
+        with (
+            pytest.raises(InputError, match="no scheduler answers there"),
+            worker_pool.dask(address),
+        ):
             pass
         assert time.monotonic() - started < 5.0
 
 
 @pytest.mark.parametrize("address", ["tls://x:1", "ucx://x:1", "tcp://x", "x", "", "tcp://x:1e9"])
 def test_an_address_of_another_kind_is_refused(address):
-    with pytest.raises(InputError, match=r"write tcp://HOST:PORT"), crew.dask(address):
+    with pytest.raises(InputError, match=r"write tcp://HOST:PORT"), worker_pool.dask(address):
         pass
 
 
 def test_workers_of_another_version_are_refused():
     with pytest.raises(InputError, match="worker b has another version of walkergen"):
-        crew.check({"a": crew.digest(), "b": "0123456789abcdef"})
+        worker_pool.check({"a": worker_pool.digest(), "b": "0123456789abcdef"})
     with pytest.raises(InputError, match="worker b has ModuleNotFoundError: No module named"):
-        crew.check({"b": "ModuleNotFoundError: No module named 'walkergen'"})
+        worker_pool.check({"b": "ModuleNotFoundError: No module named 'walkergen'"})

@@ -13,17 +13,17 @@ from walkergen.jobs.design import box, lab, make, search, verify, wish
 from walkergen.jobs.design.box import Box
 from walkergen.jobs.design.lab import Bench, Job
 from walkergen.jobs.design.wish import Wish
-from walkergen.points import crew
+from walkergen.points import worker_pool
 from walkergen.points.axes import Span
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point
 from walkergen.points.store import Store
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
-SHARE = Wanted(0.05, True)
+SHARE = Tolerance(0.05, True)
 TILT, LENGTH = Span("legs.tilt_deg", 2.0, 40.0), Span("legs.length_mm", 5.0, 10.0)
 
 
@@ -225,7 +225,7 @@ def test_verification_never_has_the_seed_of_the_runs_that_chose():
     assert all(lab.fresh_seed(seed) != seed for seed in range(1000))
     job = job_of(model="compliant")
     design, scene = lab.built(job, {"legs.tilt_deg": 10.0, "legs.length_mm": 7.0})
-    (point,) = lab.points(job, design, scene, (8, 2.0), None, lab.fresh_seed(1))
+    (point,) = lab.points(job, design, scene, lab.Effort(8, 2.0), None, lab.fresh_seed(1))
     assert point.scene.run.seed == lab.fresh_seed(1)
 
 
@@ -304,7 +304,7 @@ def test_workers_change_no_number(bench, tmp_path):
     job = job_of(spans=(TILT,))
     make.make(job, bench, tmp_path / "here")
     store = Store(tmp_path / "points.sqlite")
-    with crew.local(2) as two:
+    with worker_pool.local(2) as two:
         make.make(job, Bench(store, two, unheard), tmp_path / "there")
     store.close()
     for name in ("design.csv", "design.png", "design-1.toml"):
@@ -324,9 +324,9 @@ def simulated_wishes(folder, count):
             "legs.flexible_thickness_mm": round(values.pop("legs.flexible_thickness_mm"), 2)
         })  # fmt: skip
         design, scene = lab.built(job, values)
-        (point,) = lab.points(job, design, scene, (32, 4.0), None, 77)
+        (point,) = lab.points(job, design, scene, lab.Effort(32, 4.0), None, 77)
         speed = evaluate(point)["speed_mm_s"]
-        error = Wanted(max(0.05 * abs(speed), 0.5), False)
+        error = Tolerance(max(0.05 * abs(speed), 0.5), False)
         job = job._replace(wish=Wish("speed", speed, False, error))
         result = make.make(job, Bench(store, None, unheard), folder / str(number), pictures=False)
         met += result.designs[0].met

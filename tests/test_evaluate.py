@@ -7,7 +7,7 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.points import measure, wanted
+from walkergen.points import measure, tolerance
 from walkergen.points import point as points
 from walkergen.points.axes import Space
 from walkergen.points.evaluate import evaluate
@@ -17,7 +17,7 @@ from walkergen.points.request import Request
 from walkergen.printing import checks
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
-from walkergen.simulation import points as simulated
+from walkergen.simulation import experiments as simulated
 from walkergen.theory import discrepancy, prediction
 from walkergen.theory.stationary import stationary
 from walkergen.walker import solids
@@ -31,7 +31,7 @@ SHORT = {"scene.run.seconds": 0.5, "scene.run.discard_seconds": 0.1, "scene.run.
 
 
 def point_at(model="prediction", design=PAPER, keep=("speed",), error=None, printer=None, **values):
-    asked = wanted.parse(error) if error else None
+    asked = tolerance.parse(error) if error else None
     dotted = {name.replace("__", "."): value for name, value in values.items()}
     request = Request(design, LANE, Space(()), model, keep, asked, printer)
     request.check()
@@ -69,7 +69,7 @@ def test_unlike_legs_have_their_common_speed_and_the_mass_of_the_first_free_one(
 def test_a_simulated_point_is_the_simulation_bit_for_bit():
     point = point_at("compliant", keep=("speed", "impacts"))
     found = evaluate(point)
-    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
+    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
     summary = simulated.measure(asked, silent).summary  # on every core, a point on one
     assert found["speed_mm_s"] == summary.speed_mm_s
     assert found["se_mm_s"] == summary.speed_se_mm_s
@@ -88,7 +88,7 @@ def test_runs_are_added_until_the_error_is_met(error):
     found = evaluate(point_at("compliant", error=error))
     assert found["status"] == "ok"
     half = 0.5 * (found["high_95_mm_s"] - found["low_95_mm_s"])
-    asked = wanted.parse(error)
+    asked = tolerance.parse(error)
     assert half <= (asked.value * abs(found["speed_mm_s"]) if asked.relative else asked.value)
     assert found["runs"] >= 8
     # An error ten times larger needs fewer runs, and the first that it tries are enough.
@@ -126,11 +126,11 @@ def test_runs_that_share_an_orbit_tell_no_error_however_many_they_are():
 
 def test_a_share_of_no_speed_counts_of_the_plates():
     peak = LANE.drive.peak_speed
-    five = wanted.parse("5%")
+    five = tolerance.parse("5%")
     assert allowed(five, 0.0, LANE) == pytest.approx(0.05 * FEWEST_AT_ALL * peak)
     assert allowed(five, None, LANE) == allowed(five, 0.0, LANE)
     assert allowed(five, -10 * peak, LANE) == pytest.approx(0.5 * peak)
-    assert allowed(wanted.parse("3 mm/s"), 500.0, LANE) == 3.0
+    assert allowed(tolerance.parse("3 mm/s"), 500.0, LANE) == 3.0
 
 
 @pytest.mark.parametrize(
@@ -138,7 +138,7 @@ def test_a_share_of_no_speed_counts_of_the_plates():
 )
 def test_a_wrong_error_is_refused(text):
     with pytest.raises(InputError, match=r"^--error "):
-        wanted.parse(text)
+        tolerance.parse(text)
 
 
 def test_what_is_not_asked_is_not_there():
@@ -282,14 +282,14 @@ def test_a_step_that_takes_up_the_error_is_halved_and_runs_are_added_else():
 )
 def test_errors_of_what_no_runs_give_are_refused(error, of, told):
     point = point_at("relaxed")
-    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
+    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
     with pytest.raises(InputError, match=told):
-        measure.measure(asked, silent, wanted.parse(error), of)
+        measure.measure(asked, silent, tolerance.parse(error), of)
 
 
 def test_an_error_of_the_time_in_contact_is_met():
     point = point_at("compliant")
-    asked = simulated.Asked(point.scene, point.design, solids.mass_of(point.design))
-    found = measure.measure(asked, silent, wanted.parse("20%"), "contact_fraction")
-    assert found.error <= found.allowed == 0.2 * found.point.summary.contact_fraction
-    assert found.error >= found.point.verdicts["contact_fraction"].error > 0.0
+    asked = simulated.Experiment(point.scene, point.design, solids.mass_of(point.design))
+    found = measure.measure(asked, silent, tolerance.parse("20%"), "contact_fraction")
+    assert found.error <= found.allowed == 0.2 * found.results.summary.contact_fraction
+    assert found.error >= found.results.verdicts["contact_fraction"].error > 0.0

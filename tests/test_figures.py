@@ -20,7 +20,7 @@ from walkergen.jobs.accuracy.choice_figure import choice_figure, front
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
 from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.jobs.analyse import report as analysis
-from walkergen.jobs.family import beside
+from walkergen.jobs.family import chart_data
 from walkergen.jobs.family import figures as family
 from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
@@ -51,7 +51,9 @@ MEASURED = Speeds(
     np.array([10.0, 10.0]), ["flexible", "braced"], np.array([58.0, 1.0]), np.array([4.0, 0.0]),
     np.array([31.0, 31.0]), "",
 )  # fmt: skip
-SHOWN = beside.Beside({"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED, (10.0, 60.0))
+SHOWN = chart_data.ChartData(
+    {"flexible": curve(40.0), "braced": curve(0.0)}, MEASURED, (10.0, 60.0)
+)
 
 
 def speed_figure(rows=ROWS, shown=SHOWN, simulated=SIMULATED, named=False):
@@ -59,7 +61,7 @@ def speed_figure(rows=ROWS, shown=SHOWN, simulated=SIMULATED, named=False):
 
 
 def speed_of_one():
-    return speed_figure([ROWS[1]], beside.Beside({}), SIMULATED[:1])
+    return speed_figure([ROWS[1]], chart_data.ChartData({}), SIMULATED[:1])
 
 
 def rungs(series, *points):
@@ -114,7 +116,7 @@ def drawn(tracks):
     made = {
         "speed": speed_figure(),
         "speed of one": speed_of_one(),
-        "named": speed_figure(ROWS[::2], beside.Beside({}), SIMULATED[:2], named=True),
+        "named": speed_figure(ROWS[::2], chart_data.ChartData({}), SIMULATED[:2], named=True),
         "steps": precision.ladder_figure(ladder("step_us")),
         "models": precision.ladder_figure(ladder("")),
         "choice": choices(),
@@ -249,8 +251,8 @@ def test_slopes_are_told_in_words(drawn):
 
 
 def test_what_speed_png_shows_is_in_speed_csv():
-    lines = beside.table(SHOWN).csv().splitlines()
-    assert lines[0].split(",") == list(beside.KEYS)
+    lines = chart_data.table(SHOWN).csv().splitlines()
+    assert lines[0].split(",") == list(chart_data.KEYS)
     kinds = [line.split(",")[0] for line in lines[1:]]
     assert kinds == ["predicted"] * 182 + ["measured"] * 2 + ["paper"]
     assert lines[1] == "predicted,flexible,0.0,40.0,30.0,60.0,20.0,80.0,40.0,yes"
@@ -263,7 +265,7 @@ def test_measured_speeds_stand_at_the_walker_where_no_tilt_is_common():
     axes = speed_figure(rows, SHOWN._replace(curves={}), (), named=True).axes[0]
     crosses = [line for line in axes.get_lines() if line.get_marker() in ("x", "+")]
     assert [line.get_xdata().tolist() for line in crosses] == [[0.0]]
-    found = beside.of_members(MEASURED, {"braced": 3.0})
+    found = chart_data.of_members(MEASURED, {"braced": 3.0})
     assert (found.tilt.tolist(), found.legs, found.speed.tolist()) == ([3.0], ["braced"], [1.0])
     assert found.se.tolist() == [0.0]
 

@@ -9,7 +9,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.track import doubts, find, look, make, report
+from walkergen.jobs.track import appearance, doubts, find, make, report
 from walkergen.jobs.track.result import Options
 
 
@@ -59,7 +59,7 @@ def test_walkers_are_found_in_any_light(name):
     film = LIGHTS[name]
     truth = ways(20)
     frames = [films.picture(one, film, seed=n) for n, one in enumerate(truth)]
-    seen = look.learn(frames[:8], None, None, None)
+    seen = appearance.learn(frames[:8], None, None, None)
     assert seen.dark == (film.contrast > 0)
     assert seen.width == pytest.approx(films.ACROSS, abs=1.5)
     # Half of the walkers' contrast, whatever the noise: where their edge is.

@@ -11,7 +11,7 @@ from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.jobs.fit import emulated, learn
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -97,8 +97,8 @@ def filmed(tilts, restitution, friction):
     lines = []
     for tilt in tilts:
         member = design.variant(tilt_deg=tilt)
-        asked = points.Asked(scene, member, solids.mass_of(member))
-        speed = points.measure(asked, lambda what, done, total: None).summary.speed_mm_s
+        asked = experiments.Experiment(scene, member, solids.mass_of(member))
+        speed = experiments.measure(asked, lambda what, done, total: None).summary.speed_mm_s
         lines.append(f"{tilt:g},{speed:.2f},2\n")
     return HEAD + "".join(lines)
 

@@ -9,7 +9,7 @@ from walkergen.files import templates
 from walkergen.jobs.fit import emulated, parameters, posterior
 from walkergen.jobs.fit.posterior import Observed
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
@@ -49,9 +49,9 @@ def true_speeds(ground, settings, rng):
                     "legs": ground.scene.legs.model_copy(update={"model": "space"}),
                 }
             )
-            asked.append(points.Asked(*uncertain.applied(scene, setting.design, values)))
+            asked.append(experiments.Experiment(*uncertain.applied(scene, setting.design, values)))
     with ThreadPoolExecutor(2) as pool:
-        found = [one.summary.speed_mm_s for one in points.each(asked, ["truth"] * len(asked),
+        found = [one.summary.speed_mm_s for one in experiments.each(asked, ["truth"] * len(asked),
                                                                silent, pool)]  # fmt: skip
     return np.array(found, dtype=float).reshape(REPETITIONS, len(settings))
 

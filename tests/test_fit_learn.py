@@ -5,7 +5,7 @@ import pytest
 from scipy import stats
 
 from walkergen.files import templates
-from walkergen.jobs.fit import emulated, lessons, parameters, posterior
+from walkergen.jobs.fit import emulated, identifiability, parameters, posterior
 from walkergen.jobs.fit.emulated import Response
 from walkergen.jobs.fit.parameters import Parameter, values
 from walkergen.jobs.fit.posterior import Observed
@@ -94,13 +94,13 @@ def test_scatter_between_prints_is_found_with_its_growth():
 def test_without_information_the_posterior_is_the_prior():
     seen = [Observed(np.array([50.0]), np.array([1e9]))]
     found = posterior.sample(THREE, seen, responses(64, [1]), 1, silent)
-    rows = lessons.learnt(THREE, found.draws)
+    rows = identifiability.learnt(THREE, found.draws)
     # Some 2000 independent draws know a standard deviation to 2 %.
     assert [row.narrowed for row in rows] == pytest.approx([1.0] * 3, abs=0.08)
-    (note,) = lessons.unlearnt(rows)
+    (note,) = identifiability.unlearnt(rows)
     assert "restitution, friction and damping_ratio" in note
     assert found.independent > 1000
-    assert lessons.trades(THREE, found.draws) == []
+    assert identifiability.trades(THREE, found.draws) == []
 
 
 def test_equal_seeds_give_equal_draws():
@@ -118,11 +118,11 @@ def test_a_product_that_alone_is_known_is_named():
     seen = [Observed(np.array([50.0]), np.array([1.0]))]
     known = responses(128, [1], 0.0, product)
     found = posterior.sample(THREE, seen, known, 1, silent)
-    (note,) = lessons.trades(THREE, found.draws)
+    (note,) = identifiability.trades(THREE, found.draws)
     assert "restitution and friction trade" in note or "friction and restitution trade" in note
     power = float(note.split("^")[1].split(" ")[0])
     assert power == pytest.approx(1.0, abs=0.25)  # 1 for a product, -1 for a ratio
-    (note,) = lessons.unlearnt(lessons.learnt(THREE, found.draws))
+    (note,) = identifiability.unlearnt(identifiability.learnt(THREE, found.draws))
     assert "damping_ratio" in note
 
 
@@ -130,10 +130,10 @@ def test_speeds_that_no_parameters_explain_are_called_so():
     known = responses(64, [1], 0.0)
     seen = [Observed(np.array([300.0, 310.0]), np.array([1.0, 1.0]))]
     found = posterior.sample(THREE, seen, known, 1, silent)
-    (note,) = lessons.misfit(found, 2, "space")
+    (note,) = identifiability.misfit(found, 2, "space")
     assert "does not describe these speeds" in note
     fair = [Observed(np.array([50.0, 51.0]), np.array([1.0, 1.0]))]
-    assert lessons.misfit(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
+    assert identifiability.misfit(posterior.sample(THREE, fair, known, 1, silent), 2, "space") == []
 
 
 @pytest.mark.nightly
@@ -183,7 +183,7 @@ def test_runs_done_before_ctrl_c_are_not_done_again(ground, monkeypatch, tmp_pat
                 raise KeyboardInterrupt
             yield Found(None if number == 1 else float(len(asked_for)))
 
-    monkeypatch.setattr(emulated.points, "each", until_third)
+    monkeypatch.setattr(emulated.experiments, "each", until_third)
     with pytest.raises(KeyboardInterrupt):
         emulated.simulate(ground, setting(), x, silent, 0)
     speeds = emulated.simulate(ground, setting(), x, silent, 0)

@@ -11,7 +11,7 @@ from walkergen.jobs.paper.mechanisms import Mechanism
 from walkergen.jobs.paper.sweeps import Point
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.theory import prediction
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -34,7 +34,9 @@ def simulated(design, seconds=0.5, runs=4):
     scene = scene_of(seconds, runs)
     legs = scene.legs.model_copy(update={"model": "space"})
     scene = scene.model_copy(update={"legs": legs})
-    return points.measure(points.Asked(scene, design, solids.mass_of(design)), lambda *_: None)
+    return experiments.measure(
+        experiments.Experiment(scene, design, solids.mass_of(design)), lambda *_: None
+    )
 
 
 def changed(design, change):

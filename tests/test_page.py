@@ -20,7 +20,7 @@ import walkergen
 from walkergen.cli import app
 from walkergen.errors import InputError, OutputError
 from walkergen.files import viewer
-from walkergen.jobs.page import beside, chart, contents, members, references
+from walkergen.jobs.page import chart, chart_data, contents, members, references
 
 ROOT = Path(__file__).parent.parent
 ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "assets"
@@ -330,7 +330,7 @@ def test_marks_of_the_chart_lie_where_the_numbers_say(family_folder):
 def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
     """Lines, bands, measured and stated speeds of the page stand where speed.csv has them."""
     found = members.of(contents.read(family_folder))
-    rows = beside.of(contents.read(family_folder))
+    rows = chart_data.of(contents.read(family_folder))
     drawn = chart.speeds(found, rows)
     scale = {tick.text: tick.at for tick in drawn.y_ticks}
     per_mm_s = (scale["0"] - scale["100"]) / 100.0
@@ -361,7 +361,7 @@ def test_the_chart_and_speed_png_have_one_source(folder, family_folder):
         text + "measured,braced,10.0,12.0,11.0,13.0,10.04,13.96,,\nmeasured,flexible,10,5,,,,,,\n"
     )
     (folder / "speed.csv").write_text(more, encoding="utf-8")
-    *_, barred, bare = chart.speeds(found, beside.of(contents.read(folder))).marks
+    *_, barred, bare = chart.speeds(found, chart_data.of(contents.read(folder))).marks
     assert barred.label == "braced legs, 10°: measured 12.0 mm/s (95 %: 10.0 to 14.0)"
     assert (bare.low, bare.label) == (None, "flexible legs, 10°: measured 5.0 mm/s")
 

@@ -1,4 +1,4 @@
-"""Many points: in order, known ones not again, the same bits from any crew, whatever breaks it."""
+"""Many points: in order, known ones not again, the same bits from any pool, whatever breaks it."""
 
 import os
 import signal
@@ -11,13 +11,13 @@ import pytest
 
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
-from walkergen.points import axes, crew, run
+from walkergen.points import axes, run, worker_pool
 from walkergen.points.axes import Space
-from walkergen.points.crew import Crew
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import digest
 from walkergen.points.request import Request
 from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -42,7 +42,7 @@ def store(tmp_path):
 
 @pytest.fixture(scope="module")
 def two():
-    with crew.local(2) as found:
+    with worker_pool.local(2) as found:
         yield found
 
 
@@ -107,7 +107,7 @@ def test_known_points_are_not_evaluated_again(store, monkeypatch):
 def test_points_that_are_asked_twice_are_evaluated_once_by_a_crew(store, monkeypatch):
     seen = counted(monkeypatch)
     asked = list(request_of("legs.tilt_deg=5,6,7").points())
-    found = list(run.each(asked * 3, store, Crew(Faults(), 2)))
+    found = list(run.each(asked * 3, store, WorkerPool(Faults(), 2)))
     assert len(seen) == 3
     assert [one.key for one in found] == [one.key for one in found[:3]] * 3
 
@@ -124,7 +124,7 @@ def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
 def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
     here = list(run.each(MANY.points(), store))
     there = list(run.each(MANY.points(), Store(tmp_path / "other.sqlite"), two))
-    assert [one._replace(known=False) for one in there] == here
+    assert [one._replace(stored=False) for one in there] == here
     known = list(run.each(MANY.points(), store, two))
     assert all(one.stored for one in known if one.key)
     assert [one.record for one in known] == [one.record for one in here]
@@ -141,21 +141,21 @@ def test_simulations_give_the_same_bits_in_processes(store, two, tmp_path):
 def test_other_sources_on_a_worker_are_refused(store):
     asked = list(request_of("legs.tilt_deg=5").points())
     with pytest.raises(WalkergenError, match=r"another version of walkergen, old, here [0-9a-f]+"):
-        list(run.each(asked, store, Crew(Faults(sources="old"), 1)))
+        list(run.each(asked, store, WorkerPool(Faults(sources="old"), 1)))
     assert not any(one.stored for one in run.each(asked, store))
 
 
 def test_a_worker_without_walkergen_is_told(store):
     lost = Faults(1, ModuleNotFoundError("No module named 'walkergen'"))
     with pytest.raises(WalkergenError, match="a worker has no such walkergen: No module"):
-        list(run.each(MANY.points(), store, Crew(lost, 1)))
+        list(run.each(MANY.points(), store, WorkerPool(lost, 1)))
 
 
 @pytest.mark.parametrize("error", [ValueError("a defect"), ModuleNotFoundError("walkergen")])
 def test_what_others_have_finished_is_kept_whatever_breaks(store, error):
     broken = Faults(2, error)
     with pytest.raises((ValueError, WalkergenError)):
-        list(run.each(MANY.points(), store, Crew(broken, 2)))
+        list(run.each(MANY.points(), store, WorkerPool(broken, 2)))
     known = [one.stored for one in run.each(MANY.points(), store) if one.key]
     assert 0 < known.count(False) <= run.BLOCK  # those of the broken task alone
     assert known.count(True) >= run.BLOCK
@@ -173,7 +173,7 @@ def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(
     pids = []
 
     def explore():
-        with crew.local(1) as one:
+        with worker_pool.local(1) as one:
             for done in run.each(endless(), store, one):
                 pids.append(done.key)
                 (process,) = active_children_of(one)
@@ -190,7 +190,7 @@ def test_a_worker_that_dies_gives_one_clear_error_and_what_was_finished_is_kept(
 
 
 def active_children_of(one):
-    """Process numbers of a crew's workers."""
+    """Process numbers of a pool's workers."""
     return list(one.executor._processes)
 
 
@@ -200,14 +200,14 @@ import sys
 signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored by what a shell runs behind it
 sys.path.insert(0, {tests!r})
 from pathlib import Path
-from walkergen.points import crew, run
+from walkergen.points import worker_pool, run
 from walkergen.points.store import Store
 import test_run
 
 if __name__ == "__main__":
     store = Store(Path({path!r}))
     try:
-        with crew.local(1) as one:
+        with worker_pool.local(1) as one:
             for done in run.each(test_run.endless(), store, one):
                 print(done.key, *one.executor._processes, flush=True)
     except KeyboardInterrupt:
@@ -250,15 +250,15 @@ def test_no_worker_outlives_its_program(tmp_path, ended_by):
 
 
 def test_a_crew_has_a_number_of_workers_that_makes_sense():
-    for count in (0, -1, crew.MOST_WORKERS + 1):
+    for count in (0, -1, worker_pool.MOST_WORKERS + 1):
         with pytest.raises(WalkergenError, match=rf"^--workers {count}: must lie in 1\.\."):
-            crew.local(count).__enter__()
-    assert 1 <= crew.cores() <= os.cpu_count()
+            worker_pool.local(count).__enter__()
+    assert 1 <= worker_pool.cores() <= os.cpu_count()
 
 
 def test_workers_with_other_sources_are_named():
-    crew.check({"tcp://a": digest()})
+    worker_pool.check({"tcp://a": digest()})
     with pytest.raises(WalkergenError, match="worker tcp://b has another version of walkergen"):
-        crew.check({"tcp://a": digest(), "tcp://b": "0" * 16})
+        worker_pool.check({"tcp://a": digest(), "tcp://b": "0" * 16})
     with pytest.raises(WalkergenError, match="worker tcp://c has ModuleNotFoundError: none"):
-        crew.check({"tcp://c": "ModuleNotFoundError: none"})
+        worker_pool.check({"tcp://c": "ModuleNotFoundError: none"})

@@ -12,7 +12,7 @@ from walkergen.cli import app, loading, main
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments, templates
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.walker.design import Design
 
 TAKES = {
@@ -352,7 +352,7 @@ def test_options_of_one_walker_are_refused_for_several(run, words):
 
 
 def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
-    measure, done = points.measure, []
+    measure, done = experiments.measure, []
 
     def interrupted(asked, progress, threads=None):
         if done:
@@ -360,7 +360,7 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
         done.append(asked)
         return measure(asked, progress, threads)
 
-    monkeypatch.setattr(points, "measure", interrupted)
+    monkeypatch.setattr(experiments, "measure", interrupted)
     result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
     assert result.exit_code == 130
     assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
@@ -371,7 +371,7 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
 
 
 def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypatch, tmp_path):
-    measure = points.measure
+    measure = experiments.measure
 
     def interrupted(asked, progress, threads=None):
         few = asked.scene.run.model_copy(update={"runs": 2})
@@ -380,7 +380,7 @@ def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypa
     words = ("simulate", "--legs", "braced", "--tilt", "5", *SHORT, "--trajectory", "runs.csv")
     assert json.loads(run(*words).stdout)["partial"] is False
     whole = (tmp_path / "runs.csv").read_bytes()
-    monkeypatch.setattr(points, "measure", interrupted)
+    monkeypatch.setattr(experiments, "measure", interrupted)
     result = run(*words)
     assert result.exit_code == 130
     found = json.loads(result.stdout)
@@ -391,5 +391,5 @@ def test_ctrl_c_gives_the_runs_done_and_says_that_they_are_not_all(run, monkeypa
 
 
 def test_one_that_cannot_be_built_is_told_before_any_runs(run, monkeypatch):
-    monkeypatch.setattr(points, "measure", None)
+    monkeypatch.setattr(experiments, "measure", None)
     assert "tilt up to" in refused(run, "simulate", "--tilt", "5,80")

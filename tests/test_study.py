@@ -11,8 +11,8 @@ from walkergen.jobs.accuracy import choose, elastic, report, shape, statistics, 
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.points import wanted
-from walkergen.points.wanted import Wanted
+from walkergen.points import tolerance
+from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.run import Outcome, RunResult
@@ -124,16 +124,16 @@ def test_parts_of_an_ensemble_use_no_block_twice_and_err_as_theory_says():
 
 
 @pytest.mark.parametrize(
-    ("text", "expected"), [("5%", Wanted(0.05, True)), (" 0.5 mm/s", Wanted(0.5, False))]
+    ("text", "expected"), [("5%", Tolerance(0.05, True)), (" 0.5 mm/s", Tolerance(0.5, False))]
 )
 def test_errors_are_read(text, expected):
-    assert wanted.parse(text) == expected
+    assert tolerance.parse(text) == expected
 
 
 @pytest.mark.parametrize("text", ["5", "0%", "-1%", "nan%", "101%", "infmm/s", "5 %%", ""])
 def test_errors_that_mean_nothing_are_refused(text):
     with pytest.raises(InputError, match="--error"):
-        wanted.parse(text)
+        tolerance.parse(text)
 
 
 def speeds_of(survey, steps, rigid=0.0, relaxed=60.0):
@@ -147,10 +147,10 @@ def test_the_cheapest_setting_within_the_error_is_chosen():
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
     known(survey, speeds, cpu_per_s=costs)
     # 20 %: 220 us are 6 % off, but 560 us 50 %; 110 us count, since 220 us are within as well
-    assert choose.choose(survey, Wanted(0.2, True), silent).setting == survey.steps[4]
-    assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[3]
-    assert choose.choose(survey, Wanted(2.0, False), silent).setting == survey.steps[1]
-    fine = choose.choose(survey, Wanted(0.05, True), silent)
+    assert choose.choose(survey, Tolerance(0.2, True), silent).setting == survey.steps[4]
+    assert choose.choose(survey, Tolerance(0.05, True), silent).setting == survey.steps[3]
+    assert choose.choose(survey, Tolerance(2.0, False), silent).setting == survey.steps[1]
+    fine = choose.choose(survey, Tolerance(0.05, True), silent)
     assert fine.bias_bound + 2.0 * fine.se == pytest.approx(5.0)
     # 99 mm/s: 1 off, and twice the errors of both
     assert fine.bias_bound == pytest.approx(1.0 + 2.0 * math.hypot(0.1, 0.1))
@@ -163,11 +163,11 @@ def test_the_last_step_before_a_cliff_is_never_chosen():
     known(survey, speeds, cpu_per_s=costs)
     assert survey.steps[4].step_us == pytest.approx(110.0)
     for error in (0.5, 0.2, 0.05, 0.02):
-        assert choose.choose(survey, Wanted(error, True), silent).setting == survey.steps[3]
+        assert choose.choose(survey, Tolerance(error, True), silent).setting == survey.steps[3]
     # In space the longest step that is not refused is the margin of those beside it.
     survey = survey_of(model="auto")
     known(survey, speeds_of(survey, (100.0, 100.0, 100.0, 100.0, 60.0)))
-    offered = choose.choose(survey, Wanted(0.2, True), silent).setting
+    offered = choose.choose(survey, Tolerance(0.2, True), silent).setting
     assert offered in survey.steps[:2]
 
 
@@ -182,7 +182,7 @@ def test_errors_are_those_of_the_observable_asked_for():
         survey.known[setting] = survey.known[setting]._replace(observed=seen)
     contact = survey.showing("contact_fraction")
     assert contact.reference(silent).setting == survey.steps[0]
-    assert choose.choose(survey, Wanted(0.25, True), silent).setting == survey.steps[5]
+    assert choose.choose(survey, Tolerance(0.25, True), silent).setting == survey.steps[5]
 
 
 def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
@@ -191,13 +191,13 @@ def test_a_coarse_step_that_is_right_by_luck_is_not_chosen():
     costs = {setting: 0.02 / place for place, setting in enumerate(survey.steps, start=1)}
     known(survey, speeds, cpu_per_s=costs)
     # 56 us are right, but twice as long is 10 % off: 22 us have the margin of two
-    assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[1]
+    assert choose.choose(survey, Tolerance(0.05, True), silent).setting == survey.steps[1]
 
 
 def test_what_cannot_be_promised_is_refused():
     survey = known(survey_of(), speeds_of(survey_of(), (100.0,) * 8))
     with pytest.raises(InputError, match=r"known to 0\.2 mm/s only; measure longer"):
-        choose.choose(survey, Wanted(1e-4, True), silent)
+        choose.choose(survey, Tolerance(1e-4, True), silent)
     dead = survey_of()
     finest = dead.steps[0]
     dead.known[finest] = Measured(finest, None, None, 16, 1.0, 1.0, 1.0, None, "16 toppled")
@@ -233,9 +233,9 @@ def test_only_settings_in_space_are_chosen_even_where_a_plane_is_right_by_luck()
     costs = {setting: 0.2 / place for place, setting in enumerate(survey.steps, start=1)}
     known(survey, speeds, cpu_per_s=costs)
     # The longest step has no margin; the third has that of the longest, which is 8 % off.
-    assert choose.choose(survey, Wanted(0.2, True), silent).setting == survey.steps[3]
-    assert choose.choose(survey, Wanted(0.05, True), silent).setting == survey.steps[1]
-    assert choose.choose(survey, Wanted(2.0, False), silent).setting == survey.steps[1]
+    assert choose.choose(survey, Tolerance(0.2, True), silent).setting == survey.steps[3]
+    assert choose.choose(survey, Tolerance(0.05, True), silent).setting == survey.steps[1]
+    assert choose.choose(survey, Tolerance(2.0, False), silent).setting == survey.steps[1]
 
 
 @pytest.mark.slow
@@ -243,13 +243,13 @@ def test_only_settings_in_space_are_chosen_even_where_a_plane_is_right_by_luck()
 def test_orders_in_space_are_those_claimed():
     """Smooth sliding errs by second order; landings by first, in the mean over drops."""
     survey = survey_of(model="auto")
-    survey.purse.budget_s, survey.others = 60.0, dict(elastic.WEIGHTS)
+    survey.budget.budget_s, survey.others = 60.0, dict(elastic.WEIGHTS)
     ladder = elastic.short(survey, silent)
-    for series, claimed, tolerance in (("sliding", 2.0, 0.6), ("landings", 1.0, 0.4)):
+    for series, claimed, allowance in (("sliding", 2.0, 0.6), ("landings", 1.0, 0.4)):
         # Tolerances: frames end at other instants for other steps; 32 drops leave 20 % of an error
         rungs = [rung for rung in ladder.rungs if rung.series == series]
         slope, _ = order([r.details["value"] for r in rungs], [r.error for r in rungs])
-        assert slope == pytest.approx(claimed, abs=tolerance), series
+        assert slope == pytest.approx(claimed, abs=allowance), series
 
 
 @pytest.mark.parametrize(("rungs", "shown"), [(2, True), (61, False)])

@@ -5,7 +5,7 @@ import pytest
 from walkergen.errors import InputError
 from walkergen.jobs.sweep import sweep_file
 from walkergen.points.axes import Axis, Sample, Span
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 
 QUOTED = """
 design = "koumakis2016"
@@ -70,7 +70,7 @@ def test_a_file_says_all_that_a_sweep_needs(read, tmp_path, text):
     assert (found.design, found.scene, found.printer) == (
         "koumakis2016", "scenes/mine.toml", "ender3"
     )  # fmt: skip
-    assert (found.model, found.error, found.seed) == ("compliant", Wanted(0.05, True), 3)
+    assert (found.model, found.error, found.seed) == ("compliant", Tolerance(0.05, True), 3)
     assert found.keep == ("speed", "masses")
     assert found.folder == tmp_path
     assert found.constants == {"scene.drive.gamma": 2.2, "marks.kind": "none"}

@@ -19,7 +19,7 @@ from walkergen.files import figures, templates
 from walkergen.files.progress import silent
 from walkergen.jobs.movie import above
 from walkergen.jobs.movie import make as movie
-from walkergen.jobs.track import film, find, heading, link, look, make, report
+from walkergen.jobs.track import appearance, film, find, heading, link, make, report
 from walkergen.jobs.track.find import Blob
 from walkergen.jobs.track.link import Seen
 from walkergen.jobs.track.result import Options
@@ -64,7 +64,7 @@ def drawn(walkers, dark=True, spot=None, round_ones=False, noise=2.0, seed=0, si
 
 
 def blobs_of(frame, marked=False, **known):
-    seen = look.learn([frame], known.get("dark"), known.get("threshold"), known.get("width"))
+    seen = appearance.learn([frame], known.get("dark"), known.get("threshold"), known.get("width"))
     return find.find(frame, seen, marked), seen
 
 

@@ -6,7 +6,7 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.simulate import make, report
 from walkergen.jobs.simulate.report import SimulationReport
-from walkergen.points.wanted import parse
+from walkergen.points.tolerance import parse
 from walkergen.walker import solids
 from walkergen.walker.limbs import Kind
 

@@ -16,7 +16,7 @@ from walkergen.files.progress import Progress, silent
 from walkergen.jobs.sweep import ask, make
 from walkergen.jobs.sweep.ask import Ask
 from walkergen.jobs.sweep.report import SweepReport
-from walkergen.points import axes, crew, wanted
+from walkergen.points import axes, tolerance, worker_pool
 from walkergen.points.axes import Sample, Space, Span
 from walkergen.points.point import PREDICTION
 from walkergen.points.store import Store
@@ -45,11 +45,11 @@ def sweep(
     for key in between or ():
         if key in (values or {}):
             raise InputError(f"between: {key}: is in values too: leave one of them out")
-    told = None if error is None else wanted.parse(error)
+    told = None if error is None else tolerance.parse(error)
     machine = None if printer is None else printer_of(printer)
     asked = Ask(walker_of(design), None, scene_of(scene), machine, space, (), model, told, keep)
     request, tell = asked.request(), progress or silent
-    hired = nullcontext() if workers is None else crew.local(workers)
+    hired = nullcontext() if workers is None else worker_pool.local(workers)
     job = make.Job(request, asked.title(), kept=True)
     with closing(Store()) as store, hired as hands:
         if folder is None:

@@ -110,10 +110,10 @@ def drop(
 def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     """Film the first of the drops from the hand, from the release to where it rises no more."""
     from walkergen.jobs.movie import make as movies
-    from walkergen.points import drops, still
+    from walkergen.points import drops, resting
 
     let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
-    scene = still.filmed(test.scene)
+    scene = resting.filmed(test.scene)
     job = movies.plan(
         [test.design], scene, seconds=drops.seconds_of(how.height), fps=FPS, view="perspective"
     )

@@ -8,7 +8,7 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
-from walkergen.cli.crews import Workers, crew_of
+from walkergen.cli.worker_pools import Workers, pool_of
 
 
 def design(
@@ -63,10 +63,10 @@ def design(
     from walkergen.jobs.design import box, make
     from walkergen.jobs.design import wish as wishes
     from walkergen.jobs.design.lab import Bench, Job
-    from walkergen.points import wanted
+    from walkergen.points import tolerance
     from walkergen.points.store import Store
 
-    wish = wishes.of_options(speed, persistence, radius, fastest, calm, wanted.parse(error))
+    wish = wishes.of_options(speed, persistence, radius, fastest, calm, tolerance.parse(error))
     asked = loading.asked(values, "design scene printer", seed=seed)
     base, place = asked.design(start), asked.scene(scene)
     spans = box.of_options(vary or [], base)
@@ -79,9 +79,9 @@ def design(
     folder = out or Path("out") / f"design-{wish.slug}"
     store = Store()
     try:
-        hands = crew_of(not job.simulated, workers)
-        with hands as crew, show.progress("design", not quiet) as progress:
-            result = make.make(job, Bench(store, crew, progress), folder, pictures)
+        hands = pool_of(not job.simulated, workers)
+        with hands as pool, show.progress("design", not quiet) as progress:
+            result = make.make(job, Bench(store, pool, progress), folder, pictures)
     finally:
         store.close()
     show.report(result, json, quiet)

@@ -64,6 +64,9 @@ def simulate(
     of: Annotated[
         str, typer.Option("--of", metavar="NAME", help="What --error is about, as JSON names it.")
     ] = "speed_mm_s",
+    whole: Annotated[
+        bool, typer.Option("--all", help="Print all that was measured, not the first lines alone.")
+    ] = False,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
@@ -72,7 +75,7 @@ def simulate(
     Several tilts, or both kinds of legs, make a table.
     """
     from walkergen.jobs.simulate import make, report, trajectories
-    from walkergen.points.wanted import parse
+    from walkergen.points.tolerance import parse
     from walkergen.walker import solids
 
     if trajectory is not None:
@@ -113,7 +116,7 @@ def simulate(
             trajectories.write(trajectory, one._replace(scene=found.scene), found.point, progress)
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
-    show.report(report.of(one, found), json, quiet)
+    show.report(report.of(one, found, whole), json, quiet)
     if trajectory is not None and done == wished and not (json or quiet):
         print(trajectory)
     if done < wished:

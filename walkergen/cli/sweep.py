@@ -7,15 +7,15 @@ import typer
 
 from walkergen.cli import options as opt
 from walkergen.cli import show
-from walkergen.cli.crews import Workers, crew_of
 from walkergen.cli.times import parse_time
+from walkergen.cli.worker_pools import Workers, pool_of
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.jobs.sweep.ask import Ask
-    from walkergen.points.crew import Crew
     from walkergen.points.request import Request
     from walkergen.points.store import Store
+    from walkergen.points.worker_pool import WorkerPool
 
 FEW_POINTS = 512
 """Number of predicted points that take less time here than processes take to start."""
@@ -106,11 +106,11 @@ def sweep(
     folder = out or Path("out") / "sweeps" / asked.name()
     store = Store()
     few = request.model == PREDICTION and request.space.points <= FEW_POINTS
-    with crew_of(few, workers, dask) as crew:
-        _check_cost(request, store, crew, yes)
+    with pool_of(few, workers, dask) as pool:
+        _check_cost(request, store, pool, yes)
         job = make.Job(request, asked.title(), pictures, seconds)
         with show.progress("sweep", wanted=not quiet) as progress:
-            made = make.make(job, folder, store, crew, progress)
+            made = make.make(job, folder, store, pool, progress)
     show.report(made, json, quiet)
 
 
@@ -120,7 +120,7 @@ def _ask(
 ) -> "Ask":  # fmt: skip
     """Sweep that a command line asks for. Raises InputError."""
     from walkergen.jobs.sweep import ask
-    from walkergen.points.wanted import parse
+    from walkergen.points.tolerance import parse
 
     space, constants = ask.space_of(values, sample, seed)
     groups = [word.strip() for word in keep.split(",")]
@@ -137,11 +137,11 @@ def _check_file(**given: object) -> None:
             raise InputError(f"{flag} {value}: not with --file, which says it")
 
 
-def _check_cost(request: "Request", store: "Store", crew: "Crew | None", yes: bool) -> None:
+def _check_cost(request: "Request", store: "Store", pool: "WorkerPool | None", yes: bool) -> None:
     """Say what a large sweep costs and refuse it without --yes. Raises InputError."""
     from walkergen.jobs.sweep import cost
 
     if yes or request.space.points <= cost.UNASKED:
         return
-    found = cost.estimate(request, store, 1 if crew is None else crew.workers)
+    found = cost.estimate(request, store, 1 if pool is None else pool.workers)
     raise InputError(f"{cost.in_words(found)}; give --yes to begin, or take fewer points")

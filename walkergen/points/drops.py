@@ -15,7 +15,7 @@ import numpy.typing as npt
 
 from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
-from walkergen.points import still
+from walkergen.points import resting
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan
@@ -104,7 +104,7 @@ def from_hand(height: float, turn_deg: float, drops: int, seed: int) -> list[Let
 def seconds_of(height: float) -> float:
     """Time (s) from the release until a perfect bounce would be back, and a little more."""
     # Contacts take 0.1 ms
-    return 2.1 * still.free_fall(height, GRAVITY) + 2e-3
+    return 2.1 * resting.free_fall(height, GRAVITY) + 2e-3
 
 
 def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
@@ -125,7 +125,7 @@ def by_label(
     rows = []
     for number, label in enumerate(LABELS):
         progress(f"restitution {label:g}", number, len(LABELS))
-        plan = still.plan_of(still.with_contact(scene, restitution=label), design)
+        plan = resting.plan_of(resting.with_contact(scene, restitution=label), design)
         rows.append(rebounds(plan, hand))
     return rows
 

@@ -11,7 +11,7 @@ from walkergen.points.point import OK, STATUS, Point, Record
 from walkergen.points.runs import motion_of
 from walkergen.printing import checks
 from walkergen.scene import Scene
-from walkergen.simulation import observables, points
+from walkergen.simulation import experiments, observables
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.run import ENDED_WELL, Outcome, RunResult
 from walkergen.theory import prediction
@@ -69,9 +69,9 @@ def _evaluated(point: Point) -> Record:
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    asked = points.Asked(point.scene, point.design, mass)
+    asked = experiments.Experiment(point.scene, point.design, mass)
     measured = measure.measure(asked, silent, point.wanted, threads=1)
-    simulated, scene = measured.point, measured.scene
+    simulated, scene = measured.results, measured.scene
     summary = simulated.summary
     if summary.runs < scene.run.runs:
         raise KeyboardInterrupt
@@ -106,7 +106,7 @@ def _motion(results: Sequence[RunResult], model: str, scene: Scene) -> Record:
 
 def _status(measured: Measured) -> str:
     """How the runs of a point went."""
-    summary = measured.point.summary
+    summary = measured.results.summary
     fine = [outcome.value for outcome in (*ENDED_WELL, Outcome.TOO_FEW, Outcome.ORBIT)]
     bad = {name: count for name, count in summary.outcomes.items() if name not in fine}
     if summary.speed_mm_s is None:

@@ -12,11 +12,11 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.numerics.statistics import Mean
-from walkergen.points.wanted import Chosen, Wanted
+from walkergen.points.tolerance import Chosen, Tolerance
 from walkergen.scene import Scene
-from walkergen.simulation import observables, points, resolution
+from walkergen.simulation import experiments, observables, resolution
+from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.observables import SPEED
-from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import Outcome
 
 FIRST_RUNS, MOST_RUNS = 8, 512
@@ -39,7 +39,7 @@ FEWEST_AT_ALL = 0.2
 class Measured(NamedTuple):
     """Walker that was simulated until its error was met, or no more runs could help."""
 
-    point: Point
+    results: Results
     scene: Scene
     """Scene with the runs and the step that were taken."""
     error: float
@@ -52,8 +52,8 @@ class Measured(NamedTuple):
 
     def chosen(self) -> Chosen:
         """What was taken to meet the error, and the error obtained."""
-        summary, verdict = self.point.summary, self.point.verdicts[self.of]
-        step = self.point.step_us
+        summary, verdict = self.results.summary, self.results.verdicts[self.of]
+        step = self.results.step_us
         unit = "mm/s" if self.of == SPEED else f"of {self.of}"
         within = "within" if self.error <= self.allowed else "NOT within"
         stepping = "" if step is None else f", step {words.number(step, 3)} us"
@@ -76,17 +76,17 @@ class Measured(NamedTuple):
         return Chosen(lines, facts)
 
 
-def check(wanted: Wanted, of: str) -> None:
+def check(tolerance: Tolerance, of: str) -> None:
     """Refuse errors of observables that no run gives. Raises InputError."""
     if of not in observables.NAMES:
         names = ", ".join(observables.NAMES)
         raise InputError(f"--of {of[:60]!r}: must be one of {names}")
-    if of != SPEED and not wanted.relative:
-        raise InputError(f"--error {wanted}: only a mean speed is in mm/s; write a share: 5%")
+    if of != SPEED and not tolerance.relative:
+        raise InputError(f"--error {tolerance}: only a mean speed is in mm/s; write a share: 5%")
 
 
 def measure(
-    asked: Asked, progress: Progress, wanted: Wanted | None = None, of: str = SPEED,
+    experiment: Experiment, progress: Progress, tolerance: Tolerance | None = None, of: str = SPEED,
     threads: int | None = None,
 ) -> Measured:  # fmt: skip
     """Simulate a walker by its scene's runs, or by more and more of them until an error is met.
@@ -95,57 +95,59 @@ def measure(
     runs are short. After Ctrl-C the runs that are done. Raises InputError where the scene
     contradicts itself or the design, and for an observable that the step does not resolve.
     """
-    if wanted is not None:
-        check(wanted, of)
-        seconds = min(asked.scene.run.seconds, LONGEST_S)
-        asked = asked._replace(scene=with_runs(asked.scene, runs=FIRST_RUNS, seconds=seconds))
+    if tolerance is not None:
+        check(tolerance, of)
+        seconds = min(experiment.scene.run.seconds, LONGEST_S)
+        experiment = experiment._replace(
+            scene=with_runs(experiment.scene, runs=FIRST_RUNS, seconds=seconds)
+        )
     while True:
-        scene = asked.scene
-        point = points.measure(asked, progress, threads)
-        verdict = point.verdicts[of]
-        if wanted is None:
-            return Measured(point, scene, half_width(point, of), math.inf, of)
+        scene = experiment.scene
+        results = experiments.measure(experiment, progress, threads)
+        verdict = results.verdicts[of]
+        if tolerance is None:
+            return Measured(results, scene, half_width(results, of), math.inf, of)
         if verdict.error is None:
-            raise InputError(f"--error {wanted}: {of} is {verdict.reason}")
-        most = _allowed(wanted, point, scene, of)
-        measured = Measured(point, scene, half_width(point, of), most, of)
-        if measured.error <= most or _more_is_no_help(point, scene):
+            raise InputError(f"--error {tolerance}: {of} is {verdict.reason}")
+        most = _allowed(tolerance, results, scene, of)
+        measured = Measured(results, scene, half_width(results, of), most, of)
+        if measured.error <= most or _more_is_no_help(results, scene):
             return measured
-        finer = refined(scene, measured.error, most, verdict.error, point.step_us)
+        finer = refined(scene, measured.error, most, verdict.error, results.step_us)
         if finer is None:
             return measured
-        asked = asked._replace(scene=finer)
+        experiment = experiment._replace(scene=finer)
 
 
-def half_width(point: Point, of: str = SPEED) -> float:
+def half_width(results: Results, of: str = SPEED) -> float:
     """Half of the bounds of 95 % of an observable, by runs and step; infinite where not known."""
-    summary = point.summary
+    summary = results.summary
     if of == SPEED:
         low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
         return math.inf if low is None or high is None else 0.5 * (high - low)
-    se, step = summary.errors[of], point.verdicts[of].error
+    se, step = summary.errors[of], results.verdicts[of].error
     if se is None or step is None:
         return math.inf
     return math.hypot(Mean(0.0, se, summary.runs - 1.0).interval(0.95)[1], step)
 
 
-def allowed(wanted: Wanted, speed: float | None, scene: Scene) -> float:
+def allowed(tolerance: Tolerance, speed: float | None, scene: Scene) -> float:
     """Error that a speed may have, mm/s: a share counts of it, or of FEWEST_AT_ALL."""
-    if not wanted.relative:
-        return wanted.value
-    return wanted.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
+    if not tolerance.relative:
+        return tolerance.value
+    return tolerance.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
 
 
-def _allowed(wanted: Wanted, point: Point, scene: Scene, of: str) -> float:
+def _allowed(tolerance: Tolerance, results: Results, scene: Scene, of: str) -> float:
     """Error that an observable may have, in its unit."""
     if of == SPEED:
-        return allowed(wanted, point.summary.speed_mm_s, scene)
-    return wanted.value * abs(resolution.values(point.summary)[of])
+        return allowed(tolerance, results.summary.speed_mm_s, scene)
+    return tolerance.value * abs(resolution.values(results.summary)[of])
 
 
-def _more_is_no_help(point: Point, scene: Scene) -> bool:
+def _more_is_no_help(results: Results, scene: Scene) -> bool:
     """Whether runs were left out after Ctrl-C, or more of them would end as these did."""
-    summary = point.summary
+    summary = results.summary
     return (
         summary.runs < scene.run.runs
         or summary.speed_mm_s is None

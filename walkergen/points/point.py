@@ -8,10 +8,10 @@ from pathlib import Path
 from typing import NamedTuple
 
 from walkergen.errors import InputError
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.theory import discrepancy
 from walkergen.walker.design import Design
 
@@ -43,7 +43,7 @@ class Point(NamedTuple):
     keep: tuple[str, ...] = ("speed",)
     """Groups of KEPT that shall be known. Without any, a simulated point is its runs alone: its key
     then does not depend on how speeds are predicted."""
-    wanted: Wanted | None = None
+    wanted: Tolerance | None = None
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None
     """Printer of the group "printability"."""
@@ -75,7 +75,7 @@ def key(point: Point) -> str:
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), discrepancy.digest()] if point.predicted else []
     facts = [
-        *points.facts(point.scene, point.design), *table,
+        *experiments.facts(point.scene, point.design), *table,
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]

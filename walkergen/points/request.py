@@ -11,7 +11,7 @@ from walkergen.points.axes import Space
 from walkergen.points.evaluate import refused
 from walkergen.points.point import PREDICTION, Point
 from walkergen.points.run import Asked
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -29,7 +29,7 @@ class Request(NamedTuple):
     model: str = PREDICTION
     """One of `point.MODELS`."""
     keep: tuple[str, ...] = ("speed",)
-    wanted: Wanted | None = None
+    wanted: Tolerance | None = None
     printer: Printer | None = None
     data: Mapping[str, Any] | None = None
     """Data of the design as in its file, where these are known: one that stands as built is turned

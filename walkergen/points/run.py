@@ -1,4 +1,4 @@
-"""Evaluation of many points: those that are known come from the store, others from a crew."""
+"""Evaluation of many points: those that are known come from the store, others from a pool."""
 
 from collections import deque
 from collections.abc import Iterable, Iterator, Sequence
@@ -7,10 +7,10 @@ from itertools import islice
 from typing import NamedTuple
 
 from walkergen.errors import WalkergenError
-from walkergen.points.crew import Crew
 from walkergen.points.evaluate import evaluate
 from walkergen.points.point import Point, Record, digest, key
 from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
 
 AHEAD = 4
 """Tasks for each worker that are sent ahead, so that none is idle."""
@@ -53,21 +53,21 @@ class _Slot(NamedTuple):
     place: int = 0
 
 
-def each(points: Iterable[Asked], store: Store, crew: Crew | None = None) -> Iterator[Done]:
+def each(points: Iterable[Asked], store: Store, pool: WorkerPool | None = None) -> Iterator[Done]:
     """Evaluate points and yield them in their order; those that are evaluated are in the store.
 
-    Without a crew they are evaluated here, in turn. Raises OutputError where the store fails, and
+    Without a pool they are evaluated here, in turn. Raises OutputError where the store fails, and
     WalkergenError when a worker is lost or has another version of walkergen; all that was finished
     is then in the store.
     """
     stream = iter(points)
-    if crew is None:
+    if pool is None:
         while block := list(islice(stream, BLOCK)):
             yield from _here(block, store)
         return
     under_way: dict[Future[Answer], _Task] = {}
     try:
-        yield from _there(stream, store, crew, under_way)
+        yield from _there(stream, store, pool, under_way)
     finally:  # an error, Ctrl-C, or no more is asked for: what others have finished is kept
         for future, task in under_way.items():
             if future.done() and not future.cancelled() and future.exception() is None:
@@ -75,22 +75,25 @@ def each(points: Iterable[Asked], store: Store, crew: Crew | None = None) -> Ite
 
 
 def _there(
-    stream: Iterator[Asked], store: Store, crew: Crew, under_way: dict["Future[Answer]", _Task]
+    stream: Iterator[Asked],
+    store: Store,
+    pool: WorkerPool,
+    under_way: dict["Future[Answer]", _Task],
 ) -> Iterator[Done]:
-    """Evaluate points by a crew; `under_way` holds the tasks whose records are not yet saved."""
+    """Evaluate points by a pool; `under_way` holds the tasks whose records are not yet saved."""
     slots: deque[_Slot] = deque()
     more, most = True, 1  # the first point alone: where kernels are new, it compiles for all
     while more or slots:
         while more and len(under_way) < most and len(slots) < MOST_AHEAD:
             block = list(islice(stream, BLOCK if most > 1 else 1))
             more = bool(block)
-            for slot in _sent(block, store, crew):
+            for slot in _sent(block, store, pool):
                 slots.append(slot)
                 if slot.task is not None:
                     under_way[slot.task.future] = slot.task
         if under_way and slots[0].task is not None and slots[0].task.future in under_way:
             finished, _ = wait(under_way, return_when=FIRST_COMPLETED)
-            most = AHEAD * crew.workers
+            most = AHEAD * pool.workers
             for future in finished:
                 store.put(zip(under_way[future].keys, _answer(future), strict=True))
                 del under_way[future]
@@ -121,8 +124,8 @@ def _here(block: Sequence[Asked], store: Store) -> Iterator[Done]:
     yield from finished
 
 
-def _sent(block: Sequence[Asked], store: Store, crew: Crew) -> list[_Slot]:
-    """Places of a block's points, the unknown ones sent to the crew."""
+def _sent(block: Sequence[Asked], store: Store, pool: WorkerPool) -> list[_Slot]:
+    """Places of a block's points, the unknown ones sent to the pool."""
     keys = [key(point) if isinstance(point, Point) else "" for point in block]
     stored = store.get([name for name in keys if name])
     fresh = {
@@ -136,7 +139,7 @@ def _sent(block: Sequence[Asked], store: Store, crew: Crew) -> list[_Slot]:
     places: dict[str, tuple[_Task, int]] = {}
     for first in range(0, len(names), size):
         part = names[first : first + size]
-        task = _Task(part, crew.executor.submit(_work, [fresh[name] for name in part]))
+        task = _Task(part, pool.executor.submit(_work, [fresh[name] for name in part]))
         places |= {name: (task, place) for place, name in enumerate(part)}
     slots = []
     for name, point in zip(keys, block, strict=True):

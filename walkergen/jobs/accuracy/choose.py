@@ -8,11 +8,11 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.jobs.accuracy import elastic
-from walkergen.jobs.accuracy.purse import RUNS, SHORTEST
+from walkergen.jobs.accuracy.budget import RUNS, SHORTEST
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.points.measure import allowed
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 
 SLACK = 1.2
 """Factor by which more time is bought than the estimated error needs, since it fluctuates."""
@@ -48,7 +48,7 @@ def candidates(survey: Survey, progress: Progress) -> list[Measured]:
     return survey.measure(survey.steps, progress)
 
 
-def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
+def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice:
     """Choose the setting that meets the error in the least CPU time.
 
     The 95 % bound of the bias and twice the standard error together stay within the error. A step
@@ -70,7 +70,7 @@ def choose(survey: Survey, wanted: Wanted, progress: Progress) -> Choice:
     return min(choices, key=lambda choice: choice.cpu_s)
 
 
-def _too_fine(wanted: Wanted, error: float, survey: Survey, reference: Measured) -> str:
+def _too_fine(wanted: Tolerance, error: float, survey: Survey, reference: Measured) -> str:
     """Advice on the budget that would give the reference's mean speed to a third of the error."""
     assert reference.se is not None
     known = 2.0 * reference.se

@@ -9,8 +9,8 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part
+from walkergen.jobs.accuracy.budget import KINDS, widened
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
-from walkergen.jobs.accuracy.purse import KINDS, widened
 from walkergen.jobs.accuracy.setting import Setting
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble, record
@@ -107,7 +107,7 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     granted = survey.take("frames")
     several = granted > len(FRAMES) * survey.least(survey.own)
     lengths = FRAMES if several else FEWEST_FRAMES
-    runs = survey.purse.affords(granted / len(lengths), rate, discard, KINDS)
+    runs = survey.budget.affords(granted / len(lengths), rate, discard, KINDS)
     plan = survey.plan(survey.own).lasting(seconds=runs.seconds, runs=runs.number)
     rungs = []
     for number, frame in enumerate(lengths):
@@ -116,7 +116,7 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         found, _ = ensemble.measure(plan._replace(world=world), told)
         if found.runs < runs.number:
             raise KeyboardInterrupt
-        survey.purse.pay_runs(runs, rate, discard, found.wall_s)
+        survey.budget.pay_runs(runs, rate, discard, found.wall_s)
         good = set(found.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         error = se = None
         if good and found.speed_mm_s is not None and found.speed_se_mm_s is not None:
@@ -207,7 +207,7 @@ def _ends(survey: Survey, scene: Short, plan: Plan) -> Array:
             ended = ENDS[status].value
             raise InputError(f"the short scene {scene.name!r} ends as {ended}: try a weaker drive")
         ends.append(state[[SHOWN_X, HEIGHT, PITCH]])
-    survey.purse.pay(time.perf_counter() - started)
+    survey.budget.pay(time.perf_counter() - started)
     reach = np.array([1.0, 1.0, 0.5 * survey.design.foot_span])
     return np.asarray(np.array(ends) * reach)
 

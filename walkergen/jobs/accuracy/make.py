@@ -22,7 +22,7 @@ from walkergen.jobs.accuracy import (
 from walkergen.jobs.accuracy.ladder import Ladder
 from walkergen.jobs.accuracy.report import Answer
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.points import wanted as asked_error
+from walkergen.points import tolerance as asked_error
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -87,7 +87,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
             answers.write_figures(target)
             page = f"{answers.markdown()}\n![choice](choice.png)\n"
             target.write("accuracy.md", page.encode())
-    return report.of(done, answers, survey.purse.spent_s, least, title, folder)
+    return report.of(done, answers, survey.budget.spent_s, least, title, folder)
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
@@ -110,10 +110,10 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
         least += survey.least(setting)
     for name in survey.others:
         least += LEAST[name](survey)
-    least += survey.purse.spent_s
-    if least <= survey.purse.budget_s:
+    least += survey.budget.spent_s
+    if least <= survey.budget.budget_s:
         return None
-    survey.purse.budget_s = least
+    survey.budget.budget_s = least
     return least
 
 

@@ -4,7 +4,7 @@ from walkergen.analysis import motion
 from walkergen.analysis.tracks import of_places
 from walkergen.scene import Scene
 from walkergen.simulation import observables, resolution
-from walkergen.simulation.points import Point
+from walkergen.simulation.experiments import Results
 from walkergen.simulation.run import ENDED_WELL
 
 MOTION = {
@@ -17,7 +17,7 @@ NAMES = (*observables.NAMES, *MOTION)
 """Names of all observables, as `simulate --json` has them."""
 
 
-def values(point: Point, scene: Scene) -> dict[str, tuple[float | None, float | None]]:
+def values(point: Results, scene: Scene) -> dict[str, tuple[float | None, float | None]]:
     """Values and standard errors of a point's observables; without those that it refuses."""
     summary = point.summary
     errors = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
@@ -27,7 +27,7 @@ def values(point: Point, scene: Scene) -> dict[str, tuple[float | None, float | 
     return known | _motion(point, scene.arena.kind == "lane")
 
 
-def _motion(point: Point, lane: bool) -> dict[str, tuple[float | None, float | None]]:
+def _motion(point: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
     """How the walkers of a point turn and spread, where their runs are long enough to tell."""
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good or len(good[0].places) < 4:

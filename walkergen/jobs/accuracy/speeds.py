@@ -10,17 +10,17 @@ from functools import cached_property
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, part, silent
 from walkergen.jobs.accuracy import observed
-from walkergen.jobs.accuracy.purse import KINDS, RUNS, Purse, Runs, widened
+from walkergen.jobs.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
 from walkergen.jobs.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
 from walkergen.scene import Arena, Scene
-from walkergen.simulation import ensemble, points
+from walkergen.simulation import ensemble, experiments
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.effects.resolve import resolve
 from walkergen.simulation.ensemble import listed
+from walkergen.simulation.experiments import Results
 from walkergen.simulation.model import Plan
 from walkergen.simulation.observables import SPEED
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Point
 from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
@@ -52,7 +52,7 @@ class Survey:
         self.of = of
         self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1
-        self.purse = Purse(budget_s, self.cores)
+        self.budget = Budget(budget_s, self.cores)
         self.others: dict[str, float] = {}
         """Weights of what else is to be simulated within the budget; all settings together: 1."""
         self.asked: list[Setting] | None = None
@@ -152,7 +152,7 @@ class Survey:
             cpu_s = sum(one.cpu_s for one in pilots) / runs
             simulated_s = sum(one.measured_s for one in pilots) / runs
             self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
-            self.purse.pay_turns(cpu_s, took)
+            self.budget.pay_turns(cpu_s, took)
         return self._rates[setting]
 
     def granted(self, what: Hashable) -> float:
@@ -161,7 +161,7 @@ class Survey:
         if isinstance(what, Setting):
             due[what] = self.share(what)
         due.update(self.others)
-        return self.purse.grant(what, due)
+        return self.budget.grant(what, due)
 
     def take(self, name: str) -> float:
         """Wall time granted to one of `others`, s, which is then no longer due."""
@@ -177,7 +177,7 @@ class Survey:
 
     def least(self, setting: Setting) -> float:
         """Wall time (s) of the least measurement of a setting that means something."""
-        return self.purse.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
+        return self.budget.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
 
     def reference(self, progress: Progress) -> Measured:
         """Measure the setting that counts as true: the finest step of the complete model.
@@ -251,12 +251,12 @@ class Survey:
         """Scene with a setting, and with other values of its [run]."""
         return _as(self.scene, setting, **run)
 
-    def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Point:
+    def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
         scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
-        asked = points.Asked(scene, self.design, self.mass)
-        (point,) = points.each([asked], [setting.label], progress, None)
+        asked = experiments.Experiment(scene, self.design, self.mass)
+        (point,) = experiments.each([asked], [setting.label], progress, None)
         took, discard = point.summary.wall_s, scene.run.discard_seconds
-        self.purse.pay_runs(runs, self.rate(setting), discard, took)
+        self.budget.pay_runs(runs, self.rate(setting), discard, took)
         return point
 
     def _measured(self, setting: Setting, progress: Progress) -> Measured:
@@ -265,7 +265,7 @@ class Survey:
         Errors of few runs are widened, so that twice them means 95 % confidence as ever.
         """
         discard, rate = self.scene.run.discard_seconds, self.rate(setting)
-        runs = self.purse.affords(self.granted(setting), rate, discard, KINDS)
+        runs = self.budget.affords(self.granted(setting), rate, discard, KINDS)
         point = self._run(setting, runs, progress)
         summary, wider = point.summary, widened(runs.number)
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}

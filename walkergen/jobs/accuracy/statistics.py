@@ -7,8 +7,8 @@ from itertools import pairwise
 import numpy as np
 
 from walkergen.files.progress import Progress
+from walkergen.jobs.accuracy.budget import Runs
 from walkergen.jobs.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.accuracy.purse import Runs
 from walkergen.jobs.accuracy.speeds import Survey
 from walkergen.simulation import ensemble
 from walkergen.simulation.run import RunResult
@@ -68,13 +68,13 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 def least(survey: Survey) -> float:
     """Wall time of the least ensemble whose parts can be compared, s."""
-    return survey.purse.cost(KINDS[-1], survey.rate(survey.own), survey.scene.run.discard_seconds)
+    return survey.budget.cost(KINDS[-1], survey.rate(survey.own), survey.scene.run.discard_seconds)
 
 
 def _affordable(survey: Survey) -> Runs:
     """Runs within the ladder's share of the budget, which it takes."""
     granted, rate = survey.take("statistics"), survey.rate(survey.own)
-    runs = survey.purse.affords(granted, rate, survey.scene.run.discard_seconds, KINDS)
+    runs = survey.budget.affords(granted, rate, survey.scene.run.discard_seconds, KINDS)
     return runs._replace(seconds=min(runs.seconds, LONGEST))
 
 

@@ -50,7 +50,7 @@ def short(survey: Survey, progress: Progress) -> Ladder:
         progress(scene.name, number, len(SHORTS))
         true = _final(_stepped(survey, EXACT), scene)
         rungs += [_rung(survey, parts, scene, true) for parts in SHORT_STEPS]
-    survey.purse.pay(time.perf_counter() - started)
+    survey.budget.pay(time.perf_counter() - started)
     return Ladder(
         "steps-short",
         "Error of the final state of short scenes against the step",

@@ -8,6 +8,7 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis import walks
 from walkergen.analysis.motion import Curve, Motion
+from walkergen.files import words
 from walkergen.files.figures import SMALLEST, axes_of, logarithmic, panels_of, style
 from walkergen.points.track_figure import MOST_TRACKS
 
@@ -65,11 +66,11 @@ def msd_figure(motion: Motion, title: str) -> Figure:
 def _exponents(axes: Axes, exponent: Curve) -> None:
     """Draw local exponents between those of diffusion and of a straight run."""
     # Walkers begin straight and end diffusing: words stand where the points are not.
-    for value, words, at, side in (
+    for value, limit, at, side in (
         (1.0, " diffusive: 1", 0.0, "left"), (2.0, "ballistic: 2", 1.0, "right")
     ):  # fmt: skip
         axes.axhline(value, color="0.75", lw=0.8, zorder=0)
-        axes.annotate(words, (at, value), xycoords=("axes fraction", "data"), ha=side,
+        axes.annotate(limit, (at, value), xycoords=("axes fraction", "data"), ha=side,
                       va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
     known = exponent.se < DRAWN
     _points(axes, Curve(*(column[known] for column in exponent)), "")
@@ -155,7 +156,7 @@ def plate_speed_figure(motion: Motion, title: str) -> Figure:
     if motion.line is not None:
         ends = np.array([0.0, plates.max()])
         slope, se = motion.line.slope, motion.line.slope_se
-        name = f"through the origin, slope {slope:.3g} ± {se:.1g}"
+        name = f"through the origin, slope {words.with_error(slope, se)}"
         axes.plot(ends, slope * ends, color=WARM, label=name)
     axes.set_xlim(left=0)
     axes.set_xlabel("plate speed (mm/s)")

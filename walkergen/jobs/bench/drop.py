@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
-from walkergen.points import drops, still
+from walkergen.points import drops, resting
 from walkergen.points.drops import Let, Rebounds, rebound, rebounds
 from walkergen.scene import Scene
 from walkergen.simulation.model import Plan
@@ -59,8 +59,8 @@ def drop(
     Lengths in mm. `tries` drops from the hand differ by pitch and roll, the same in every row.
     Raises InputError for feet of more than one material.
     """
-    still.one_material(design, "restitution")
-    own = still.plan_of(scene, design)
+    resting.one_material(design, "restitution")
+    own = resting.plan_of(scene, design)
     hand = drops.from_hand(height, turn_deg, tries, scene.run.seed)
     by_label = drops.by_label(scene, design, hand, progress)
     few = hand[:FEW]
@@ -68,14 +68,14 @@ def drop(
     rows += [("tilt", tilt, scene, variant, few) for tilt, variant in _tilted(design)]
     for friction in FRICTIONS:
         rows.append(
-            ("friction", friction, still.with_contact(scene, friction=friction), design, few)
+            ("friction", friction, resting.with_contact(scene, friction=friction), design, few)
         )
     for other in HEIGHTS:
         rows.append(("height", other, scene, design, [let._replace(height=other) for let in few]))
     by_condition: dict[str, list[tuple[float, Rebounds]]] = {}
     for number, (what, at, surroundings, walker, chosen) in enumerate(rows):
         progress(f"{what} {at:g}", number, len(rows) + 1)
-        plan = still.plan_of(surroundings, walker)
+        plan = resting.plan_of(surroundings, walker)
         by_condition.setdefault(what, []).append((at, rebounds(plan, chosen)))
     progress("first turn", len(rows), len(rows) + 1)
     return Dropped(by_label, by_condition, _by_turn(own, height))

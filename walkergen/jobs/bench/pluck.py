@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen.analysis.beams import FIRST_MODE, decrement_of
 from walkergen.errors import InputError
-from walkergen.points import still
+from walkergen.points import resting
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import compliance
@@ -175,8 +175,8 @@ def pluck(scene: Scene, design: Design) -> Plucked:
         name: compliance.natural_frequency(compliance.stiffness(limb, modulus, name), inertia)
         for name in compliance.SPRING_FACTORS
     }
-    loose = still.plan_of(scene, design)
-    held = prepare(still.still(scene), design, scaled(mass, HELD, 1.0))
+    loose = resting.plan_of(scene, design)
+    held = prepare(resting.resting(scene), design, scaled(mass, HELD, 1.0))
     own = hinges[scene.legs.spring]
     leg = float(mass.legs[number].m)
     return Plucked(leg, cantilever(design, leg), hinges, ring(held, own), _modes(loose))

@@ -19,7 +19,7 @@ import numpy as np
 
 from walkergen.analysis.inverse import Curve
 from walkergen.files.progress import Progress
-from walkergen.points import still
+from walkergen.points import resting
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import slope
@@ -187,9 +187,9 @@ def slide(scene: Scene, design: Design, progress: Progress) -> Incline:
 
     Raises InputError for feet of more than one material.
     """
-    still.one_material(design, "friction")
+    resting.one_material(design, "friction")
     plans = [
-        still.plan_of(still.with_contact(scene, friction=friction), design, 1.0)
+        resting.plan_of(resting.with_contact(scene, friction=friction), design, 1.0)
         for friction in FRICTIONS
     ]
     lean = sum(math.tan(limb.tilt) for limb in design.limbs)

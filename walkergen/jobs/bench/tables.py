@@ -10,7 +10,7 @@ from walkergen.jobs.bench.drop import Dropped
 from walkergen.jobs.bench.pluck import Plucked
 from walkergen.jobs.bench.report import Answer, BenchReport, Value
 from walkergen.jobs.bench.slide import Incline
-from walkergen.points import drops, still
+from walkergen.points import drops, resting
 from walkergen.points.drops import Rebounds
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -55,7 +55,7 @@ def of_drop(
         "of the drop, of the body's middle over where it stands",
         *_on_flatness(dropped),
     ]
-    caption = f"{still.in_words(scene, design)}; dropped by {height:g} mm"
+    caption = f"{resting.in_words(scene, design)}; dropped by {height:g} mm"
     title = f"Drop of {design.name}, {design.tilt_deg:g} deg, {design.kind}"
     keys = "contact.restitution", "contact.restitution_sd"
     settings = _settings(answers[-1:], keys)
@@ -86,7 +86,7 @@ def of_slide(
         text = inverse.in_words(solution, "friction", ends)
         answers.append(Answer(f"facing {facing}", text, solution))
     title = f"Incline under {design.name}, {design.tilt_deg:g} deg, {design.kind}"
-    caption = f"{still.in_words(scene, design)}; the plate is tilted slowly"
+    caption = f"{resting.in_words(scene, design)}; the plate is tilted slowly"
     settings = _settings(answers[:1], ("contact.friction", "contact.friction_sd"))
     notes = _on_inclines(incline)
     return report.of("slide", title, caption, [rows], answers, notes, settings)
@@ -163,7 +163,7 @@ def of_pluck(
         settings |= {"legs.damping_ratio": ratio, "legs.damping_ratio_sd": sd}
     leg = f"a leg{pluck.which(design)}"
     title = f"Pluck of {leg} of {design.name}, {design.tilt_deg:g} deg"
-    caption = f"{still.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
+    caption = f"{resting.in_words(scene, design)}; leg's damping ratio {scene.legs.damping_ratio:g}"
     return report.of("pluck", title, caption, [rows, moduli, damping], answers, notes, settings)
 
 

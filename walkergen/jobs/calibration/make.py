@@ -17,7 +17,7 @@ from walkergen.jobs.calibration.form import Readings
 from walkergen.jobs.calibration.modulus import Density
 from walkergen.jobs.calibration.report import CalibrationReport
 from walkergen.jobs.calibration.result import Bent, Bounced, Calibrated
-from walkergen.points import drops, still
+from walkergen.points import drops, resting
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
@@ -107,7 +107,7 @@ def _bent(readings: Readings, measured: Value | None, job: Job) -> tuple[Bent | 
 
 def _bounced(seen: Rebound, result: Calibrated, job: Job, progress: Progress) -> Bounced | None:
     """Restitution of the feet from a rebound, by simulated drops with what else was measured."""
-    still.one_material(result.design, "restitution")
+    resting.one_material(result.design, "restitution")
     hand = drops.from_hand(seen.height, job.turn_deg, job.drops, result.scene.run.seed)
     rows = drops.by_label(result.scene, result.design, hand, progress)
     curve = drops.curve(rows, flat=job.turn_deg == 0.0)

@@ -12,13 +12,13 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.design import wish as wishes
 from walkergen.jobs.design.box import Box
 from walkergen.jobs.design.wish import Seen, Wish
-from walkergen.points.crew import Crew
 from walkergen.points.evaluate import refused
 from walkergen.points.point import PREDICTION, STATUS, Point, Record
 from walkergen.points.request import changed
 from walkergen.points.run import Asked, each
 from walkergen.points.store import Store
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
+from walkergen.points.worker_pool import WorkerPool
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -88,7 +88,7 @@ class Bench(NamedTuple):
     """Where points are evaluated, and who is told."""
 
     store: Store
-    crew: Crew | None
+    pool: WorkerPool | None
     progress: Progress
 
 
@@ -165,7 +165,7 @@ def read(
     """Trials of values whose points are already made, `parts` of them a row."""
     records, size = [], parts(job, effort)
     bench.progress(what, 0, len(rows))
-    for number, done in enumerate(each(requests, bench.store, bench.crew), start=1):
+    for number, done in enumerate(each(requests, bench.store, bench.pool), start=1):
         records.append(done.record)
         bench.progress(what, number // size, len(rows))
     return [
@@ -180,7 +180,12 @@ def parts(job: Job, effort: Effort | None) -> int:
 
 
 def points(
-    job: Job, design: Design, scene: Scene, effort: Effort | None, wanted: Wanted | None, seed: int
+    job: Job,
+    design: Design,
+    scene: Scene,
+    effort: Effort | None,
+    wanted: Tolerance | None,
+    seed: int,
 ) -> list[Point]:
     """Points of a trial: of the design in the scene and, if asked, at less and more friction."""
     simulated = effort is not None

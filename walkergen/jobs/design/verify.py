@@ -13,7 +13,7 @@ from walkergen.jobs.design.lab import Bench, Job, Trial
 from walkergen.jobs.design.search import Search
 from walkergen.jobs.design.wish import NORMAL_95, Seen
 from walkergen.points.point import PREDICTION, Point
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
 from walkergen.walker.design import Design
@@ -73,7 +73,7 @@ def verify(job: Job, bench: Bench, result: Search) -> list[Verified]:
     ]
 
 
-def _wanted(job: Job, trial: Trial) -> Wanted | None:
+def _wanted(job: Job, trial: Trial) -> Tolerance | None:
     """Error up to which a verification is run; None where its step alone exceeds what is allowed.
 
     Of a fast or calm one the error is a share of its own speed.
@@ -84,7 +84,7 @@ def _wanted(job: Job, trial: Trial) -> Wanted | None:
     step = trial.record.get("step_error_mm_s")
     if most <= 0.0 or (isinstance(step, float) and step >= SHARPER * most):
         return None
-    return Wanted(SHARPER * most, False)
+    return Tolerance(SHARPER * most, False)
 
 
 def _written(job: Job, trial: Trial, number: int) -> Design:

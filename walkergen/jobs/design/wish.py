@@ -5,7 +5,7 @@ from typing import Literal, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.points.point import OK, STATUS, Record
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 
 Quantity = Literal["speed", "persistence length", "turning radius"]
 
@@ -35,7 +35,7 @@ class Wish(NamedTuple):
     """Value wished, in UNITS; None for the fastest or the least sensitive of all."""
     calm: bool
     """True for the smallest change of speed with friction, among those with the target if any."""
-    error: Wanted
+    error: Tolerance
 
     @property
     def slug(self) -> str:
@@ -77,7 +77,7 @@ class Wish(NamedTuple):
 
 def of_options(
     speed: float | None, persistence: float | None, radius: float | None, fastest: bool,
-    calm: bool, error: Wanted,
+    calm: bool, error: Tolerance,
 ) -> Wish:  # fmt: skip
     """Wish of a command line. Raises InputError unless it is exactly one that can be."""
     by_option = dict(zip(OPTIONS, (speed, persistence, radius), strict=True))
@@ -100,7 +100,7 @@ def of_options(
     return Wish(OPTIONS[name], value, calm, error)
 
 
-def _check(name: str, value: float, error: Wanted) -> None:
+def _check(name: str, value: float, error: Tolerance) -> None:
     """Refuse targets that are no number, or of which no share can be. Raises InputError."""
     unit = UNITS[OPTIONS[name]]
     if not (value == 0.0 or LEAST <= abs(value) <= LARGEST):

@@ -21,7 +21,7 @@ import numpy.typing as npt
 from walkergen.files import output
 from walkergen.jobs.discrepancies import fit
 from walkergen.jobs.discrepancies.cases import COUNT, Case, cases
-from walkergen.points import crew, run
+from walkergen.points import run, worker_pool
 from walkergen.points.point import Point, Record
 from walkergen.points.store import Store
 from walkergen.theory import discrepancy
@@ -41,7 +41,7 @@ def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
     """Rows of the table, simulated or found in the store; none of runs that end badly."""
     points = [Point(case.design, case.scene, simulated=True, keep=()) for case in every]
     progress = Progress(len(points))
-    with crew.local(cores) as workers:
+    with worker_pool.local(cores) as workers:
         for case, done in zip(every, run.each(points, Store(), workers), strict=True):
             progress.add(0.0 if done.stored else _seconds(case))
             numbers = row(case, done.record)
@@ -123,7 +123,9 @@ def main() -> None:
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawTextHelpFormatter
     )
-    parser.add_argument("--cores", type=int, default=crew.cores(), help="processes to simulate in")
+    parser.add_argument(
+        "--cores", type=int, default=worker_pool.cores(), help="processes to simulate in"
+    )
     parser.add_argument(
         "--rows",
         type=int,

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from walkergen.analysis.speeds import Measured
 from walkergen.files.figures import COLUMN, STYLES, style, wrapped
-from walkergen.jobs.family.beside import Beside, ends
+from walkergen.jobs.family.chart_data import ChartData, ends
 from walkergen.points.members import Simulated
 from walkergen.theory.prediction import Curve, Prediction
 from walkergen.walker.limbs import Kind
@@ -35,7 +35,7 @@ class Shown(NamedTuple):
 @style()
 def speed_figure(
     rows: Sequence[Prediction],
-    beside: Beside,
+    chart_data: ChartData,
     title: str,
     simulated: Sequence[Simulated] = (),
     named: bool = False,
@@ -53,23 +53,23 @@ def speed_figure(
     known = [*simulated, *[None] * (len(rows) - len(simulated))]
     walkers = [Shown(*one) for one in zip(places, rows, known, strict=True)]
     legend: dict[str, Any] = {}
-    for kind, curve in beside.curves.items():
+    for kind, curve in chart_data.curves.items():
         legend |= _draw_curve(axes, kind, curve)
     for legs in dict.fromkeys(row.legs for row in rows):
         own = [one for one in walkers if one.row.legs == legs]
-        legend |= _draw_predicted(axes, own, legs, bars=legs not in beside.curves)
+        legend |= _draw_predicted(axes, own, legs, bars=legs not in chart_data.curves)
         legend |= _draw_simulated(axes, own, legs)
-    if beside.stated is not None:
-        tilt, speed = beside.stated
+    if chart_data.stated is not None:
+        tilt, speed = chart_data.stated
         legend[f"the paper: {speed:g} mm/s"] = axes.plot(
             tilt, speed, "*", color="black", markerfacecolor="white", markersize=11, zorder=2.5
         )[0]
-    if beside.measured is not None:
+    if chart_data.measured is not None:
         at = {one.row.legs: float(one.x) for one in walkers} if named else {}
-        legend |= _draw_measured(axes, beside.measured, at)
-    _mark_sticking(axes, beside.curves)
+        legend |= _draw_measured(axes, chart_data.measured, at)
+    _mark_sticking(axes, chart_data.curves)
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
-    _label(axes, walkers, named, bool(simulated or beside.measured))
+    _label(axes, walkers, named, bool(simulated or chart_data.measured))
     figure.suptitle(wrapped(title, COLUMN - 0.1))
     figure.legend(
         legend.values(), legend.keys(), loc="outside lower center", ncols=2, columnspacing=1.2

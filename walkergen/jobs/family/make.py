@@ -11,8 +11,8 @@ from walkergen.analysis.speeds import SAME_PLATE, Measured
 from walkergen.errors import GeometryError
 from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
-from walkergen.jobs.family import beside, report, runs
-from walkergen.jobs.family.beside import Beside
+from walkergen.jobs.family import chart_data, report, runs
+from walkergen.jobs.family.chart_data import ChartData
 from walkergen.jobs.family.report import FamilyReport
 from walkergen.points import members
 from walkergen.points.members import Member
@@ -124,12 +124,12 @@ def _preview(job: Job, made: Sequence[Member]) -> bytes:
     return figures.png(preview.preview_figure(parts, job.design.name), 150)
 
 
-def _beside(job: Job, made: Sequence[Member]) -> Beside:
+def _beside(job: Job, made: Sequence[Member]) -> ChartData:
     """Speeds that speed.png shows beside the members."""
     measured = job.measured
     if measured is not None and not job.design.follows:
-        measured = beside.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
-    return Beside(_curves(job, made), measured, _stated(job.design, job.scene))
+        measured = chart_data.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
+    return ChartData(_curves(job, made), measured, _stated(job.design, job.scene))
 
 
 def _curves(job: Job, made: Sequence[Member]) -> dict[Kind, Curve]:

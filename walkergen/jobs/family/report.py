@@ -6,8 +6,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from walkergen.files.report import Report
-from walkergen.jobs.family import beside
-from walkergen.jobs.family.beside import Beside
+from walkergen.jobs.family import chart_data
+from walkergen.jobs.family.chart_data import ChartData
 from walkergen.points import speed_table
 from walkergen.points.members import Member
 from walkergen.scene import Scene
@@ -39,13 +39,13 @@ class FamilyReport(Report):
 
 def of(
     design: Design, scene: Scene, mode: str, made: Sequence[Member], folder: Path,
-    shown: Beside | None = None,
+    shown: ChartData | None = None,
 ) -> FamilyReport:  # fmt: skip
     """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
     tables = speed_table.tables("family", design.name, made)
     facts = {"rows": list(tables[0])}
     if shown is not None:
-        tables.append(beside.table(shown))
+        tables.append(chart_data.table(shown))
     return FamilyReport(
         name="family", title=design.name, caption=speed_table.caption(design, scene, mode),
         tables=tables, facts=facts, lines=speed_table.lines(made), folder=folder, members=made,
@@ -54,7 +54,7 @@ def of(
 
 
 def _figure(
-    design: Design, scene: Scene, made: Sequence[Member], shown: Beside
+    design: Design, scene: Scene, made: Sequence[Member], shown: ChartData
 ) -> "Callable[[], Figure]":
     """What draws speed against tilt."""
     drive, contact = scene.drive, scene.contact

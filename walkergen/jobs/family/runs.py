@@ -26,13 +26,13 @@ SMALL = 0.5
 
 def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> list[Member]:
     """The members with their simulated speeds, each an ensemble as the scene's [run] says."""
-    from walkergen.simulation import points
+    from walkergen.simulation import experiments
     from walkergen.simulation.ensemble import listed
 
-    asked = [points.Asked(scene, member.design, member.mass) for member in members]
+    asked = [experiments.Experiment(scene, member.design, member.mass) for member in members]
     titles = [f"simulating {member.name}" for member in members]
     made = []
-    for member, point in zip(members, points.each(asked, titles, progress, None), strict=True):
+    for member, point in zip(members, experiments.each(asked, titles, progress, None), strict=True):
         summary = point.summary
         runs = Simulated(
             summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,

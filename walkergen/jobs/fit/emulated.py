@@ -19,8 +19,8 @@ from walkergen.numerics import emulator
 from walkergen.numerics.emulator import Emulator
 from walkergen.points.store import Store
 from walkergen.scene import Drive, Scene
-from walkergen.simulation import points
-from walkergen.simulation.points import Asked
+from walkergen.simulation import experiments
+from walkergen.simulation.experiments import Experiment
 from walkergen.theory import uncertain
 from walkergen.walker.design import Design
 
@@ -109,15 +109,17 @@ def simulate(ground: Ground, setting: Setting, x: Array, progress: Progress, bat
         run = scene.run.model_copy(update={"seed": seed})
         mine = scene.model_copy(update={"run": run})
         inputs = dict(zip(names, row, strict=True))
-        runs.append(Asked(*uncertain.applied(mine, setting.design, inputs)))
-    keys = [points.key(run) for run in runs]
+        runs.append(Experiment(*uncertain.applied(mine, setting.design, inputs)))
+    keys = [experiments.key(run) for run in runs]
     store = Store()
     speeds = {key: record["speed_mm_s"] for key, record in store.get(keys).items()}
     missing = [place for place, key in enumerate(keys) if key not in speeds]
     wanted = [runs[place] for place in missing]
     titles = [f"simulating tilt {setting.tilt:g}"] * len(wanted)
     try:
-        for place, point in zip(missing, points.on_threads(wanted, titles, progress), strict=True):
+        for place, point in zip(
+            missing, experiments.on_threads(wanted, titles, progress), strict=True
+        ):
             speeds[keys[place]] = point.summary.speed_mm_s
     finally:
         fresh = [keys[place] for place in missing if keys[place] in speeds]

@@ -12,9 +12,9 @@ from walkergen.analysis.speeds import Measured
 from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.files.progress import Progress
-from walkergen.jobs.fit import emulated, lessons, posterior, tabled, weighed
+from walkergen.jobs.fit import emulated, identifiability, posterior, tabled, weighed
 from walkergen.jobs.fit.emulated import Ground, Setting
-from walkergen.jobs.fit.lessons import Learnt
+from walkergen.jobs.fit.identifiability import Learnt
 from walkergen.jobs.fit.make import fitted_name
 from walkergen.jobs.fit.parameters import KEYS, ModelName, PriorName, held, unknown
 from walkergen.jobs.fit.posterior import Observed, Posterior, Responds
@@ -102,10 +102,11 @@ def learn(path: Path, job: Job, progress: Progress) -> Learned:
     bands += _bands(ground, ahead, later, sampled, False)
     bands.sort(key=lambda band: (band.plate_speed_mm_s, band.tilt_deg))
     sampled = sampled._replace(draws=sampled.draws[:, : len(parameters)])
-    rows = lessons.learnt(parameters, sampled.draws)
+    rows = identifiability.learnt(parameters, sampled.draws)
     notes = [
-        *lessons.unlearnt(rows), *lessons.trades(ground.unknown.simulated, sampled.draws),
-        *lessons.misfit(sampled, len(seen.speed), job.model), *notes, *_caveats(ground),
+        *identifiability.unlearnt(rows),
+        *identifiability.trades(ground.unknown.simulated, sampled.draws),
+        *identifiability.misfit(sampled, len(seen.speed), job.model), *notes, *_caveats(ground),
     ]  # fmt: skip
     return Learned(
         sampled, seen, rows, bands, notes, _scene(job, scene, rows, path),

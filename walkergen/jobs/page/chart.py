@@ -9,7 +9,7 @@ import math
 from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
-from walkergen.jobs.page.beside import Speed
+from walkergen.jobs.page.chart_data import Speed
 from walkergen.jobs.page.members import Member
 
 WIDTH, HEIGHT = 600.0, 400.0
@@ -113,18 +113,18 @@ class _Speed(NamedTuple):
     high: float | None
 
 
-def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
+def speeds(members: Sequence[Member], chart_data: Sequence[Speed] = ()) -> Chart:
     """Make the chart of predicted speeds, simulated ones if any, and of what stands beside them."""
     family = [speed for number, member in enumerate(members) for speed in _of(number, member)]
     ends = [speed.value for speed in family]
     ends += [end for speed in family for end in (speed.low, speed.high) if end is not None]
-    ends += [end for speed in beside for end in (speed.speed_mm_s, *(speed.bounds or ()))]
-    ends += [speed.theory_mm_s for speed in beside if speed.theory_mm_s is not None]
+    ends += [end for speed in chart_data for end in (speed.speed_mm_s, *(speed.bounds or ()))]
+    ends += [speed.theory_mm_s for speed in chart_data if speed.theory_mm_s is not None]
     frame = _Frame(
-        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in beside)]),
+        _padded([*(speed.tilt for speed in family), *(speed.tilt_deg for speed in chart_data)]),
         _padded([*ends, 0.0]),
     )
-    between = sorted((speed for speed in beside if speed.what == "predicted"), key=_tilt)
+    between = sorted((speed for speed in chart_data if speed.what == "predicted"), key=_tilt)
     curves = {
         legs: [speed for speed in between if speed.legs == legs]
         for legs in dict.fromkeys(
@@ -135,7 +135,7 @@ def speeds(members: Sequence[Member], beside: Sequence[Speed] = ()) -> Chart:
         [_point(speed, frame) for speed in family],
         [line for legs, curve in curves.items() for line in _lines(legs, curve, family, frame)],
         [band for legs, curve in curves.items() for band in _bands(legs, curve, frame)],
-        [_mark(speed, frame) for speed in beside if speed.what != "predicted"],
+        [_mark(speed, frame) for speed in chart_data if speed.what != "predicted"],
         _sticking(between, frame),
         [Tick(frame.x(value), _text(value)) for value in ticks(*frame.tilts)],
         [Tick(frame.y(value), _text(value)) for value in ticks(*frame.values)],

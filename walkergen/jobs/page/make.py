@@ -17,7 +17,7 @@ from markdown_it import MarkdownIt
 
 from walkergen.files import viewer, words
 from walkergen.files.ledger import BLANK, sealed
-from walkergen.jobs.page import beside, chart, members, references
+from walkergen.jobs.page import chart, chart_data, members, references
 from walkergen.jobs.page.contents import Contents
 from walkergen.jobs.page.members import Member
 
@@ -102,7 +102,7 @@ def render(contents: Contents, version: str, run: Mapping[str, Any] | None = Non
         "members": walkers,
         "parts": [_part(member, manifest.legs_up) for member in walkers],
         "table": table(walkers),
-        "chart": chart.speeds(walkers, beside.of(contents)),
+        "chart": chart.speeds(walkers, chart_data.of(contents)),
         "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
         "caption": caption(contents),
         "preview": _picture(contents, PREVIEW),

@@ -5,7 +5,7 @@ from typing import NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.files import words
-from walkergen.jobs.page.beside import LARGEST
+from walkergen.jobs.page.chart_data import LARGEST
 from walkergen.jobs.page.contents import Contents
 from walkergen.shapes import stl
 from walkergen.shapes.stl import Corners

@@ -15,7 +15,7 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.paper.sweeps import Assumption, on_plane
 from walkergen.numerics import statistics
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.simulation.run import ENDED_WELL, RunResult
 from walkergen.simulation.trajectory import sampled
 from walkergen.walker import solids
@@ -81,13 +81,15 @@ def along_tilts(
     """Simulate walkers on a plane under every assumption; ensembles without two good runs lack."""
     cases = [(one.name, on_plane(one.scene), design) for one in assumptions for design in designs]
     asked = [
-        points.Asked(_longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL)
+        experiments.Experiment(
+            _longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL
+        )
         for _, scene, design in cases
     ]
     tilts = [design.tilt_deg for *_, design in cases]
     names = [name for name, *_ in cases]
     titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
-    simulated = points.each(asked, titles, progress, None)
+    simulated = experiments.each(asked, titles, progress, None)
     found = [
         measured(name, tilt, point.results)
         for name, tilt, point in zip(names, tilts, simulated, strict=True)

@@ -10,7 +10,7 @@ from walkergen.analysis import landings
 from walkergen.analysis.values import Value, mean
 from walkergen.files.progress import Progress
 from walkergen.scene import Scene
-from walkergen.simulation import points, record
+from walkergen.simulation import experiments, record
 from walkergen.simulation.effects.effect import ModelName
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.plan import prepare
@@ -153,11 +153,11 @@ def driven(scene: Scene, gamma: float) -> Scene:
 
 def measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
-    asked = [points.Asked(*_asked(case), impacts=True) for case in cases]
+    asked = [experiments.Experiment(*_asked(case), impacts=True) for case in cases]
     titles = [
         f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases
     ]
-    for case, point in zip(cases, points.each(asked, titles, progress, None), strict=True):
+    for case, point in zip(cases, experiments.each(asked, titles, progress, None), strict=True):
         yield _point(case, point)
 
 
@@ -178,7 +178,7 @@ def check(case: Case) -> None:
     prepare(*_asked(case))
 
 
-def _point(case: Case, point: points.Point) -> Point:
+def _point(case: Case, point: experiments.Results) -> Point:
     """What a simulated point says of a case, with its impacts."""
     results = point.results
     good = [result for result in results if result.outcome in ENDED_WELL]

@@ -13,12 +13,12 @@ from walkergen.jobs.simulate import orbit
 from walkergen.jobs.simulate.orbit import Orbit
 from walkergen.points import measure as ensembles
 from walkergen.points.runs import motion_of
-from walkergen.points.wanted import Chosen, Wanted
+from walkergen.points.tolerance import Chosen, Tolerance
 from walkergen.scene import Scene
-from walkergen.simulation import points, resolution, trajectory
+from walkergen.simulation import experiments, resolution, trajectory
 from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.observables import SPEED
-from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.resolution import Verdict
 from walkergen.simulation.run import ENDED_WELL, RunResult, impacts_of
 from walkergen.walker import names
@@ -32,7 +32,7 @@ MOST_S = 500.0
 class Simulated(NamedTuple):
     """Results of a simulation; motion and landings belong to walkers in space."""
 
-    point: Point
+    point: Results
     scene: Scene
     """Scene with the runs and the step that were taken."""
     values: Mapping[str, float]
@@ -59,15 +59,15 @@ class Simulated(NamedTuple):
 
 def asked(
     scene: Scene, design: Design, mass: MassProperties, interval: float | None = None
-) -> Asked:
-    """Point of a scene: with landings where it is in space, and samples `interval` s apart."""
+) -> Experiment:
+    """Results of a scene: with landings where it is in space, and samples `interval` s apart."""
     in_space = resolve(scene, design, mass).model == "space"
     few = scene.run.runs * scene.run.seconds <= MOST_S
-    return Asked(scene, design, mass, impacts=in_space and few, sample_interval=interval)
+    return Experiment(scene, design, mass, impacts=in_space and few, sample_interval=interval)
 
 
 def measure(
-    one: Asked, progress: Progress, wanted: Wanted | None = None, of: str = SPEED
+    one: Experiment, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED
 ) -> Simulated:
     """Simulate what is asked, and measure motion and landings of a walker in space.
 
@@ -78,14 +78,14 @@ def measure(
     if one.sample_interval is not None:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
     if wanted is None:
-        return measured(points.measure(one, progress), one, progress)
+        return measured(experiments.measure(one, progress), one, progress)
     few = one._replace(impacts=False, sample_interval=None)
     taken = ensembles.measure(few, progress, wanted, of)
-    simulated = measured(taken.point, few._replace(scene=taken.scene), progress)
+    simulated = measured(taken.results, few._replace(scene=taken.scene), progress)
     return simulated._replace(chosen=taken.chosen())
 
 
-def measured(point: Point, one: Asked, progress: Progress = silent) -> Simulated:
+def measured(point: Results, one: Experiment, progress: Progress = silent) -> Simulated:
     """What a simulated point says of shared orbits and, in space, of motion and landings."""
     values = resolution.values(point.summary)
     errors = resolution.errors(point.verdicts, point.summary)

@@ -10,7 +10,7 @@ from walkergen.jobs.simulate import uncertain
 from walkergen.jobs.simulate.uncertain import Bounds
 from walkergen.simulation import orbits
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.points import Asked, Point
+from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.run import ENDED_WELL
 
 DRAWS, LONGEST_S = 24, 4.0
@@ -30,7 +30,7 @@ class Orbit(NamedTuple):
     """Reason why it is not known; "" where it is."""
 
 
-def of(point: Point, one: Asked, progress: Progress) -> Orbit | None:
+def of(point: Results, one: Experiment, progress: Progress) -> Orbit | None:
     """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
 
     Nothing is drawn after Ctrl-C, which left runs out.

@@ -1,6 +1,6 @@
 """Report of simulated runs: what was simulated, the mean speed, and all that came with it."""
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -15,8 +15,8 @@ from walkergen.jobs.simulate.make import Simulated
 from walkergen.points.runs import tracks_of
 from walkergen.scene import Scene
 from walkergen.simulation.ensemble import Summary
-from walkergen.simulation.points import Asked
-from walkergen.simulation.run import ENDED_WELL
+from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.run import ENDED_WELL, Outcome
 from walkergen.theory.prediction import Speed, speed_of
 from walkergen.walker.design import Design
 
@@ -36,12 +36,16 @@ class Line(NamedTuple):
 
 LINES = (report.text("", "name"), report.text("", "value"))
 
+FIRST = ("walker", "plate", "model", "mean speed", "95 % bounds", "prints", "chosen", "error, 95 %",
+         "turning", "persistence", "runs")  # fmt: skip
+"""Names of the lines that people read unless they ask for all."""
+
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SimulationReport(Report):
     """Runs of one walker in a scene, and what they say of its speed and motion."""
 
-    asked: Asked
+    asked: Experiment
     """Walker and scene, with the runs and the step that were taken."""
     simulated: Simulated
     """Everything that was measured."""
@@ -79,17 +83,38 @@ class SimulationReport(Report):
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
 
-def of(asked: Asked, simulated: Simulated) -> SimulationReport:
-    """Report of the runs of a walker in a scene, and of what an error that was asked for took."""
+def of(asked: Experiment, simulated: Simulated, whole: bool = False) -> SimulationReport:
+    """Report of the runs of a walker in a scene, and of what an error that was asked for took.
+
+    People read the first lines of the summary, or the `whole` of it.
+    """
     scene, design = simulated.scene, asked.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
+    first = None if whole else _first(lines, simulated)
     return SimulationReport(
         name="simulate", title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
-        tables=[_row(simulated, design), Table("summary", lines, (), LINES)],
+        tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
+        lines=[] if whole else ["--all: how it turns and spreads, impacts, contact, power"],
         facts=_facts(simulated, scene), warnings=simulated.point.warnings,
         figures=_figures(simulated, design),
         asked=asked._replace(scene=scene), simulated=simulated,
     )  # fmt: skip
+
+
+def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
+    """Lines that people read first: without refused numbers; how runs ended if not well."""
+    ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
+    unknown = {
+        title
+        for name, (title, _) in tables.MOVED.items()
+        if simulated.motion is None or simulated.motion.estimates[name].value is None
+    }
+    names = {*FIRST, *(() if ended_well else ("outcomes",))} - unknown
+    first = [line for line in lines if line.name in names]
+    marks = " ".join(line.value for line in first)
+    return [
+        line for line in lines if line in first or (line.name[:1] == "(" and line.name in marks)
+    ]
 
 
 def _row(simulated: Simulated, design: Design) -> Table:
@@ -156,10 +181,9 @@ def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
 
 
 def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str]]:
-    summary, drive = simulated.point.summary, scene.drive
+    summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
-    plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
-    yield "plate", plate
+    yield "plate", tables.plate_in_words(scene)
     yield "model", tables.model_in_words(simulated, scene)
     yield "mean speed", _speed(simulated, scene)
     yield from tables.bound_rows(simulated)
@@ -183,8 +207,8 @@ def _speed(simulated: Simulated, scene: Scene) -> str:
     se = summary.speed_se_mm_s
     if summary.speed_mm_s is None:
         return "none: no run ended well"
-    error = "" if se is None else f" ± {words.number(se, 2)}"
-    speed = f"{summary.speed_mm_s:.2f}{error} mm/s"
+    mean = summary.speed_mm_s
+    speed = f"{words.fixed(mean, 2) if se is None else words.with_error(mean, se)} mm/s"
     if simulated.point.model == "space":
         speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
     speed += tables.speed_by_step(simulated)

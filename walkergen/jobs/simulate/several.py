@@ -8,10 +8,10 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.simulate import orbit, tables
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.simulation.ensemble import listed
+from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked
 from walkergen.theory import prediction
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
@@ -43,22 +43,22 @@ class Row(NamedTuple):
     """Orbit that all runs share, so that they tell no error; None where they differ."""
 
 
-def asked(scene: Scene, members: Sequence[Design]) -> list[Asked]:
+def asked(scene: Scene, members: Sequence[Design]) -> list[Experiment]:
     """Points of walkers in a scene, weighed. Raises InputError for one that cannot be simulated."""
-    found = [Asked(scene, member, solids.mass_of(member)) for member in members]
+    found = [Experiment(scene, member, solids.mass_of(member)) for member in members]
     for one in found:
         prepare(*one[:3])
     return found
 
 
-def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
+def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
     """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
 
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
     titles = [names.part(one.design) for one in wanted]
     for one, name, point in zip(
-        wanted, titles, points.each(wanted, titles, progress, None), strict=True
+        wanted, titles, experiments.each(wanted, titles, progress, None), strict=True
     ):
         found = point.summary
         shared = orbit.of(point, one, progress)
@@ -73,11 +73,9 @@ def each(wanted: Sequence[Asked], progress: Progress) -> Iterator[Row]:
         )  # fmt: skip
 
 
-def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Asked]) -> Report:
+def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Experiment]) -> Report:
     """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
-    drive = scene.drive
-    plate = f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
-    title = f"{wanted[0].design.name} on {scene.name}, {plate}"
+    title = f"{wanted[0].design.name} on {scene.name}, {tables.plate_in_words(scene)}"
     facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(wanted)}
     kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
     note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
@@ -93,9 +91,9 @@ def _speed(row: Row) -> str:
     if row.speed_mm_s is None:
         return "none"
     if row.orbit is not None:
-        return f"{row.speed_mm_s:.2f} {ORBIT}"
+        return f"{words.fixed(row.speed_mm_s, 2)} {ORBIT}"
     if row.speed_se_mm_s is None:
-        return f"{row.speed_mm_s:.2f} ± ?"
+        return f"{words.fixed(row.speed_mm_s, 2)} ± ?"
     return words.with_error(row.speed_mm_s, row.speed_se_mm_s)
 
 

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from walkergen.analysis.estimates import IN_A_LANE, Estimate, with_error
+from walkergen.analysis.estimates import IN_A_LANE, with_error
 from walkergen.analysis.landings import CORNERS, TOGETHER_S, Landings
 from walkergen.analysis.motion import Motion
 from walkergen.files import words
@@ -35,6 +35,12 @@ RARE = 1e-3
 
 MOST_LISTED = 6
 """Number of legs up to which a summary lists the landings of each; JSON has all."""
+
+
+def plate_in_words(scene: Scene) -> str:
+    """Frequency, peak acceleration and peak speed of the plate."""
+    drive = scene.drive
+    return f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
 def model_in_words(found: Simulated, scene: Scene) -> str:
@@ -92,7 +98,8 @@ def _exponents(motion: Motion) -> str:
         return "runs are too short"
     nearest = [min(known, key=lambda one: abs(one[0] / lag - 1.0)) for lag in (0.1, 1.0)]
     return ", ".join(
-        f"{value:.3f} ± {se:.1g} at {at:.2g} s" for at, value, se in dict.fromkeys(nearest)
+        f"{words.with_error(value, se)} at {words.number(at, 2)} s"
+        for at, value, se in dict.fromkeys(nearest)
     )
 
 
@@ -157,9 +164,7 @@ def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> st
         return f"{words.number(value, 4)}{unit}"
     error = found.errors[name]
     both = (
-        f"{words.number(value, 4)} ± ?"
-        if error is None
-        else with_error(Estimate(value, scale * error))
+        f"{words.number(value, 4)} ± ?" if error is None else words.with_error(value, scale * error)
     )
     return f"{both}{unit}"
 
@@ -222,7 +227,7 @@ def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on landings: numbers by corner, edge and foot."""
     rates, legs = _rates(found), found.legs
     per = {
-        name: f"{value:.1f}" if error is None else with_error(Estimate(value, error))
+        name: words.fixed(value, 1) if error is None else words.with_error(value, error)
         for name, (value, error) in rates.items()
     }
     if len(legs) <= MOST_LISTED:

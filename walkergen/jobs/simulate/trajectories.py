@@ -20,9 +20,9 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.progress import Progress
-from walkergen.simulation import points, trajectory
+from walkergen.simulation import experiments, trajectory
+from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.trajectory import Trajectory
 from walkergen.walker.design import Design
 
@@ -45,7 +45,7 @@ class Written(NamedTuple):
     design: Design
 
 
-def of(one: Asked, point: Point, progress: Progress) -> Trajectory:
+def of(one: Experiment, point: Results, progress: Progress) -> Trajectory:
     """Trajectories of all runs, again simulated where `point` kept no samples.
 
     Raises InputError when there would be too many samples to keep.
@@ -54,7 +54,7 @@ def of(one: Asked, point: Point, progress: Progress) -> Trajectory:
     kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
         trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-        (point,) = points.each([one], ["samples"], progress, None)
+        (point,) = experiments.each([one], ["samples"], progress, None)
     columns = prepare(one.scene, one.design, one.mass).model.columns
     return with_film(trajectory.tracks(columns, point.results), one.sample_interval)
 
@@ -143,7 +143,7 @@ def check(path: Path) -> None:
         )
 
 
-def write(path: Path, one: Asked, point: Point, progress: Progress) -> None:
+def write(path: Path, one: Experiment, point: Results, progress: Progress) -> None:
     """Write the trajectories of all runs in the format that the file's suffix names."""
     found = Written(of(one, point, progress), one.design)
     output.write(path, FORMATS[path.suffix.lower()](found))

@@ -12,9 +12,9 @@ from walkergen.errors import InputError
 from walkergen.files.progress import Progress
 from walkergen.numerics import emulator, statistics
 from walkergen.scene import Scene
-from walkergen.simulation import observables, points, resolution
+from walkergen.simulation import experiments, observables, resolution
+from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.plan import prepare
-from walkergen.simulation.points import Asked, Point
 from walkergen.simulation.run import ENDED_WELL
 from walkergen.theory import uncertain
 from walkergen.theory.uncertain import Input, Share
@@ -137,23 +137,25 @@ def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
     return low2, low1, high1, high2
 
 
-def _asked(scene: Scene, design: Design, known: Sequence[Input], row: Array, number: int) -> Asked:
-    """Point of one draw: a single run whose drop and corner heights are its own."""
+def _asked(
+    scene: Scene, design: Design, known: Sequence[Input], row: Array, number: int
+) -> Experiment:
+    """Results of one draw: a single run whose drop and corner heights are its own."""
     names = [one.name for one in known]
     changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
-    return Asked(changed.model_copy(update={"run": run}), printed, mass)
+    return Experiment(changed.model_copy(update={"run": run}), printed, mass)
 
 
-def _simulated(asked: Sequence[Asked], progress: Progress) -> list[Point]:
+def _simulated(asked: Sequence[Experiment], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
     progress("compiling (slow the first time only)", 0, len(asked))
-    (first,) = points.each(asked[:1], [""], lambda what, done, total: None, None)
+    (first,) = experiments.each(asked[:1], [""], lambda what, done, total: None, None)
     titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
-    return [first, *points.on_threads(asked[1:], titles, progress)]
+    return [first, *experiments.on_threads(asked[1:], titles, progress)]
 
 
-def _halves(point: Point) -> tuple[float, float]:
+def _halves(point: Results) -> tuple[float, float]:
     """Mean speeds of the two halves of a run, mm/s."""
     blocks = point.results[0].block_speeds
     middle = len(blocks) // 2

@@ -12,7 +12,7 @@ from walkergen.points.axes import Axis, Method, Sample, Space, Span
 from walkergen.points.point import PREDICTION
 from walkergen.points.request import SCENE as SCENES
 from walkergen.points.request import Request
-from walkergen.points.wanted import Wanted, parse
+from walkergen.points.tolerance import Tolerance, parse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -36,7 +36,7 @@ class Ask(NamedTuple):
     constants: tuple[str, ...]
     """Keys that design and scene have set for all points."""
     model: str
-    error: Wanted | None
+    error: Tolerance | None
     keep: Sequence[str]
 
     def request(self) -> Request:
@@ -67,7 +67,7 @@ class Ask(NamedTuple):
 
 def of(
     names: tuple[str | None, str | None, str | None], near: Path, space: Space,
-    constants: Mapping[str, Any], model: str, error: Wanted | None, keep: Sequence[str],
+    constants: Mapping[str, Any], model: str, error: Tolerance | None, keep: Sequence[str],
     source: str,
 ) -> Ask:  # fmt: skip
     """Sweep of a design, a scene and a printer by name, with keys set for all points.

@@ -7,12 +7,12 @@ from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.points import run
-from walkergen.points.crew import Crew
 from walkergen.points.measure import FIRST_RUNS, LONGEST_S, with_runs
 from walkergen.points.point import PREDICTION, Point, Record, key
 from walkergen.points.request import Request
 from walkergen.points.run import Asked
 from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
 
 BATCH = 4
 """Points for each worker that get more runs together."""
@@ -28,7 +28,7 @@ MOST_POINTS = 100_000
 
 
 def spend(
-    request: Request, seconds: float, store: Store, crew: Crew | None, progress: Progress
+    request: Request, seconds: float, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> list[Asked]:
     """Points of a request, each with as many runs as it got in so many seconds.
 
@@ -42,10 +42,10 @@ def spend(
     for number, point in enumerate(points):
         points[number] = _resumed(point, store)
     half = []
-    for number, done in enumerate(run.each(points, store, crew), start=1):
+    for number, done in enumerate(run.each(points, store, pool), start=1):
         half.append(_half(done.record))
         progress("one pass", number, len(points))
-    hands = 1 if crew is None else crew.workers
+    hands = 1 if pool is None else pool.workers
     batch = max(1, min(BATCH * hands, len(points) // FEWEST_SHARES))
     most = FIRST_RUNS * 2**MOST_DOUBLINGS
     while (left := until - time.monotonic()) > 0.0:
@@ -59,7 +59,7 @@ def spend(
             round(seconds),
         )
         more = [_doubled(points[n], 1) for n in worst]
-        for n, point, done in zip(worst, more, run.each(more, store, crew), strict=True):
+        for n, point, done in zip(worst, more, run.each(more, store, pool), strict=True):
             points[n], half[n] = point, _half(done.record)
     return points
 

@@ -14,11 +14,11 @@ from walkergen.jobs.sweep import budget, report, table
 from walkergen.jobs.sweep.report import Points, SweepReport
 from walkergen.jobs.sweep.table import Table
 from walkergen.points import run
-from walkergen.points.crew import Crew
 from walkergen.points.point import digest
 from walkergen.points.request import Request
 from walkergen.points.run import Asked, Done
 from walkergen.points.store import Store
+from walkergen.points.worker_pool import WorkerPool
 
 MOST_DRAWN = 200_000
 """Number of points up to which pictures are drawn; their memory grows with it."""
@@ -41,7 +41,9 @@ class Job(NamedTuple):
         return self.pictures and self.request.space.points <= MOST_DRAWN
 
 
-def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
+def make(
+    job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
+) -> SweepReport:
     """Evaluate all points of a request into a folder: table.csv, table.parquet, sweep.png and .pdf.
 
     Points that the store already has are not evaluated again; the table grows row by row, and what
@@ -60,11 +62,11 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
         warnings = _set_aside(folder)
         stream = job.request.points()
         if job.budget_s is not None:
-            stream = iter(budget.spend(job.request, job.budget_s, store, crew, progress))
+            stream = iter(budget.spend(job.request, job.budget_s, store, pool, progress))
         points = Points(_names(job), job.kept or job.drawn)
         folder.grow(table.NAME)
         with Table(path / table.NAME, job.request.space.keys, points.names) as rows:
-            for values, done in _evaluated(job, stream, store, crew, progress):
+            for values, done in _evaluated(job, stream, store, pool, progress):
                 rows.add(values, done.record, done.key)
                 points.add(values, done)
         if job.budget_s is not None:
@@ -74,20 +76,20 @@ def make(job: Job, path: Path, store: Store, crew: Crew | None, progress: Progre
     return report.written(result, path, list(folder.hashes))
 
 
-def find(job: Job, store: Store, crew: Crew | None, progress: Progress) -> SweepReport:
+def find(job: Job, store: Store, pool: WorkerPool | None, progress: Progress) -> SweepReport:
     """Evaluate all points of a request, without a folder. Raises as `make` does."""
     points = Points(_names(job), kept=True)
-    for values, done in _evaluated(job, job.request.points(), store, crew, progress):
+    for values, done in _evaluated(job, job.request.points(), store, pool, progress):
         points.add(values, done)
     return report.of(job.request, job.title, points)
 
 
 def _evaluated(
-    job: Job, stream: Iterator[Asked], store: Store, crew: Crew | None, progress: Progress
+    job: Job, stream: Iterator[Asked], store: Store, pool: WorkerPool | None, progress: Progress
 ) -> Iterator[tuple[tuple[Any, ...], Done]]:
     """Values of the keys at each point, and the evaluated point."""
     space = job.request.space
-    points = zip(space.rows(), run.each(stream, store, crew), strict=True)
+    points = zip(space.rows(), run.each(stream, store, pool), strict=True)
     for number, (values, done) in enumerate(points, start=1):
         yield values, done
         progress("points", number, space.points)

@@ -14,10 +14,10 @@ from pydantic import Field, field_validator
 from walkergen.errors import InputError
 from walkergen.files import config, plain
 from walkergen.files.config import Section
-from walkergen.points import axes, request, wanted
+from walkergen.points import axes, request, tolerance
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
 from walkergen.points.point import KEPT, MODELS
-from walkergen.points.wanted import Wanted
+from walkergen.points.tolerance import Tolerance
 
 Table = dict[str, Any]
 """Table of keys of designs and scenes, dotted."""
@@ -83,7 +83,7 @@ class SweepFile(NamedTuple):
     scene: str | None
     printer: str | None
     model: str | None
-    error: Wanted | None
+    error: Tolerance | None
     seed: int
     keep: tuple[str, ...] | None
     constants: dict[str, Any]
@@ -107,7 +107,7 @@ def read(path: Path) -> SweepFile:
     contents = config.validate(flat, Contents, str(path), text)
     mistakes = list(_key_mistakes(contents, str(path), text))
     varied: list[Axis | Span] = []
-    error: Wanted | None = None
+    error: Tolerance | None = None
     between = contents.sample.between if contents.sample else {}
     for table, values in (("grid", contents.grid), ("sample.between", between)):
         for key, value in values.items():
@@ -117,7 +117,7 @@ def read(path: Path) -> SweepFile:
             except InputError as mistake:
                 mistakes.append(str(mistake))
     try:
-        error = wanted.parse(contents.error) if contents.error is not None else None
+        error = tolerance.parse(contents.error) if contents.error is not None else None
     except InputError as mistake:
         place = config.where(("error",), str(path), text)
         mistakes.append(f"{place}: error: {str(mistake).removeprefix('--error ')}")

@@ -13,9 +13,9 @@ import numpy as np
 import numpy.typing as npt
 from scipy import ndimage
 
+from walkergen.jobs.track.appearance import Appearance
 from walkergen.jobs.track.film import Grey
 from walkergen.jobs.track.find import Blob
-from walkergen.jobs.track.look import Look
 
 Array = npt.NDArray[np.float64]
 
@@ -58,7 +58,7 @@ class Shake(NamedTuple):
     """Largest distance from the middle."""
 
 
-def fixed(samples: Sequence[Grey], look: Look, walkers: Sequence[Blob]) -> Fixed | None:
+def fixed(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) -> Fixed | None:
     """Steepest points of the film's first frames away from `walkers`; None for too few."""
     soft = ndimage.gaussian_filter(np.median(np.stack(samples), axis=0), SOFT, output=float)
     first, last = (ndimage.gaussian_filter(samples[at], SOFT, output=float) for at in (0, -1))

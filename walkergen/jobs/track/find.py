@@ -10,8 +10,8 @@ from typing import NamedTuple
 import numpy as np
 from scipy import ndimage
 
+from walkergen.jobs.track.appearance import EIGHT, Appearance, Array, Mask, pieces
 from walkergen.jobs.track.film import Grey
-from walkergen.jobs.track.look import EIGHT, Array, Look, Mask, pieces
 
 RUBBED = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
@@ -59,7 +59,7 @@ class Blob(NamedTuple):
     pull_y: float = 0.0
 
 
-def find(frame: Grey, look: Look, marked: bool) -> list[Blob]:
+def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
     """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
     field = look.contrasts(frame)
     found = []
@@ -149,7 +149,7 @@ def _extent(weight: Array, off: Array, half: float) -> float:
     return float((weight * (half + 0.5 - np.abs(off)).clip(0.0, 1.0)).sum()) / (2.0 * half)
 
 
-def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Look) -> float:
+def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appearance) -> float:
     """Direction to the spot that differs most from the rest of a walker; NaN without one."""
     deep = ndimage.distance_transform_edt(own) > max(1.5, DEEP * look.width)
     if not deep.any():

@@ -11,14 +11,13 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.track import camera, heading, link, report
+from walkergen.jobs.track import appearance, camera, heading, link, report
 from walkergen.jobs.track import film as films
-from walkergen.jobs.track import look as looks
+from walkergen.jobs.track.appearance import Appearance
 from walkergen.jobs.track.camera import Shake
 from walkergen.jobs.track.film import Clock, Film, Grey
 from walkergen.jobs.track.find import Blob, find
 from walkergen.jobs.track.link import Linked, Seen
-from walkergen.jobs.track.look import Look
 from walkergen.jobs.track.report import TrackReport
 from walkergen.jobs.track.result import Array, Options, Tracked, Walker
 
@@ -119,7 +118,7 @@ class _Found(NamedTuple):
 
     picture: Grey
     """First of the frames."""
-    look: Look
+    look: Appearance
     blobs: list[list[Blob]]
     clock: Clock
     shake: Shake
@@ -141,7 +140,7 @@ def _found(
                 f"{len(samples)} frame{'' if len(samples) == 1 else 's'} from {first} on: at least "
                 "2 are needed"
             )
-        look = looks.learn(samples, dark, options.threshold, options.width_px)
+        look = appearance.learn(samples, dark, options.threshold, options.width_px)
         near = [blob for grey in samples for blob in find(grey, look, marked=False)]
         points = camera.fixed(samples, look, near)
         found: list[list[Blob]] = []

@@ -126,11 +126,12 @@ def notes(made: Tracked) -> list[str]:
     side = "darker" if look.dark else "lighter"
     error = " (its error is not known: give it as 0.05+-0.001)"
     if made.mm_per_px_se is not None:
-        error = f" ± {100 * made.mm_per_px_se / made.mm_per_px:.1f} %"
+        error = f" ± {words.number(100.0 * made.mm_per_px_se / made.mm_per_px, 2)} %"
     rate = f"{words.number(made.clock.fps, 4)} frames a second"
     if not made.clock.regular:
         steps = 1e3 * np.diff(made.clock.times)
-        rate += f" in the mean, {steps.min():.3g} to {steps.max():.3g} ms apart by the film's times"
+        apart = words.span(steps.min(), steps.max(), 3)
+        rate += f" in the mean, {apart} ms apart by the film's times"
     found = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "

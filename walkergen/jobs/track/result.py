@@ -8,11 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.jobs.track import doubts
+from walkergen.jobs.track.appearance import Appearance
 from walkergen.jobs.track.camera import Shake
 from walkergen.jobs.track.film import Clock, Film, Grey
 from walkergen.jobs.track.heading import Headed
 from walkergen.jobs.track.link import Linked, Seen
-from walkergen.jobs.track.look import Look
 
 Array = npt.NDArray[np.float64]
 
@@ -62,7 +62,7 @@ class Tracked(NamedTuple):
 
     film: Film
     options: Options
-    look: Look
+    look: Appearance
     linked: Linked
     walkers: Sequence[Walker]
     looked: int

@@ -11,7 +11,7 @@ from walkergen.analysis.values import mean
 from walkergen.jobs.validate.claim import Claim, Effort, exact, missing
 from walkergen.jobs.validate.ensembles import simulated
 from walkergen.scene import Scene
-from walkergen.simulation import points
+from walkergen.simulation import experiments
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.walker import mobility
@@ -108,7 +108,7 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
     for tilt in tilts:
         plan = _plan(tilt, effort)
         case, walker = plan.case, plan.world.walker
-        asked = points.Asked(plan.scene, case.design, case.mass)
+        asked = experiments.Experiment(plan.scene, case.design, case.mass)
         point = simulated(asked)
         ours = mean([result.speed for result in point.results])
         hinge = float(walker.stiffness[0]), float(walker.damping[0])

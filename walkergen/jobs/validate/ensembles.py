@@ -13,7 +13,7 @@ from walkergen.analysis.values import Value, mean
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
 from walkergen.scene import GRAVITY, Scene, at_rest
-from walkergen.simulation import points, record, trajectory
+from walkergen.simulation import experiments, record, trajectory
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
 from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
@@ -87,7 +87,7 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
 
 
 def _measured(scene: Scene, design: Design) -> Measured:
-    point = simulated(points.Asked(scene, design, solids.mass_of(design), impacts=True))
+    point = simulated(experiments.Experiment(scene, design, solids.mass_of(design), impacts=True))
     corners = 2 if point.model == "space" else 1
     landed = [landings(impacts_of(result), corners) for result in point.results]
     shares = [float(np.isin(one[:, 6], (Kind.II, Kind.III)).mean()) for one in landed]
@@ -96,9 +96,9 @@ def _measured(scene: Scene, design: Design) -> Measured:
     return Measured(speed, mean(shares), approach)
 
 
-def simulated(asked: points.Asked) -> points.Point:
+def simulated(asked: experiments.Experiment) -> experiments.Results:
     """Point with all of its runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
-    (point,) = points.each([asked], [""], lambda *progress: None, None)
+    (point,) = experiments.each([asked], [""], lambda *progress: None, None)
     return point
 
 
@@ -131,7 +131,7 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
         "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
     }  # fmt: skip
     design = paper_design(tilt_deg)
-    asked = points.Asked(
+    asked = experiments.Experiment(
         Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
     )
     point = simulated(asked)

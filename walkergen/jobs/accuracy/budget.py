@@ -28,11 +28,11 @@ ROUND = (1.0, 1.2, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0)
 it the measured speed does not."""
 
 
-class Purse:
+class Budget:
     """Wall time for simulations, s, and how much slower they are than their CPU time says."""
 
     def __init__(self, budget_s: float, cores: int) -> None:
-        """Purse of `budget_s` s for ensembles on `cores` threads."""
+        """Budget of `budget_s` s for ensembles on `cores` threads."""
         self.budget_s, self.cores = budget_s, cores
         self.spent_s = 0.0
         self._expected_s = self._took_s = 0.0

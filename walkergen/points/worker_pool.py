@@ -1,6 +1,6 @@
-"""Crews: where points are evaluated, in processes of this machine or on a cluster of dask's.
+"""Worker pools: where points are evaluated, in processes of this machine or on a cluster of dask's.
 
-A crew is an executor of `concurrent.futures` and its number of workers; results are the same bits
+A pool is an executor of `concurrent.futures` and its number of workers; results are the same bits
 whatever it is, since every point runs on one thread from its own seed.
 """
 
@@ -25,7 +25,7 @@ ANSWER_S = 10.0
 """Time in which a scheduler must answer, s."""
 
 
-class Crew(NamedTuple):
+class WorkerPool(NamedTuple):
     """Executor of points, and how many it evaluates at a time."""
 
     executor: Executor
@@ -38,24 +38,24 @@ def cores() -> int:
 
 
 @contextmanager
-def local(workers: int | None = None) -> Iterator[Crew]:
+def local(workers: int | None = None) -> Iterator[WorkerPool]:
     """Processes of this machine, one for each core by default; ended whatever happens."""
     count = cores() if workers is None else workers
     if not 1 <= count <= MOST_WORKERS:
         raise InputError(f"--workers {count}: must lie in 1..{MOST_WORKERS}")
     context = multiprocessing.get_context("spawn")
-    pool = ProcessPoolExecutor(count, mp_context=context, initializer=_begin)
+    executor = ProcessPoolExecutor(count, mp_context=context, initializer=_begin)
     try:
         with _ctrl_c_ignored():  # a process that starts takes over what is ignored
             for _ in range(count):
-                pool.submit(os.getpid)
-        yield Crew(pool, count)
+                executor.submit(os.getpid)
+        yield WorkerPool(executor, count)
     except BaseException:
-        pool.shutdown(wait=False, cancel_futures=True)
+        executor.shutdown(wait=False, cancel_futures=True)
         for process in multiprocessing.active_children():
             process.terminate()
         raise
-    pool.shutdown()
+    executor.shutdown()
 
 
 @contextmanager
@@ -85,7 +85,7 @@ def _begin() -> None:
 
 
 @contextmanager
-def dask(address: str) -> Iterator[Crew]:
+def dask(address: str) -> Iterator[WorkerPool]:
     """Workers of an existing cluster of dask.distributed, by the address of its scheduler.
 
     Raises InputError when dask is not installed, the scheduler is not reached, there is no worker,
@@ -109,7 +109,7 @@ def dask(address: str) -> Iterator[Crew]:
         if not threads:
             raise InputError(f"--dask {address[:80]!r}: the scheduler has no worker; start some")
         check(_digests(client))
-        yield Crew(client.get_executor(pure=False, retries=3), sum(threads.values()))
+        yield WorkerPool(client.get_executor(pure=False, retries=3), sum(threads.values()))
     finally:
         client.close(timeout=ANSWER_S)
 

@@ -28,7 +28,7 @@ from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
 
-class Asked(NamedTuple):
+class Experiment(NamedTuple):
     """Input of a point: all that its numbers depend on, apart from the kernels."""
 
     scene: Scene
@@ -41,7 +41,7 @@ class Asked(NamedTuple):
     such runs are others of the same ensemble."""
 
 
-class Point(NamedTuple):
+class Results(NamedTuple):
     """Result of a point: the ensemble of runs that the scene's [run] asks for."""
 
     key: str
@@ -79,7 +79,7 @@ def facts(scene: Scene, design: Design) -> list[Any]:
     ]
 
 
-def key(asked: Asked) -> str:
+def key(asked: Experiment) -> str:
     """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
     masses = _plain(asked.mass)
     kept = [asked.impacts, asked.sample_interval]
@@ -96,7 +96,7 @@ def _plain(value: Any) -> Any:
     return value if value is None else np.asarray(value).tolist()
 
 
-def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Point:
+def measure(asked: Experiment, progress: Progress, threads: int | None = None) -> Results:
     """Simulate a point on `threads` threads (None: every core); Ctrl-C gives the runs done.
 
     Any number of threads gives equal bits. Raises InputError where the scene contradicts itself
@@ -107,15 +107,18 @@ def measure(asked: Asked, progress: Progress, threads: int | None = None) -> Poi
         plan, progress, threads, asked.impacts, asked.sample_interval
     )
     verdicts, step = resolution.judge(plan, summary), getattr(plan.world.options, "step", None)
-    return Point(
+    return Results(
         key(asked), plan.resolved.model, resolution.bounded(verdicts, summary), results, verdicts,
         resolution.warnings(plan), None if step is None else 1e6 * step,
     )  # fmt: skip
 
 
 def each(
-    asked: Sequence[Asked], titles: Sequence[str], progress: Progress, executor: Executor | None
-) -> Iterator[Point]:
+    asked: Sequence[Experiment],
+    titles: Sequence[str],
+    progress: Progress,
+    executor: Executor | None,
+) -> Iterator[Results]:
     """Points in their order, yielded when done; progress is reported under their titles.
 
     Without an executor points are simulated in turn, each on every core; with it each is a task on
@@ -135,8 +138,8 @@ def each(
 
 
 def on_threads(
-    asked: Sequence[Asked], titles: Sequence[str], progress: Progress
-) -> Iterator[Point]:
+    asked: Sequence[Experiment], titles: Sequence[str], progress: Progress
+) -> Iterator[Results]:
     """Points in their order, each on a thread of its own: best for points of a single run.
 
     Ends without those not yet begun when it is left or interrupted.

@@ -14,7 +14,7 @@ FINER = 0.25
 by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops of 8 to 12 mm)."""
 
 
-def still(scene: Scene) -> Scene:
+def resting(scene: Scene) -> Scene:
     """Scene in space on an endless level plate at rest, with the contact and feet of `scene`."""
     off = {"second_harmonic": None, "plate_noise": None, "plate_slope": None, "lane_walls": None}
     return scene.model_copy(
@@ -31,7 +31,7 @@ def still(scene: Scene) -> Scene:
 def filmed(scene: Scene) -> Scene:
     """Scene of a film on a plate at rest, which begins when the walker is let go."""
     run = scene.run.model_copy(update={"discard_seconds": 0.0})
-    return still(scene).model_copy(update={"run": run})
+    return resting(scene).model_copy(update={"run": run})
 
 
 def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
@@ -39,7 +39,7 @@ def plan_of(scene: Scene, design: Design, finer: float = FINER) -> Plan:
 
     A step that the scene states stays as it is. Raises InputError.
     """
-    plan = prepare(still(scene), design, solids.mass_of(design))
+    plan = prepare(resting(scene), design, solids.mass_of(design))
     if scene.run.step_us is not None:
         return plan
     return plan._replace(world=plan.model.coarser(plan.world, finer))

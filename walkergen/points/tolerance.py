@@ -10,7 +10,7 @@ UNITS = {"%": (1e-6, 100.0), "mm/s": (1e-6, 1e6)}
 """Units of errors, with the least and the largest that can be asked for."""
 
 
-class Wanted(NamedTuple):
+class Tolerance(NamedTuple):
     """Error that a person can bear, with 95 % confidence."""
 
     value: float
@@ -30,7 +30,7 @@ class Chosen(NamedTuple):
     """The same for JSON."""
 
 
-def parse(text: str) -> Wanted:
+def parse(text: str) -> Tolerance:
     """Parse "5%" or "3mm/s". Raises InputError."""
     unit = next((unit for unit in UNITS if text.rstrip(" ").endswith(unit)), "")
     value = words.value(text.rstrip(" ").removesuffix(unit))
@@ -40,4 +40,4 @@ def parse(text: str) -> Wanted:
     low, high = UNITS[unit]
     if not low <= value <= high:
         raise InputError(f"--error {text[:30]!r}: must lie in {low:g}..{high:g} {unit}")
-    return Wanted(0.01 * value if relative else value, relative)
+    return Tolerance(0.01 * value if relative else value, relative)

@@ -1,4 +1,4 @@
-"""Look of a film: how bright ground and walkers are, which of them is darker, how wide walkers are.
+"""Appearance of a film: how bright ground and walkers are, which is darker, how wide walkers are.
 
 The light may be uneven, with edges and gradients: the ground's brightness is what remains when all
 that is narrower than a few walkers is painted over (a grey closing where walkers are dark, an
@@ -62,7 +62,7 @@ EIGHT = np.ones((3, 3), dtype=bool)
 """Neighbours of a pixel, those at its corners included."""
 
 
-class Look(NamedTuple):
+class Appearance(NamedTuple):
     """What tells walkers from the ground in one film."""
 
     picture: Array
@@ -106,8 +106,8 @@ class Look(NamedTuple):
 
 def learn(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
-) -> Look:
-    """Look of a film from some of its frames; None: what the film tells.
+) -> Appearance:
+    """Appearance of a film from some of its frames; None: what the film tells.
 
     Raises InputError when nothing stands out, with what was seen.
     """
@@ -137,7 +137,9 @@ def learn(
     return look._replace(width=width or next(_widest(fields[at], slopes, (look.threshold,)))[0])
 
 
-def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None) -> Look:
+def _tried(
+    samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None
+) -> Appearance:
     """Look by the widest window that may hold a walker; its width is 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
@@ -145,7 +147,7 @@ def _tried(samples: Sequence[Grey], picture: Array, dark: bool, threshold: float
     """
     widest = WIDEST * min(picture.shape)
     looks = [
-        _seen(samples, Look(picture, ground(picture, dark, share * widest), dark), threshold)
+        _seen(samples, Appearance(picture, ground(picture, dark, share * widest), dark), threshold)
         for share in WINDOWS
     ]
     whole = looks[0]
@@ -169,7 +171,7 @@ def ground(picture: Array, dark: bool, widest: float) -> Array:
     return np.asarray(np.maximum(side * (closed - bias), 1.0))
 
 
-def _seen(samples: Sequence[Grey], look: Look, threshold: float | None) -> Look:
+def _seen(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
     """Look with what stands out from its ground with a sharp edge; its width is 0 without any.
 
     Where the ground is not known well, shades of the light that are fainter than walkers run into

@@ -1,4 +1,4 @@
-"""Crews that a command line asks for: processes here, or a cluster."""
+"""Worker pools that a command line asks for: processes here, or a cluster."""
 
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -9,7 +9,7 @@ import typer
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.points.crew import Crew
+    from walkergen.points.worker_pool import WorkerPool
 
 Workers = Annotated[
     int | None,
@@ -18,20 +18,22 @@ Workers = Annotated[
 
 
 @contextmanager
-def crew_of(few: bool, workers: int | None, dask: str | None = None) -> "Iterator[Crew | None]":
-    """Crew for points; none, unless asked for, where they are so `few` that this process is faster.
+def pool_of(
+    few: bool, workers: int | None, dask: str | None = None
+) -> "Iterator[WorkerPool | None]":
+    """Workers for points; none, unless asked for, where so `few` are faster in this process.
 
     Raises InputError for a number of processes of a cluster, and for one that does not answer.
     """
-    from walkergen.points import crew
+    from walkergen.points import worker_pool
 
     if dask is not None:
         if workers is not None:
             raise InputError(f"--workers {workers}: not with --dask, which has its own")
-        with crew.dask(dask) as found:
+        with worker_pool.dask(dask) as found:
             yield found
     elif few and workers is None:
         yield None
     else:
-        with crew.local(workers) as found:
+        with worker_pool.local(workers) as found:
             yield found

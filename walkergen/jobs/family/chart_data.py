@@ -22,7 +22,7 @@ SURE = 1.96
 """Standard errors on either side that hold a normal number with 95 %."""
 
 
-class Beside(NamedTuple):
+class ChartData(NamedTuple):
     """Speeds that speed.png shows and family.csv has not; speed.csv holds them."""
 
     curves: Mapping[Kind, Curve]
@@ -52,17 +52,17 @@ def of_members(measured: Measured, tilts: Mapping[str, float]) -> Measured:
     )
 
 
-def table(beside: Beside) -> Table:
+def table(chart_data: ChartData) -> Table:
     """Table with a row a point: `what` is predicted, measured or the paper's."""
     rows: list[tuple[object, ...]] = []
-    for kind, curve in beside.curves.items():
+    for kind, curve in chart_data.curves.items():
         low95, low68, high68, high95 = curve.bounds
         columns = (curve.tilt_deg, curve.speed, low68, high68, low95, high95, curve.theory)
         rows += [
             ("predicted", kind, *map(_cell, values), "yes" if sticks else "no")
             for *values, sticks in zip(*columns, curve.can_stick, strict=True)
         ]
-    if (measured := beside.measured) is not None:
+    if (measured := chart_data.measured) is not None:
         speed = measured.speed
         se = np.full(len(speed), np.nan) if measured.se is None else measured.se
         seen = (measured.tilt, speed, *ends(speed, se, 1.0), *ends(speed, se))
@@ -70,8 +70,8 @@ def table(beside: Beside) -> Table:
             ("measured", kind, *map(_cell, values), None, None)
             for kind, values in zip(measured.legs, zip(*seen, strict=True), strict=True)
         ]
-    if beside.stated is not None:
-        rows.append(("paper", "flexible", *beside.stated, *[None] * 6))
+    if chart_data.stated is not None:
+        rows.append(("paper", "flexible", *chart_data.stated, *[None] * 6))
     return Table("speed", rows, KEYS)
 
 
