@@ -57,6 +57,7 @@ def test_a_fast_drive_is_told_that_drag_is_not_small():
     assert "NOT small" in drag.reason
 
 
+@pytest.mark.slow
 def test_a_falling_plate_approaches_its_terminal_speed():
     """v = v_t tanh(g t / v_t), v_t^2 = 2 M g / (C rho A): the legs' drag is left out."""
     plan = plan_of()
@@ -71,6 +72,7 @@ def test_a_falling_plate_approaches_its_terminal_speed():
     assert expected > 0.99 * terminal
 
 
+@pytest.mark.slow
 def test_flight_slows_along_the_plate_and_every_energy_is_accounted_for():
     plan, still = plan_of(), plan_of(air=False)
     seconds = 5e-3

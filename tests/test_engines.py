@@ -68,6 +68,7 @@ def test_a_second_harmonic_is_driven_and_paid_for(model):
     assert result.energy_error < (0.02 if model == "compliant" else 1e-4)  # steps of 30 us
 
 
+@pytest.mark.slow
 def test_stiff_legs_slide_like_rigid_ones():
     """k_t -> infinity, without impacts: a steep plate shaken at 0.5 g.
 

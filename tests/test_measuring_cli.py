@@ -70,6 +70,7 @@ def test_known_speed_and_persistence_come_out_of_a_trackpy_file(run, tmp_path):
     assert rows["motion_speed_mm_s"]["refused"]
 
 
+@pytest.mark.slow
 def test_equal_files_give_equal_bytes(run, tmp_path):
     as_trackpy_writes(tmp_path / "film.csv", film(12, 8, 3.0, WALKER), 0.05)
     kept = []

@@ -319,6 +319,7 @@ SHORT = (
 )  # fmt: skip
 
 
+@pytest.mark.slow
 def test_several_walkers_are_rows_of_what_each_gives_alone(run):
     several = run("simulate", "--legs", "braced", "--tilt", "0:10:5", *SHORT)
     rows = json.loads(several.stdout)["rows"]

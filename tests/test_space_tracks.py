@@ -177,10 +177,21 @@ def test_places_every_44_ms_say_what_dense_samples_say():
 
 @pytest.mark.slow
 def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reason(run):
-    text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2").split())
+    text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").split())
     assert "space, method step, viscous feet, label 0.22, friction 0.25" in text
     assert "poisson" not in text
     for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edges"):
         assert words in text, words
-    short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2").split())
+    short = " ".join(run("simulate", *PLANE, "--seconds", "0.05", "--runs", "2", "--all").split())
     assert "motion unknown: runs of 0.05 s are too short; at least 0.1 s" in short
+
+
+def test_a_summary_is_eight_lines_unless_all_is_asked_for(run):
+    short = run("simulate", *PLANE, "--seconds", "1", "--runs", "2")
+    names = [line[2:].partition("  ")[0] for line in short.splitlines() if line[2:3].strip()]
+    assert names[:4] == ["walker", "plate", "model", "mean speed"]
+    assert "runs" in names
+    assert len(names) <= 9  # "--all: ..." is the last
+    assert "impacts" not in names
+    whole = run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all")
+    assert len(whole.splitlines()) > 2 * len(short.splitlines())

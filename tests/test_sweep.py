@@ -526,6 +526,7 @@ FOUND = {
 
 
 @pytest.mark.parametrize("name", FOUND)
+@pytest.mark.slow
 def test_what_the_sweep_once_found_stays_lawful(name):
     outcome, tables = FOUND[name]
     found = check(tables)

@@ -98,7 +98,9 @@ def test_noise_of_headings_is_no_diffusion(lost):
 
 
 @pytest.mark.parametrize("gap", [0.0, 8.0, 60.0], ids=["one by one", "short blocks", "long blocks"])
-@pytest.mark.parametrize("kept", [0.95, 0.85, 0.75, 0.5])
+@pytest.mark.parametrize(
+    "kept", [0.95, *(pytest.param(kept, marks=pytest.mark.slow) for kept in (0.85, 0.75)), 0.5]
+)
 def test_frames_that_are_missing_change_neither_diffusion_nor_scatter(kept, gap):
     walker = EXACT._replace(rate=0.8, lost=1.0 - kept, gap=gap)
     scores = []

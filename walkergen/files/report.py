@@ -140,6 +140,12 @@ class Table:
             made.add_row(*(literally(column.cell(row)) for column in columns))
         return made
 
+    def in_short(self) -> list[str]:
+        """Lines of text: rows of names and values as they are, of other tables their number."""
+        if not self.columns or any(column.heading for column in self.columns):
+            return [f"{self.name}: {len(self)} rows"]
+        return [": ".join(column.cell(row) for column in self.columns) for row in self._read()]
+
     def _read(self) -> Sequence[Any]:
         """Rows that people read."""
         return self.rows if self.read is None else self.read
@@ -285,8 +291,8 @@ class Report:
         return self.table.to_dataframe()
 
     def __repr__(self) -> str:
-        sizes = [f"{each.name}: {len(each)} rows" for each in self.tables]
-        return "\n".join([self.title, *sizes, *self._said()])
+        told = [line for table in self.tables for line in table.in_short()]
+        return "\n".join([self.title, *told, *self._said()])
 
     def _repr_html_(self) -> str:
         parts = [f"<p>{escape(self.title)}</p>", f"<p>{escape(self.caption)}</p>"]
