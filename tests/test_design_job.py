@@ -225,7 +225,7 @@ def test_verification_never_has_the_seed_of_the_runs_that_chose():
     assert all(lab.fresh_seed(seed) != seed for seed in range(1000))
     job = job_of(model="compliant")
     design, scene = lab.built(job, {"legs.tilt_deg": 10.0, "legs.length_mm": 7.0})
-    (point,) = lab.points(job, design, scene, (8, 2.0), None, lab.fresh_seed(1))
+    (point,) = lab.points(job, design, scene, lab.Effort(8, 2.0), None, lab.fresh_seed(1))
     assert point.scene.run.seed == lab.fresh_seed(1)
 
 
@@ -324,7 +324,7 @@ def simulated_wishes(folder, count):
             "legs.flexible_thickness_mm": round(values.pop("legs.flexible_thickness_mm"), 2)
         })  # fmt: skip
         design, scene = lab.built(job, values)
-        (point,) = lab.points(job, design, scene, (32, 4.0), None, 77)
+        (point,) = lab.points(job, design, scene, lab.Effort(32, 4.0), None, 77)
         speed = evaluate(point)["speed_mm_s"]
         error = Wanted(max(0.05 * abs(speed), 0.5), False)
         job = job._replace(wish=Wish("speed", speed, False, error))

@@ -124,7 +124,7 @@ def test_what_was_done_is_kept_when_no_more_is_asked_for(store, monkeypatch):
 def test_processes_give_the_same_bits_in_the_same_order(store, two, tmp_path):
     here = list(run.each(MANY.points(), store))
     there = list(run.each(MANY.points(), Store(tmp_path / "other.sqlite"), two))
-    assert [one._replace(known=False) for one in there] == here
+    assert [one._replace(stored=False) for one in there] == here
     known = list(run.each(MANY.points(), store, two))
     assert all(one.stored for one in known if one.key)
     assert [one.record for one in known] == [one.record for one in here]
