@@ -38,7 +38,7 @@ HEAD = "tilt_deg,speed_mm_s,speed_se_mm_s\n"
         ("10,60,2\n", ("--model", "theory", "--predict", "10"), "--predict: the theory has none"),
         ("10,60,2\n", ("--model", "theory", "--seed", "1"), "--seed: the theory has none"),
         ("10,60,2\n", ("--fix", "friction=0.01"), "0.05..0.6 (model prediction)"),
-        ("10,60,2\n", ("--set", "scene.plate.roughness_um=5"), "a rough plate: learn from simul"),
+        ("10,60,2\n", ("--set", "scene.plate.roughness_um=5"), "roughness_um = 5.0: learn"),
         ("10,60,2\n", ("--model", "space", "--prior", "none"), "one of flat, scene"),
         ("10,60,2\n", ("--model", "space", "--mode", "paper"), "a mode of the theory"),
         ("10,60,2\n", ("--model", "space", "--fix", "impact_speed_factor=1"), "one of restitution"),

@@ -254,6 +254,24 @@ class Feet(Section):
     """Standard deviation of `unevenness_um` itself, of whose draws the magnitude counts."""
 
 
+class Tether(Section):
+    """Spring from a point of the body to a point over the plate; slack below its length."""
+
+    stiffness_n_per_m: Annotated[float, Field(ge=0, le=1e3)] = 0.0
+    """Stiffness, N/m. 0: no tether."""
+    length_mm: Annotated[float, Field(ge=1e-3, le=1e6)] = 50.0
+    """Length up to which it is slack."""
+    height_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 100.0
+    """Height of its end over the middle of the plate's motion."""
+    x_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    y_mm: Annotated[float, Field(ge=-1e6, le=1e6)] = 0.0
+    """Place of its end in the plate's plane, along x and to the left of it, from the start."""
+    forward_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+    up_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+    left_mm: Annotated[float, Field(ge=-1e3, le=1e3)] = 0.0
+    """Where it is tied to the body, from the walker's centre of mass."""
+
+
 class Run(Section):
     """Duration, number and step of the simulated runs."""
 
@@ -289,6 +307,7 @@ class Effects(Section):
     unevenness: bool | None = None
     plate_noise: bool | None = None
     plate_roughness: bool | None = None
+    tether: bool | None = None
 
 
 class Prediction(Section):
@@ -319,6 +338,7 @@ class Scene(Section):
     arena: Arena = Arena()
     legs: LegModel = LegModel()
     feet: Feet = Feet()
+    tether: Tether = Tether()
     run: Run = Run()
     effects: Effects = Effects()
 

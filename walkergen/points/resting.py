@@ -3,7 +3,8 @@
 import math
 
 from walkergen.errors import InputError
-from walkergen.scene import Arena, Scene, at_rest
+from walkergen.scene import Scene, at_rest
+from walkergen.simulation.effects.resolve import on_still_plate
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
@@ -16,14 +17,10 @@ by 0.02 of it with steps of that length, by 0.004 with a quarter (10 deg, drops 
 
 def resting(scene: Scene) -> Scene:
     """Scene in space on an endless level plate at rest, with the contact and feet of `scene`."""
-    off = {"second_harmonic": None, "plate_noise": None, "plate_slope": None, "lane_walls": None}
-    return scene.model_copy(
+    return on_still_plate(scene).model_copy(
         update={
             "drive": at_rest(scene.drive.frequency),
-            "plate": scene.plate.model_copy(update={"slope_deg": 0.0, "noise_ratio": 0.0}),
-            "arena": Arena(kind="plane"),
             "legs": scene.legs.model_copy(update={"model": "space"}),
-            "effects": scene.effects.model_copy(update=off),
         }
     )
 

@@ -17,7 +17,7 @@ import numpy.typing as npt
 
 from walkergen.errors import WalkergenError
 from walkergen.numerics import network
-from walkergen.scene import LEAST_LABEL, Feet, Plate, Scene
+from walkergen.scene import LEAST_LABEL, Plate, Scene
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -36,6 +36,14 @@ SLIGHT_DEG = 1.0
 """Tilt at which speeds of small tilts, which are in proportion to it, begin to level off."""
 
 MOST_SLOPE_DEG = 5.0
+
+COVERED = frozenset({
+    "name", "description", "drive", "contact", "prediction", "arena", "legs", "run", "effects",
+    "plate.slope_deg", "plate.noise_ratio", "plate.noise_low_hz", "plate.noise_high_hz",
+    "plate.roughness_length_mm", "feet.unevenness_um", "feet.unevenness_sd_um",
+})  # fmt: skip
+"""Tables and keys of a scene that the table covers, each in a range of its own; of any other key
+it covers the default."""
 
 EDGE = 0.02
 """Share of a number's range by which a walker may lie outside it: samples leave out the ends."""
@@ -183,8 +191,7 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
 
 def check(scene: Scene, place: Place, braced: bool) -> None:
     """Refuse walkers and scenes that the table does not cover. Raises UnknownError."""
-    plate, feet = scene.plate, scene.feet
-    plain = Feet(unevenness_um=feet.unevenness_um, unevenness_sd_um=feet.unevenness_sd_um)
+    plate = scene.plate
     band = (plate.noise_low_hz, plate.noise_high_hz) == (
         Plate().noise_low_hz,
         Plate().noise_high_hz,
@@ -192,8 +199,7 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
     for told, covered in (
         (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
         ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),
-        ("a rough plate", plate.roughness_um == 0.0),
-        ("other feet than the usual", feet == plain),
+        *((key, False) for key in _beyond(scene)),
     ):
         if not covered:
             raise UnknownError(f"speeds in space are not known for {told}")
@@ -204,6 +210,17 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         if not low - margin <= value <= high + margin:
             told, seen, ends = _in_words(name, value, low, high)
             raise UnknownError(f"speeds in space are known for {told} in {ends}, not at {seen}")
+
+
+def _beyond(scene: Scene) -> list[str]:
+    """Keys and values of a scene, as people write them, that the table does not cover."""
+    return [
+        f"{name}.{key} = {getattr(table, key)}"
+        for name in type(scene).model_fields
+        if name not in COVERED and (table := getattr(scene, name)) != type(table)()
+        for key, field in type(table).model_fields.items()
+        if f"{name}.{key}" not in COVERED and getattr(table, key) != field.default
+    ]
 
 
 def _in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:

@@ -15,7 +15,7 @@ from walkergen.jobs.accuracy.setting import PLANAR, Bias, Measured, Setting, Uni
 from walkergen.scene import Arena, Scene
 from walkergen.simulation import ensemble, experiments
 from walkergen.simulation.effects.effect import ModelName
-from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.effects.resolve import resolve, without_space
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Results
 from walkergen.simulation.model import Plan
@@ -311,12 +311,8 @@ def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
     legs = scene.legs.model_copy(update={"model": setting.model})
     if setting.model == "space":
         return scene.model_copy(update={"run": changed, "legs": legs})
-    off = {"plate_noise": False, "plate_roughness": False, "unevenness": False}
-    planar = {
-        "arena": Arena(length_mm=scene.arena.length_mm),
-        "effects": scene.effects.model_copy(update=off),
-    }
-    return scene.model_copy(update={"run": changed, "legs": legs, **planar})
+    lane = Arena(length_mm=scene.arena.length_mm)
+    return without_space(scene).model_copy(update={"run": changed, "legs": legs, "arena": lane})
 
 
 def _round(value: float) -> float:

@@ -1,6 +1,7 @@
 """Effects on a walker: their verdicts, the parameters of those that act, their total force.
 
-A new effect is a file of its own and four lines here: verdict, field, parameters, `+`.
+A new effect is a file of its own and four lines here: verdict, field, parameters, `+` (a sum for
+each of force, potential and bound, where a force has a place).
 """
 
 import math
@@ -18,38 +19,43 @@ from walkergen.simulation.effects import (
     roughness,
     slope,
     tensor,
+    tether,
     turning,
     twist,
     unevenness,
     walls,
 )
 from walkergen.simulation.effects.air_drag import Air
-from walkergen.simulation.effects.effect import Case, Effect
+from walkergen.simulation.effects.effect import Case, Verdict
 from walkergen.simulation.effects.noise import Noise
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
+from walkergen.simulation.effects.tether import Spring
 
-VERDICTS: tuple[Callable[[Case], Effect], ...] = (
-    tensor.verdict,
-    compliance.verdict,
-    parts.sticking,
-    parts.sustained,
-    parts.pitch,
-    harmonic.verdict,
-    slope.verdict,
-    turning.verdict,
-    twist.verdict,
-    walls.verdict,
-    local_contact.verdict,
-    unevenness.verdict,
-    noise.verdict,
-    roughness.verdict,
-    parts.neighbours,
-    air_drag.verdict,
+VERDICTS: tuple[Verdict, ...] = (
+    Verdict(tensor.verdict),
+    Verdict(compliance.verdict),
+    Verdict(parts.sticking),
+    Verdict(parts.sustained),
+    Verdict(parts.pitch),
+    harmonic.VERDICT,
+    slope.VERDICT,
+    Verdict(turning.verdict),
+    Verdict(twist.verdict),
+    walls.VERDICT,
+    Verdict(local_contact.verdict),
+    unevenness.VERDICT,
+    noise.VERDICT,
+    roughness.VERDICT,
+    Verdict(parts.neighbours),
+    Verdict(air_drag.verdict),
+    tether.VERDICT,
 )
-"""Functions that judge each effect, in the order in which `explain` shows them."""
+"""Verdicts on each effect, in the order in which `explain` shows them."""
 
 _along, _drag, _drag_in_space = slope.along, air_drag.force, air_drag.force_in_space
+_tethered, _pull, _tether_energy = tether.acts, tether.pull, tether.potential
+_strongest = tether.strongest
 
 
 class Acting(NamedTuple):
@@ -61,13 +67,16 @@ class Acting(NamedTuple):
     """Noise of one run, which draws it."""
     roughness: Roughness | None = None
     """Surface of one run, which draws it."""
+    tether: Spring | None = None
 
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
     """Parameters of those effects of a case whose names are `on`."""
     descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else None
     return Acting(
-        slope.gravity_of(descent), air_drag.parameters(case) if on(air_drag.NAME) else None
+        slope.gravity_of(descent),
+        air=air_drag.parameters(case) if on(air_drag.NAME) else None,
+        tether=tether.parameters(case) if on(tether.NAME) else None,
     )
 
 
@@ -93,3 +102,36 @@ def body_force(acting, pitch, v_x, v_y):
 def force_in_space(acting, velocity):
     """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
     return _drag_in_space(acting.air, velocity)
+
+
+@kernel
+def placed(acting):
+    """True where a force acts that depends on the pose: it has a place, and a potential."""
+    return _tethered(acting.tether)
+
+
+@kernel
+def pull(acting, x, y, z, R):
+    """Force (g mm/s^2) and torque about C (g mm^2/s^2) of effects by the pose, body axes.
+
+    The centre of mass C is at (x, y, z), mm; R: body axes -> world.
+    """
+    f_x, f_y, f_z, p_x, p_y, p_z = _pull(acting.tether, x, y, z, R)
+    return (
+        f_x, f_y, f_z, p_y * f_z - p_z * f_y, p_z * f_x - p_x * f_z, p_x * f_y - p_y * f_x
+    )  # fmt: skip
+
+
+@kernel
+def potential(acting, x, y, z, R):
+    """Energy of effects at a pose, without gravity's, g mm^2/s^2."""
+    return _tether_energy(acting.tether, x, y, z, R)
+
+
+@kernel
+def strongest(acting, x, y, z, R, way):
+    """Upper bounds of force (g mm/s^2) and torque (g mm^2/s^2) of `pull` while no point of the body
+    moves by more than `way` (mm).
+    """
+    force, arm = _strongest(acting.tether, x, y, z, R, way)
+    return force, arm * force

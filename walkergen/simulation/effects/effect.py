@@ -1,7 +1,8 @@
 """Verdicts on effects: whether a scene calls for each, and the number that decides."""
 
-from collections.abc import Mapping
-from typing import Literal, NamedTuple
+from collections.abc import Callable, Mapping
+from types import MappingProxyType
+from typing import Any, Literal, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
@@ -39,6 +40,20 @@ class Effect(NamedTuple):
     """Why the effect is on or off."""
     switch: str
     """Key of the scene that forces the effect; "" when nothing does."""
+
+
+class Verdict(NamedTuple):
+    """How an effect is judged, and where it is known."""
+
+    judge: Callable[[Case], Effect]
+    """The effect in a case. Raises InputError where the case's model does not know it."""
+    switch: str = ""
+    """Key of the scene that forces the effect."""
+    planar: bool = True
+    """False: planar models refuse it."""
+    away: Mapping[str, Any] = MappingProxyType({})
+    """Values of keys of the scene with which it is no part of a still plate, as a bench's is; none
+    where it remains."""
 
 
 def forced(wanted: bool | None, decided: bool, reason: str) -> tuple[bool, str]:

@@ -8,7 +8,7 @@ import math
 from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
 
 NAME, SWITCH = "second harmonic", "effects.second_harmonic"
 
@@ -28,6 +28,9 @@ def verdict(case: Case) -> Effect:
     reason = "drive.second_harmonic_ratio" + (" > 0" if ratio > 0 else " = 0")
     on, reason = forced(case.scene.effects.second_harmonic, ratio > 0, reason)
     return Effect(NAME, on, ratio, "amplitude over the fundamental's", reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, away={"drive.second_harmonic_ratio": 0.0})
 
 
 def parameters(case: Case) -> Harmonic:

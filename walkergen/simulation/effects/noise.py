@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
 NAME, SWITCH = "plate noise", "effects.plate_noise"
 
@@ -58,6 +58,9 @@ def verdict(case: Case) -> Effect:
         only_in_space(case, "plate.noise_ratio", ratio, "noise", SWITCH)
         _grid(case)
     return Effect(NAME, on, ratio, "rms velocity over the drive's peak speed", reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, planar=False, away={"plate.noise_ratio": 0.0})
 
 
 def _grid(case: Case) -> tuple[int, float, int, int]:

@@ -1,6 +1,7 @@
 """Model and effects that a scene calls for, decided from dimensionless numbers."""
 
-from typing import NamedTuple
+from collections.abc import Mapping
+from typing import Any, NamedTuple
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
@@ -32,10 +33,33 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
     _check_room(scene, design)
     case = Case(scene, design, mass, _model(scene, design, mass))
     _check_elastic(scene, design, case.model)
-    effects = tuple(verdict(case) for verdict in VERDICTS)
+    effects = tuple(verdict.judge(case) for verdict in VERDICTS)
     on = {effect.name: effect.on for effect in effects}
     acts = acting(case, on.__getitem__)
     return Resolved(case.model, effects, acts)
+
+
+def without_space(scene: Scene) -> Scene:
+    """Scene without the effects that planar models refuse."""
+    off = {verdict.switch: False for verdict in VERDICTS if not verdict.planar}
+    return _with(scene, off)
+
+
+def on_still_plate(scene: Scene) -> Scene:
+    """Scene without the effects that are no part of a still plate."""
+    for verdict in VERDICTS:
+        if verdict.away:
+            scene = _with(scene, {**verdict.away, verdict.switch: None})
+    return scene
+
+
+def _with(scene: Scene, values: Mapping[str, Any]) -> Scene:
+    """Scene with values of tables, or of their keys, that were validated before."""
+    for key, value in values.items():
+        table, _, own = key.partition(".")
+        changed = getattr(scene, table).model_copy(update={own: value}) if own else value
+        scene = scene.model_copy(update={table: changed})
+    return scene
 
 
 def _check_room(scene: Scene, design: Design) -> None:

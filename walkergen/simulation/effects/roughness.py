@@ -13,7 +13,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import kernel
-from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
 NAME, SWITCH = "plate roughness", "effects.plate_roughness"
 
@@ -46,6 +46,9 @@ def verdict(case: Case) -> Effect:
             f"slopes of {slope:.2g}; at most {STEEPEST:g}: smaller bumps, or longer ones"
         )
     return Effect(NAME, on, slope, "rms slope", reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, planar=False)
 
 
 def draw(case: Case, rng: np.random.Generator) -> Roughness:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from walkergen.numerics.kernels import kernel
 from walkergen.scene import GRAVITY
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
 
 NAME, SWITCH = "plate slope", "effects.plate_slope"
 
@@ -32,6 +32,9 @@ def verdict(case: Case) -> Effect:
     reason = "plate.slope_deg" + (" is not 0" if slope != 0 else " = 0")
     on, reason = forced(case.scene.effects.plate_slope, slope != 0, reason)
     return Effect(NAME, on, number, "slope over friction", reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, away={"plate.slope_deg": 0.0})
 
 
 def gravity_of(slope: float | None, size: float = GRAVITY) -> Gravity:

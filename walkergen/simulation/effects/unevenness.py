@@ -8,7 +8,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.simulation.effects.effect import Case, Effect, forced, only_in_space
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
 NAME, SWITCH = "unevenness", "effects.unevenness"
 
@@ -36,6 +36,9 @@ def verdict(case: Case) -> Effect:
     amplitude = 1e3 * case.scene.drive.amplitude
     meaning = "standard deviation of corners' heights over the plate's amplitude"
     return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, planar=False)
 
 
 def draw(case: Case, corners: int, rng: np.random.Generator) -> npt.NDArray[np.float64]:

@@ -7,8 +7,9 @@ viscous feet). Limits: a wide lane is the plane; edges touch at the height of th
 import math
 
 from walkergen.errors import InputError
+from walkergen.scene import Arena
 from walkergen.simulation.effects import turning
-from walkergen.simulation.effects.effect import Case, Effect, forced
+from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
 
 NAME, SWITCH = "lane walls", "effects.lane_walls"
 
@@ -48,3 +49,6 @@ def verdict(case: Case) -> Effect:
     reason = "the walker yaws" if loose else "the walker is held in its plane"
     on, reason = forced(case.scene.effects.lane_walls, loose, reason)
     return Effect(NAME, on and loose, turn, meaning, reason, SWITCH)
+
+
+VERDICT = Verdict(verdict, SWITCH, away={"arena": Arena(kind="plane")})

@@ -12,8 +12,15 @@ from walkergen.simulation import record
 from walkergen.simulation.drive import derivative_bound, moved_on
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
-from walkergen.simulation.effects.acting import across, along, force_in_space
-from walkergen.simulation.space.pose import plate_velocity, point_velocity, turn
+from walkergen.simulation.effects.acting import (
+    across,
+    along,
+    force_in_space,
+    placed,
+    pull,
+    strongest,
+)
+from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn
 from walkergen.simulation.space.state import (
     AFTER,
     BEFORE,
@@ -22,6 +29,7 @@ from walkergen.simulation.space.state import (
     C_Z,
     CLEAR,
     GAP_OF,
+    LEFT,
     LEGS,
     MODE,
     NOISE,
@@ -75,6 +83,74 @@ def strongest_throw(world):
 
 
 @lean
+def _strongest_pull(world, state, work, fall):
+    """Upper bounds of force and torque of effects by the pose in the longest flight."""
+    if not placed(world.acting):
+        return 0.0, 0.0
+    walker, body = world.walker, work.body
+    span = world.options.step * 2.0 ** (len(walker.flights) - 1)
+    speed, spin, arm = fall * span, 0.0, 0.0
+    speed += math.sqrt(state[V_X] ** 2 + state[V_Y] ** 2 + state[V_Z] ** 2)
+    for i in range(3):
+        spin = max(spin, abs(body[NOW, 3 + i]))
+    for k in range(len(walker.leg)):
+        p = work.points[k]
+        arm = max(arm, math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]))
+    return strongest(
+        world.acting, state[C_X], state[C_Y], state[C_Z], work.R, span * (speed + 2.0 * spin * arm)
+    )
+
+
+@lean
+def _drawn(walker, points, k, force, torque):
+    """Upper bound of the acceleration of contact k by a force and a torque, mm/s^2.
+
+    A leg that is left behind as the body turns swings by as much as the body, or twice.
+    """
+    if force == 0.0:
+        return 0.0
+    p, largest = points[k], 0.0
+    for i in range(3):
+        row = 0.0
+        for j in range(3):
+            row += abs(walker.inverse_inertia[i, j])
+        largest = max(largest, row)
+    arm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
+    return force * walker.inverse_mass[0] + 3.0 * largest * torque * arm
+
+
+@lean
+def leave_behind(walker, work, t_x, t_y, t_z):
+    """Fill the torques on the legs by which a torque on the body leaves them behind."""
+    for j in range(len(walker.stiffness)):
+        work.legs[LEFT, j] = -(
+            walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z
+        )
+
+
+@lean
+def _pull(world, state, work, t):
+    """Add what effects by the pose give to the velocities in t seconds, the pose held."""
+    walker, n = world.walker, len(world.walker.stiffness)
+    rotation(state, work.R)
+    f_x, f_y, f_z, t_x, t_y, t_z = pull(world.acting, state[C_X], state[C_Y], state[C_Z], work.R)
+    d_x, d_y, d_z = _times(work.R, f_x, f_y, f_z)
+    state[V_X] += t * d_x * walker.inverse_mass[0]
+    state[V_Y] += t * d_y * walker.inverse_mass[1]
+    state[V_Z] += t * d_z * walker.inverse_mass[2]
+    if t_x == 0.0 and t_y == 0.0 and t_z == 0.0:
+        return
+    w_x, w_y, w_z = _times(walker.inverse_inertia, t_x, t_y, t_z)
+    state[W_X] += t * w_x
+    state[W_X + 1] += t * w_y
+    state[W_X + 2] += t * w_z
+    leave_behind(walker, work, t_x, t_y, t_z)
+    for i in range(n):
+        for j in range(n):
+            state[LEGS + n + i] += t * walker.hinge_mobility[i, j] * work.legs[LEFT, j]
+
+
+@lean
 def clear_time(world, state, work, longest):
     """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
     walker, R, points, body = world.walker, work.R, work.points, work.body
@@ -82,6 +158,7 @@ def clear_time(world, state, work, longest):
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
     fall = across(world.acting) + strongest_throw(world)
+    force, torque = _strongest_pull(world, state, work, fall)
     for k in range(len(leg)):
         gap, points[k, CLEAR] = points[k, GAP_OF], 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
@@ -95,7 +172,8 @@ def clear_time(world, state, work, longest):
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k)
             if steep > 0.0:
                 closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
-            root = closing + math.sqrt(closing * closing + 2.0 * fall * gap)
+            drawn = fall + _drawn(walker, points, k, force, torque)
+            root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k, CLEAR] = clear
         time = min(time, clear)
@@ -157,6 +235,8 @@ def fly(world, state, work, t, level, sums):
     """Fly for t = Options.step 2^level seconds."""
     walker = world.walker
     g_x, g_y, now = along(world.acting), -across(world.acting), work.body[NOW]
+    if placed(world.acting):
+        _pull(world, state, work, 0.5 * t)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
         sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
@@ -186,4 +266,6 @@ def fly(world, state, work, t, level, sums):
     turn(state, t_x, t_y, t_z)
     l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
     state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+    if placed(world.acting):
+        _pull(world, state, work, 0.5 * t)
     pass_time(world, state, t)

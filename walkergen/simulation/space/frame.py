@@ -9,8 +9,8 @@ import math
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import acceleration
 from walkergen.simulation.effects import noise as noises
-from walkergen.simulation.effects.acting import across, along, force_in_space
-from walkergen.simulation.space.flight import pass_time
+from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
+from walkergen.simulation.space.flight import leave_behind, pass_time
 from walkergen.simulation.space.forces import resist
 from walkergen.simulation.space.pose import locate, normal_of, place, turn
 from walkergen.simulation.space.state import (
@@ -249,6 +249,16 @@ def accelerate(world, state, work):
     acting[0] += walker.inverse_mass[0] * f_x
     acting[1] += walker.inverse_mass[1] * f_y
     acting[2] += walker.inverse_mass[2] * f_z
+    if placed(world.acting):
+        f_x, f_y, f_z, p_x, p_y, p_z = pull(
+            world.acting, state[C_X], state[C_X + 1], state[C_X + 2], R
+        )
+        acting[0] += walker.inverse_mass[0] * f_x
+        acting[1] += walker.inverse_mass[1] * f_y
+        acting[2] += walker.inverse_mass[2] * f_z
+        leave_behind(walker, work, p_x, p_y, p_z)
+    else:
+        p_x, p_y, p_z = 0.0, 0.0, 0.0
     I, inverse = walker.inertia, walker.inverse_inertia  # noqa: E741
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
     l_x = I[0, 0] * W_0 + I[0, 1] * W_1 + I[0, 2] * W_2
@@ -261,3 +271,7 @@ def accelerate(world, state, work):
     )
     for row in range(3):
         acting[3 + row] = inverse[row, 0] * t_x + inverse[row, 1] * t_y + inverse[row, 2] * t_z
+    if placed(world.acting):
+        for row in range(3):
+            turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
+            acting[3 + row] += turned

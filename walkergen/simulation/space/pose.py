@@ -66,7 +66,7 @@ def turn(state, x, y, z):
 
 
 @lean
-def _rotation(state, R):
+def rotation(state, R):
     """Fill R with the matrix body axes -> world."""
     q, i, j, k = state[Q_0], state[Q_X], state[Q_Y], state[Q_Z]
     R[0, 0], R[0, 1], R[0, 2] = 1 - 2 * (j * j + k * k), 2 * (i * j - q * k), 2 * (i * k + q * j)
@@ -79,7 +79,7 @@ def place(world, state, work):
     """Fill the pose in `work`, and what the state shows of it; returns the turn of the heading."""
     walker, R, body = world.walker, work.R, work.body
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
-    _rotation(state, R)
+    rotation(state, R)
     for row in range(3):
         spin = state[W_X + row]
         for j in range(n):

@@ -150,9 +150,10 @@ class Work(NamedTuple):
     A: Array
     """Equations of the forces, shape (3 k, 3 k + 1)."""
     legs: Array
-    """Rows, shape (4 + n, max(2 n, 1)): accelerations of the coordinates; coordinates at the start
-    of a frame; coordinates and rates after a flight; the step (s) of the rest, which is the inverse
-    inertia of the coordinates in a step, their springs included."""
+    """Rows, shape (5 + n, max(2 n, 1)): accelerations of the coordinates; coordinates at the start
+    of a frame; coordinates and rates after a flight; the step (s) of the last rows; torques by
+    which effects that turn the body leave legs behind; the inverse inertia of the coordinates in a
+    step, their springs included."""
     midway: Array
     """State at the middle of a frame, as far as it is known at its start."""
 
@@ -161,7 +162,7 @@ NOW, MOTION, ACTING, GAINED, MOVED = range(5)
 """Rows of `Work.body`."""
 TURNED, GAP_OF, CLEAR = 3, 9, 10
 """Columns of `Work.points` after the place."""
-PULL, BEFORE, AFTER, STEP, SWING = range(5)
+PULL, BEFORE, AFTER, STEP, LEFT, SWING = range(6)
 """Rows of `Work.legs`."""
 
 
@@ -173,7 +174,7 @@ def work_for(walker, state):
     return Work(
         np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), np.zeros((k, COLUMNS_OF_CONTACT)),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
-        np.zeros((4 + n, max(2 * n, 1))), np.zeros_like(state),
+        np.zeros((5 + n, max(2 * n, 1))), np.zeros_like(state),
     )  # fmt: skip
 
 

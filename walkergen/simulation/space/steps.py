@@ -11,7 +11,7 @@ import math
 from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
-from walkergen.simulation.effects.acting import across, along
+from walkergen.simulation.effects.acting import across, along, placed
 from walkergen.simulation.record import next_sample, take_sample
 from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
@@ -42,6 +42,7 @@ from walkergen.simulation.space.state import (
     GAP_OF,
     IMPULSE,
     LANDED,
+    LEFT,
     LEGS,
     MIDDLE,
     MODE,
@@ -119,7 +120,7 @@ def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
         legs[PULL, i] = 0.0
     for j in range(n):
         angle, rate = state[LEGS + j], state[LEGS + n + j]
-        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate
+        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate + legs[LEFT, j]
         for i in range(n):
             legs[PULL, i] += legs[SWING + i, j] * torque
     for i in range(m):
@@ -348,7 +349,8 @@ def _folded(walker, state):
 def _advance(world, state, work, duration, tally):
     """Advance as `advance` does, without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
-    begin, t, gentle = sums[record.ELAPSED], 0.0, strongest_throw(world) < across(world.acting)
+    begin, t = sums[record.ELAPSED], 0.0
+    gentle = strongest_throw(world) < across(world.acting) and not placed(world.acting)
     patience = _patience(world)
     if begin == 0.0:  # landings under way count from the record's beginning
         for k in range(len(walker.leg)):
