@@ -111,6 +111,7 @@ def test_equal_seeds_give_equal_draws():
     assert not np.array_equal(one.draws, other.draws)
 
 
+@pytest.mark.slow
 def test_a_product_that_alone_is_known_is_named():
     def product(x, number):
         return 400.0 * x[:, 0] * x[:, 1]
@@ -126,6 +127,7 @@ def test_a_product_that_alone_is_known_is_named():
     assert "damping_ratio" in note
 
 
+@pytest.mark.slow
 def test_speeds_that_no_parameters_explain_are_called_so():
     known = responses(64, [1], 0.0)
     seen = [Observed(np.array([300.0, 310.0]), np.array([1.0, 1.0]))]
