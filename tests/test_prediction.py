@@ -170,7 +170,7 @@ def test_bounds_hold_the_speeds_of_the_model_in_space():
     [({"drive": {"frequency_hz": 90.0, "gamma": 5.0}}, "gamma in 1.1..3, not at 5"),
      ({"contact": {"friction": 2.0}}, "friction in 0.05..0.6, not at 2"),
      ({"plate": {"slope_deg": 6.0}}, "slopes beyond 5 deg"),
-     ({"feet": {"damping": "hysteretic"}}, "other feet")],
+     ({"feet": {"damping": "hysteretic"}}, "feet.damping = hysteretic")],
 )  # fmt: skip
 def test_outside_the_table_the_theory_stands_in_and_says_so(tables, told):
     design = Design()

@@ -525,8 +525,13 @@ FOUND = {
 """What nightly sweeps found: the outcome (None: any physical one), and the walker."""
 
 
-@pytest.mark.parametrize("name", FOUND)
-@pytest.mark.slow
+LONG = ("a walker of 0.1 mm that flies", "a spinning walker of 10 um, whose flight")
+"""Beginnings of those that take more than ten seconds."""
+
+
+@pytest.mark.parametrize(
+    "name", [pytest.param(name, marks=[pytest.mark.slow] * name.startswith(LONG)) for name in FOUND]
+)
 def test_what_the_sweep_once_found_stays_lawful(name):
     outcome, tables = FOUND[name]
     found = check(tables)

@@ -97,9 +97,20 @@ def test_noise_of_headings_is_no_diffusion(lost):
         assert diffusion_of(tracks).value - one.value == pytest.approx(0.01 * 9 / 8)
 
 
-@pytest.mark.parametrize("gap", [0.0, 8.0, 60.0], ids=["one by one", "short blocks", "long blocks"])
+GAPS = {"one by one": 0.0, "short blocks": 8.0, "long blocks": 60.0}
+QUICK = {(0.95, 8.0), (0.5, 0.0), (0.5, 60.0)}
+"""Shares and gaps of the quick suite; each takes five seconds."""
+
+
 @pytest.mark.parametrize(
-    "kept", [0.95, *(pytest.param(kept, marks=pytest.mark.slow) for kept in (0.85, 0.75)), 0.5]
+    ("kept", "gap"),
+    [
+        pytest.param(
+            kept, gap, id=f"{kept}-{name}", marks=[pytest.mark.slow] * ((kept, gap) not in QUICK)
+        )
+        for kept in (0.95, 0.85, 0.75, 0.5)
+        for name, gap in GAPS.items()
+    ],
 )
 def test_frames_that_are_missing_change_neither_diffusion_nor_scatter(kept, gap):
     walker = EXACT._replace(rate=0.8, lost=1.0 - kept, gap=gap)
