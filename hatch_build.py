@@ -18,9 +18,6 @@ SHORT = ("--seconds", "0.05", "--runs", "2", "--quiet")
 FIRST = (("predict", "--tilt", "10"), ("simulate", *SHORT))
 MORE = (
     *(("simulate", "--model", model, *SHORT) for model in ("relaxed", "rigid", "compliant")),
-    ("simulate", "--scene", "plane-noisy", *SHORT),
-    ("simulate", "--set", "scene.effects.air_drag=true", *SHORT),
-    ("simulate", "--set", "scene.plate.slope_deg=2", *SHORT),
     ("family", "--no-pictures", "--quiet"),
     ("bench", "drop", "--measured", "0.5", "--drops", "2", "--quiet"),
 )

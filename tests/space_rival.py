@@ -35,7 +35,7 @@ def plan_of(tilt, kind="flexible", **tables):
 
 def weightless(plan):
     """The same plan without gravity."""
-    acting = plan.world.acting._replace(gravity=Gravity(1.0, 0.0, None))
+    acting = plan.world.acting._replace(gravity=Gravity(1.0, 0.0, 0.0))
     return plan._replace(world=plan.world._replace(acting=acting))
 
 

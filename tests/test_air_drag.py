@@ -42,7 +42,7 @@ def whole_mass(plan):
 
 def test_it_is_off_by_default_and_its_number_says_why():
     plan = plan_of(air=None)
-    assert plan.world.acting.air is None
+    assert plan.world.acting.air == air_drag.OFF
     (drag,) = [effect for effect in plan.resolved.effects if effect.name == air_drag.NAME]
     assert not drag.on
     assert drag.reason == "small"

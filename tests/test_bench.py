@@ -173,7 +173,7 @@ def test_a_still_plate_keeps_feet_and_gravity_and_loses_its_drive():
     quiet = resting.resting(scene)
     assert (quiet.contact, quiet.feet) == (scene.contact, scene.feet)
     plan = resting.plan_of(scene, PAPER)
-    assert plan.world.acting.noise is None
+    assert len(plan.world.acting.noise.heights) == 0
     assert plan.world.acting.gravity.into == GRAVITY
     state = plan.start(0.0, 0.0, 0.0)
     tally = record.new(HEIGHT + 1, 1.0, 0.9)

@@ -1,60 +1,41 @@
-"""An effect that is off is absent from the compiled code: read in the text, with a cold cache."""
+"""No switch of an effect waits for a compiler: effects that are off are data of the same types."""
 
-import json
-import os
-import subprocess
-import sys
-from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
-
+import numba
+import numpy as np
 import pytest
 
-DRIVE = {"frequency_hz": 90.0, "gamma": 1.8}
-SCENES = {
-    "relaxed": {"legs": {"model": "relaxed"}},
-    "relaxed, harmonic": {
-        "legs": {"model": "relaxed"}, "drive": DRIVE | {"second_harmonic_ratio": 0.2},
-    },
-    "relaxed, slope": {"legs": {"model": "relaxed"}, "plate": {"slope_deg": 3.0}},
-    "rigid": {"legs": {"model": "rigid"}},
-    "compliant": {"legs": {"model": "compliant"}},
-    "compliant, air": {"legs": {"model": "compliant"}, "effects": {"air_drag": True}},
-}  # fmt: skip
+from walkergen.scene import Scene
+from walkergen.simulation import record
+from walkergen.simulation.plan import prepare
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+DESIGN = Design()
+HARMONIC = {"drive": {"frequency_hz": 90.0, "gamma": 1.8, "second_harmonic_ratio": 0.2}}
+AIR = {"effects": {"air_drag": True}}
+SLOPE = {"plate": {"slope_deg": 2.0}}
+IN_SPACE = {
+    "plate": {"slope_deg": 2.0, "noise_ratio": 0.1, "roughness_um": 1.0},
+    "tether": {"stiffness_n_per_m": 1.0},
+    "arena": {"kind": "plane"},
+}
 
 
-def compiled(scene, cache):
-    """(calls of sine and cosine, lines of code) of a scene's kernel, compiled afresh."""
-    script = Path(__file__).parent / "compiled_text.py"
-    words = [sys.executable, str(script), json.dumps(scene)]
-    environment = {**os.environ, "NUMBA_CACHE_DIR": str(cache)}
-    result = subprocess.run(
-        words, env=environment, capture_output=True, text=True, check=True, timeout=300
-    )
-    return tuple(int(word) for word in result.stdout.split())
-
-
-def texts_of(scenes, folder):
-    """Calls and lines of the kernels of several scenes, by their names."""
-    caches = [folder / str(number) for number in range(len(scenes))]
-    with ThreadPoolExecutor(os.cpu_count()) as pool:
-        found = pool.map(compiled, (SCENES[name] for name in scenes), caches)
-        return dict(zip(scenes, found, strict=True))
-
-
-@pytest.mark.nightly
-def test_an_effect_that_is_off_leaves_no_code(tmp_path):
-    """Air drag needs its own sines, which must not be there without it."""
-    found = texts_of(("compliant", "compliant, air"), tmp_path)
-    assert found["compliant"][0] < found["compliant, air"][0]
-    assert found["compliant"][1] < found["compliant, air"][1]
-
-
-@pytest.mark.nightly
-def test_drives_and_slopes_that_are_off_leave_no_code(tmp_path):
-    """A harmonic needs its own sines; a slope adds numbers, and their lines."""
-    scenes = [name for name in SCENES if not name.startswith("compliant")]
-    found = texts_of(scenes, tmp_path)
-    assert found["relaxed"][0] < found["relaxed, harmonic"][0]
-    assert found["relaxed"][1] < found["relaxed, harmonic"][1]
-    assert found["relaxed"][1] < found["relaxed, slope"][1]
-    assert found["rigid"][1] < found["relaxed"][1]  # no flexible tensor in rigid code
+@pytest.mark.skipif(bool(numba.config.DISABLE_JIT), reason="nothing is compiled")
+@pytest.mark.parametrize(
+    ("model", "effects"),
+    [
+        ("space", IN_SPACE | HARMONIC | AIR),
+        ("relaxed", HARMONIC | SLOPE),
+        ("compliant", HARMONIC | SLOPE | AIR),
+    ],
+)
+def test_switching_effects_compiles_nothing(model, effects):
+    kernels = set()
+    for tables in ({}, effects):
+        scene = Scene.model_validate({"legs": {"model": model}} | tables)
+        plan = prepare(scene, DESIGN, solids.mass_of(DESIGN)).drawn(np.random.default_rng(0))
+        state = plan.start(0.05, 0.0, 0.0)
+        plan.advance(state, 1e-4, record.new(len(state)))
+        kernels.add((plan.model.advance, len(plan.model.advance.outer.signatures)))
+    assert len(kernels) == 1

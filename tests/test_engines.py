@@ -150,7 +150,7 @@ def test_the_scene_decides_which_effects_are_simulated():
 def test_effects_can_be_forced_on_and_off():
     level = plan_of(plate={"slope_deg": 3.0}, effects={"plate_slope": False})
     assert not verdicts(level)["plate slope"]
-    assert level.world.acting.gravity.along is None
+    assert level.world.acting.gravity.along == 0.0
     assert any("forced off" in effect.reason for effect in level.resolved.effects)
     flat = plan_of(effects={"second_harmonic": True})
     assert verdicts(flat)["second harmonic"]

@@ -31,7 +31,7 @@ def fake_plan(advance, scene=None):
         pose=lambda state: (float(state[0]), 0.0, 0.0), coarser=None, resting=None,
         columns=("x_mm", "y_mm", "pitch_rad", "seed"), drawn=same,
     )  # fmt: skip
-    world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD, None), None, None, None)
+    world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD), None, None, None)
     case = Case(scene or scene_of(), None, None, "rigid")
     return Plan(case, None, model, world)
 

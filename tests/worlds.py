@@ -8,6 +8,7 @@ from walkergen.simulation import record
 from walkergen.simulation.compliant import state as hinged
 from walkergen.simulation.compliant import steps
 from walkergen.simulation.drive import Drive, velocity
+from walkergen.simulation.effects import air_drag
 from walkergen.simulation.effects.acting import Acting
 from walkergen.simulation.effects.slope import gravity_of
 from walkergen.simulation.relaxed import events
@@ -24,13 +25,13 @@ ANY = Contact(0.5, 0.25, 0)
 
 def shaken(gamma, frequency=90.0):
     omega = 2.0 * math.pi * frequency
-    return Drive(gamma * GRAVITY / omega**2, omega, None)
+    return Drive(gamma * GRAVITY / omega**2, omega)
 
 
 SHAKEN = shaken(1.8)
 
 
-def world_of(walker, drive=SHAKEN, contact=ANY, options=STEPS, slope=None, air=None):
+def world_of(walker, drive=SHAKEN, contact=ANY, options=STEPS, slope=0.0, air=air_drag.OFF):
     """World of two feet of one `Contact`, or of a pair of them."""
     contacts = (contact, contact) if isinstance(contact, Contact) else contact
     return World(walker, drive, contacts, Acting(gravity_of(slope), air), options)
@@ -60,12 +61,12 @@ def level_state(walker, drive, phase=0.0, gap=0.0):
     return state
 
 
-def relaxed_world(walker, drive, contact, slope=None):
+def relaxed_world(walker, drive, contact, slope=0.0):
     options = relaxed.options_for(walker, drive, GRAVITY)
     return world_of(walker, drive, contact, options, slope)
 
 
-def go(walker, drive, contact, state, duration, slope=None, tally=None):
+def go(walker, drive, contact, state, duration, slope=0.0, tally=None):
     """Advance a relaxed walker from event to event: status and tally."""
     tally = record.new(len(state)) if tally is None else tally
     world = relaxed_world(walker, drive, contact, slope)

@@ -51,13 +51,25 @@ class Kernel:
     """Compiled function: for kernels without, for Python with the wrapper that unpacks arguments.
 
     Of nested tuples that wrapper is larger than most functions; only what Python calls has one.
+    Most kernels are only called by others, so that either is made on its first use.
     """
+
+    __wrapped__: Callable[..., Any]
 
     def __init__(self, function: Callable[..., Any], options: dict[str, Any]) -> None:
         functools.update_wrapper(self, function)
-        bare = options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
-        self.inner = numba.njit(**bare)(function)  # not cached: what calls it has its code
-        self.outer = numba.njit(cache=True, **options)(function)
+        self.options = options
+
+    @functools.cached_property
+    def inner(self) -> Any:
+        """For kernels; not cached, since what calls it has its code."""
+        bare = self.options | {"no_cpython_wrapper": True, "no_cfunc_wrapper": True}
+        return numba.njit(**bare)(self.__wrapped__)
+
+    @functools.cached_property
+    def outer(self) -> Any:
+        """For Python."""
+        return numba.njit(cache=True, **self.options)(self.__wrapped__)
 
     def __call__(self, *arguments: Any) -> Any:
         """Run on arguments from Python."""

@@ -23,7 +23,7 @@ class Drive(NamedTuple):
     """Amplitude of the fundamental, mm."""
     omega: float
     """Angular frequency, rad/s; > 0 also when the amplitude is 0."""
-    harmonic: Harmonic | None
+    harmonic: Harmonic = harmonics.OFF
 
     @property
     def period(self) -> float:

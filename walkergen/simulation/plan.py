@@ -28,7 +28,7 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
     if resolved.model == "rigid":
         mass = as_rigid(mass)
     case = Case(scene, design, mass, resolved.model)
-    harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else None
+    harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else harmonic.OFF
     drive = Drive(scene.drive.amplitude, scene.drive.omega, harmonics)
     contacts = () if resolved.model == "space" else _contacts(scene, in_plane(design, mass).limbs)
     model, walker, options = _room(resolved).of(case, resolved, drive)

@@ -49,7 +49,7 @@ class Contact(NamedTuple):
 
 
 class World(NamedTuple):
-    """Everything that does not change while a walker moves; an effect that is off is None."""
+    """Everything that does not change while a walker moves."""
 
     walker: Any
     """The model's own `Walker`."""

@@ -8,7 +8,7 @@ import math
 from collections.abc import Callable
 from typing import NamedTuple
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import kernel, lean
 from walkergen.simulation.effects import (
     air_drag,
     compliance,
@@ -53,16 +53,22 @@ VERDICTS: tuple[Verdict, ...] = (
 )
 """Verdicts on each effect, in the order in which `explain` shows them."""
 
-_along, _drag, _drag_in_space = slope.along, air_drag.force, air_drag.force_in_space
+_drag, _drag_in_space = air_drag.force, air_drag.force_in_space
 _tethered, _pull, _tether_energy = tether.acts, tether.pull, tether.potential
 _strongest = tether.strongest
 
 
 class Acting(NamedTuple):
-    """Parameters of the effects that act on a walker in motion; None: the effect is off."""
+    """Parameters of the effects that act on a walker in motion.
+
+    Those of an effect that is off are neutral: a comparison skips its branch, so that no switch of
+    an effect needs machine code of its own.
+
+    None: planar models do not know it.
+    """
 
     gravity: Gravity
-    air: Air | None = None
+    air: Air = air_drag.OFF
     noise: Noise | None = None
     """Noise of one run, which draws it."""
     roughness: Roughness | None = None
@@ -72,18 +78,22 @@ class Acting(NamedTuple):
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
     """Parameters of those effects of a case whose names are `on`."""
-    descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else None
-    return Acting(
-        slope.gravity_of(descent),
-        air=air_drag.parameters(case) if on(air_drag.NAME) else None,
-        tether=tether.parameters(case) if on(tether.NAME) else None,
+    descent = math.radians(case.scene.plate.slope_deg) if on(slope.NAME) else 0.0
+    air = air_drag.parameters(case) if on(air_drag.NAME) else air_drag.OFF
+    acts = Acting(slope.gravity_of(descent), air)
+    if case.model != "space":
+        return acts
+    return acts._replace(
+        noise=noise.OFF,
+        roughness=roughness.OFF,
+        tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
     )
 
 
 @kernel
 def along(acting: Acting) -> float:
     """Gravity along the plate, toward +x, mm/s^2."""
-    return _along(acting.gravity.along)
+    return acting.gravity.along
 
 
 @kernel
@@ -98,19 +108,19 @@ def body_force(acting, pitch, v_x, v_y):
     return _drag(acting.air, pitch, v_x, v_y)
 
 
-@kernel
+@lean
 def force_in_space(acting, velocity):
     """Force of effects on a body moving at `velocity` (body axes, mm/s), in the same axes."""
     return _drag_in_space(acting.air, velocity)
 
 
-@kernel
+@lean
 def placed(acting):
     """True where a force acts that depends on the pose: it has a place, and a potential."""
     return _tethered(acting.tether)
 
 
-@kernel
+@lean
 def pull(acting, x, y, z, R):
     """Force (g mm/s^2) and torque about C (g mm^2/s^2) of effects by the pose, body axes.
 
@@ -122,13 +132,13 @@ def pull(acting, x, y, z, R):
     )  # fmt: skip
 
 
-@kernel
+@lean
 def potential(acting, x, y, z, R):
     """Energy of effects at a pose, without gravity's, g mm^2/s^2."""
     return _tether_energy(acting.tether, x, y, z, R)
 
 
-@kernel
+@lean
 def strongest(acting, x, y, z, R, way):
     """Upper bounds of force (g mm/s^2) and torque (g mm^2/s^2) of `pull` while no point of the body
     moves by more than `way` (mm).

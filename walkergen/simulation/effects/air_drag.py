@@ -36,6 +36,10 @@ class Air(NamedTuple):
     """Drag across the run, in space: on its left or right face."""
 
 
+OFF = Air(0.0, 0.0, 0.0)
+"""No drag."""
+
+
 def parameters(case: Case) -> Air:
     """Drag parameters of the design's body."""
     size, scale = case.design.size, 0.5 * COEFFICIENT * DENSITY
@@ -66,7 +70,7 @@ def verdict(case: Case) -> Effect:
 @kernel
 def force(air, pitch, v_x, v_y):
     """Drag (x, y) on a body with `pitch` (rad) that moves at (v_x, v_y) mm/s, g mm/s^2."""
-    if air is None:
+    if air.ends == 0.0:
         return 0.0, 0.0
     cos, sin = math.cos(pitch), math.sin(pitch)
     u, w = cos * v_x + sin * v_y, cos * v_y - sin * v_x
@@ -77,7 +81,7 @@ def force(air, pitch, v_x, v_y):
 @kernel
 def force_in_space(air, velocity):
     """Drag on a body moving at `velocity` (body axes, three entries or more, mm/s)."""
-    if air is None:
+    if air.ends == 0.0:
         return 0.0, 0.0, 0.0
     u, v, w = velocity[0], velocity[1], velocity[2]
     return -air.ends * u * abs(u), -air.sides * v * abs(v), -air.flanks * w * abs(w)

@@ -1,7 +1,7 @@
 """Second harmonic of the drive: the plate moves as A [sin(phase) + ratio sin(2 phase + shift)].
 
 The kernels give the harmonic's part of height, velocity and acceleration over A, A omega and
-A omega^2, 0 for None. Limit: ratio 0 is the plain sine (tests/test_engines.py).
+A omega^2. Limit: ratio 0 is the plain sine (tests/test_engines.py).
 """
 
 import math
@@ -20,6 +20,10 @@ class Harmonic(NamedTuple):
     """Amplitude over the fundamental's."""
     shift: float
     """Phase shift, rad."""
+
+
+OFF = Harmonic(0.0, 0.0)
+"""A plain sine."""
 
 
 def verdict(case: Case) -> Effect:
@@ -42,7 +46,7 @@ def parameters(case: Case) -> Harmonic:
 @kernel
 def height(harmonic, phase):
     """Harmonic's part of the height over A, at a phase (rad) of the fundamental."""
-    if harmonic is None:
+    if harmonic.ratio == 0.0:
         return 0.0
     return harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
 
@@ -50,7 +54,7 @@ def height(harmonic, phase):
 @kernel
 def velocity(harmonic, phase):
     """Harmonic's part of the velocity over A omega, at a phase (rad) of the fundamental."""
-    if harmonic is None:
+    if harmonic.ratio == 0.0:
         return 0.0
     return 2.0 * harmonic.ratio * math.cos(2.0 * phase + harmonic.shift)
 
@@ -58,7 +62,7 @@ def velocity(harmonic, phase):
 @kernel
 def acceleration(harmonic, phase):
     """Harmonic's part of the acceleration over A omega^2, at a phase (rad) of the fundamental."""
-    if harmonic is None:
+    if harmonic.ratio == 0.0:
         return 0.0
     return -4.0 * harmonic.ratio * math.sin(2.0 * phase + harmonic.shift)
 
@@ -66,6 +70,6 @@ def acceleration(harmonic, phase):
 @kernel
 def bound(harmonic, order):
     """Largest |d^order height / dt^order| of the harmonic over A omega^order."""
-    if harmonic is None:
+    if harmonic.ratio == 0.0:
         return 0.0
     return abs(harmonic.ratio) * 2.0**order

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
 NAME, SWITCH = "plate noise", "effects.plate_noise"
@@ -44,6 +44,10 @@ class Noise(NamedTuple):
     """Largest velocity, mm/s."""
     strongest: float
     """Largest acceleration, mm/s^2."""
+
+
+OFF = Noise(np.zeros(0), np.zeros(0), 0.0, 0.0, 0.0)
+"""No noise: no samples."""
 
 
 def verdict(case: Case) -> Effect:
@@ -97,15 +101,15 @@ def draw(case: Case, rng: np.random.Generator) -> Noise:
     )  # fmt: skip
 
 
-@kernel
+@lean
 def moved_on(noise, time, t):
     """Time (s, within the noise's period) after t seconds."""
-    if noise is None:
+    if len(noise.heights) == 0:
         return time
     return (time + t) % (len(noise.heights) * noise.interval)
 
 
-@kernel
+@lean
 def _cubic(noise, time):
     """Coefficients of the cubic about the sample before `time`, and the part of the interval."""
     place = time / noise.interval
@@ -119,36 +123,34 @@ def _cubic(noise, time):
     return a, u, 3.0 * (b - a) - 2.0 * u - v, 2.0 * (a - b) + u + v, s
 
 
-@kernel
+@lean
 def height(noise, time):
     """Height of the noise, mm, at a time in its period, s."""
-    if noise is None:
+    if len(noise.heights) == 0:
         return 0.0
     a, u, c, d, s = _cubic(noise, time)
     return a + s * (u + s * (c + s * d))
 
 
-@kernel
+@lean
 def velocity(noise, time):
     """Velocity of the noise, mm/s."""
-    if noise is None:
+    if len(noise.heights) == 0:
         return 0.0
     _, u, c, d, s = _cubic(noise, time)
     return (u + s * (2.0 * c + 3.0 * s * d)) / noise.interval
 
 
-@kernel
+@lean
 def acceleration(noise, time):
     """Acceleration of the noise, mm/s^2."""
-    if noise is None:
+    if len(noise.heights) == 0:
         return 0.0
     _, _, c, d, s = _cubic(noise, time)
     return (2.0 * c + 6.0 * s * d) / (noise.interval * noise.interval)
 
 
-@kernel
+@lean
 def bounds(noise):
     """Largest velocity (mm/s) and acceleration (mm/s^2) of the noise."""
-    if noise is None:
-        return 0.0, 0.0
     return noise.fastest, noise.strongest

@@ -12,7 +12,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import lean
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
 NAME, SWITCH = "plate roughness", "effects.plate_roughness"
@@ -29,6 +29,10 @@ class Roughness(NamedTuple):
 
     waves: npt.NDArray[np.float64]
     """A wave a row, shape (WAVES, 4): wave vector (1/mm, x and z), amplitude (mm), phase."""
+
+
+OFF = Roughness(np.zeros((0, 4)))
+"""A flat plate: no waves."""
 
 
 def verdict(case: Case) -> Effect:
@@ -60,13 +64,13 @@ def draw(case: Case, rng: np.random.Generator) -> Roughness:
     return Roughness(np.column_stack([k * np.cos(direction), k * np.sin(direction), size, phase]))
 
 
-@kernel
+@lean
 def surface(roughness, x, z):
     """Height (mm) of the surface at (x, z) in mm, and its slopes along both."""
-    if roughness is None:
-        return 0.0, 0.0, 0.0
     h, h_x, h_z = 0.0, 0.0, 0.0
-    for k_x, k_z, size, phase in roughness.waves:
+    for i in range(len(roughness.waves)):
+        k_x, k_z = roughness.waves[i, 0], roughness.waves[i, 1]
+        size, phase = roughness.waves[i, 2], roughness.waves[i, 3]
         angle = k_x * x + k_z * z + phase
         h += size * math.sin(angle)
         slope = size * math.cos(angle)
@@ -75,12 +79,11 @@ def surface(roughness, x, z):
     return h, h_x, h_z
 
 
-@kernel
+@lean
 def steepest(roughness):
     """Upper bound of the surface's slope."""
-    if roughness is None:
-        return 0.0
     total = 0.0
-    for k_x, k_z, size, _ in roughness.waves:
+    for i in range(len(roughness.waves)):
+        k_x, k_z, size = roughness.waves[i, 0], roughness.waves[i, 1], roughness.waves[i, 2]
         total += size * math.sqrt(k_x * k_x + k_z * k_z)
     return total

@@ -6,7 +6,6 @@ Limits: slope 0 is the level plate; a walker at rest starts to slide beyond tan(
 import math
 from typing import NamedTuple
 
-from walkergen.numerics.kernels import kernel
 from walkergen.scene import GRAVITY
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
 
@@ -20,8 +19,8 @@ class Gravity(NamedTuple):
     """Acceleration of free fall, > 0."""
     into: float
     """Component of gravity into the plate, > 0."""
-    along: float | None
-    """Component of gravity along the plate, toward +x; None on a level plate."""
+    along: float
+    """Component of gravity along the plate, toward +x."""
 
 
 def verdict(case: Case) -> Effect:
@@ -37,14 +36,6 @@ def verdict(case: Case) -> Effect:
 VERDICT = Verdict(verdict, SWITCH, away={"plate.slope_deg": 0.0})
 
 
-def gravity_of(slope: float | None, size: float = GRAVITY) -> Gravity:
-    """Gravity in the frame of a plate that descends toward +x by `slope` (rad; None: level)."""
-    if slope is None:
-        return Gravity(size, size, None)
+def gravity_of(slope: float, size: float = GRAVITY) -> Gravity:
+    """Gravity in the frame of a plate that descends toward +x by `slope` (rad)."""
     return Gravity(size, size * math.cos(slope), size * math.sin(slope))
-
-
-@kernel
-def along(component):
-    """Gravity along the plate, mm/s^2; the None of a level plate compiles to 0."""
-    return 0.0 if component is None else component

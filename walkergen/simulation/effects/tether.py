@@ -9,7 +9,7 @@ section 5). Limits: slack, it is as if it were not there; from the centre of mas
 import math
 from typing import NamedTuple
 
-from walkergen.numerics.kernels import kernel
+from walkergen.numerics.kernels import lean
 from walkergen.scene import GRAVITY, Tether
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced, only_in_space
 
@@ -30,6 +30,10 @@ class Spring(NamedTuple):
     """Its end over the plate, in the laboratory."""
     place: tuple[float, float, float]
     """Its point of the body from the centre of mass of the walker, body axes."""
+
+
+OFF = Spring(0.0, 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
+"""No tether."""
 
 
 def judge(case: Case) -> Effect:
@@ -60,13 +64,13 @@ def parameters(case: Case) -> Spring:
     )
 
 
-@kernel
+@lean
 def acts(spring):
     """True where there is a tether, taut or slack."""
-    return spring is not None
+    return spring.stiffness > 0.0
 
 
-@kernel
+@lean
 def _line(spring, x, y, z, R):
     """Vector (mm) from the tether's point of the body to its end, and their distance."""
     p, end = spring.place, spring.end
@@ -76,13 +80,13 @@ def _line(spring, x, y, z, R):
     return d_x, d_y, d_z, math.sqrt(d_x * d_x + d_y * d_y + d_z * d_z)
 
 
-@kernel
+@lean
 def pull(spring, x, y, z, R):
     """Force (g mm/s^2) and place (mm, from C) of a walker's tether, body axes.
 
     The walker's centre of mass C is at (x, y, z); R: body axes -> world.
     """
-    if spring is None:
+    if spring.stiffness == 0.0:
         return 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     d_x, d_y, d_z, distance = _line(spring, x, y, z, R)
     s = spring.stiffness * max(distance - spring.length, 0.0) / max(distance, 1e-300)
@@ -95,22 +99,22 @@ def pull(spring, x, y, z, R):
     )  # fmt: skip
 
 
-@kernel
+@lean
 def potential(spring, x, y, z, R):
     """Energy of the spring, g mm^2/s^2."""
-    if spring is None:
+    if spring.stiffness == 0.0:
         return 0.0
     _, _, _, distance = _line(spring, x, y, z, R)
     stretch = max(distance - spring.length, 0.0)
     return 0.5 * spring.stiffness * stretch * stretch
 
 
-@kernel
+@lean
 def strongest(spring, x, y, z, R, way):
     """Largest force (g mm/s^2) while no point of the body moves by more than `way` (mm), and the
     distance (mm) of its place from the centre of mass.
     """
-    if spring is None:
+    if spring.stiffness == 0.0:
         return 0.0, 0.0
     _, _, _, distance = _line(spring, x, y, z, R)
     p = spring.place

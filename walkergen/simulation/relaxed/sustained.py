@@ -304,12 +304,7 @@ def falling_wait(plate, phase, threshold):
     """Time (s) until the plate's acceleration is at or below `threshold`; infinity if never."""
     if plate.amplitude == 0.0:
         return 0.0 if threshold >= 0.0 else math.inf
-    return _falling_wait(plate.harmonic, plate, phase, threshold)
-
-
-@kernel
-def _falling_wait(harmonic, plate, phase, threshold):
-    if harmonic is None:
+    if plate.harmonic.ratio == 0.0:
         ratio = -threshold / (plate.amplitude * plate.omega * plate.omega)
         if ratio > 1.0:
             return math.inf
