@@ -15,37 +15,7 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.space.slider import dragged
-from walkergen.simulation.space.state import (
-    B_N,
-    B_T,
-    C_N,
-    END_1,
-    END_2,
-    FORCE,
-    FREE,
-    FRICTION,
-    GAP,
-    K_N,
-    K_T,
-    MIDDLE,
-    MODE,
-    NUMBER,
-    OFFSET,
-    OPEN,
-    ROW,
-    SET,
-    SHARE,
-    SLIDE,
-    SLIP_1,
-    SLIP_2,
-    SPEED,
-    STICK,
-    STIFF,
-    TOWARD_1,
-    TOWARD_2,
-    TRIED,
-    UNKNOWN,
-)
+from walkergen.simulation.space.state import MODE, OPEN, ROW, SET, SLIDE, STICK
 
 PASSES = 8
 """Corrections of the modes after which forces are cut to their limits as they are."""
@@ -66,38 +36,38 @@ friction presses a foot on faster than the step, and the foot is taken to stick.
 
 
 @lean
-def resist(contacts, i, h, k_n):
+def resist(near, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
-    contacts[i, STIFF], contacts[i, OFFSET], contacts[i, SHARE] = k_n, 0.0, 1.0
-    contacts[i, B_N] = contacts[i, C_N] + 0.5 * h * k_n
-    contacts[i, B_T] = 0.5 * h * contacts[i, K_T]
+    near.stiff[i], near.offset[i], near.share[i] = k_n, 0.0, 1.0
+    near.b_n[i] = near.c_n[i] + 0.5 * h * k_n
+    near.b_t[i] = 0.5 * h * near.k_t[i]
 
 
 @lean
-def _touch(contacts, i, h, share):
+def _touch(near, i, h, share):
     """Set the same for contact i, which touches within the step and is closed for its last `share`.
 
     Its springs are relaxed at touch. Its force is the mean over the whole step.
     """
-    contacts[i, STIFF], contacts[i, OFFSET] = share * contacts[i, K_N], -contacts[i, GAP]
-    contacts[i, SHARE] = share
-    contacts[i, B_N] = share * (contacts[i, C_N] + 0.5 * share * h * contacts[i, K_N])
-    contacts[i, B_T] = 0.5 * share * share * h * contacts[i, K_T]
+    near.stiff[i], near.offset[i] = share * near.k_n[i], -near.gap[i, 0]
+    near.share[i] = share
+    near.b_n[i] = share * (near.c_n[i] + 0.5 * share * h * near.k_n[i])
+    near.b_t[i] = 0.5 * share * share * h * near.k_t[i]
 
 
 @lean
-def _closed_share(contacts, i, u, h):
+def _closed_share(near, i, u, h):
     """Share of a step of h seconds, up to its end, in which contact i is closed; 0 if it is not.
 
     It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
     """
-    gap = contacts[i, GAP]
+    gap = near.gap[i, 0]
     end = gap + h * u
     return end / (end - gap) if end < 0.0 else 0.0
 
 
 @lean
-def guess(state, contacts, H, m, h, unloading, first):
+def guess(state, near, H, m, h, unloading, first):
     """Set first guesses of the modes of m near contacts; returns how many are closed.
 
     Their velocities in the middle of the step are those expected by the forces of the last one.
@@ -105,112 +75,107 @@ def guess(state, contacts, H, m, h, unloading, first):
     """
     closed = 0
     for i in range(m):
-        at = first + ROW * int(contacts[i, NUMBER])
-        mode = _guess_of(state, contacts, H, i, h, unloading, at)
-        contacts[i, TRIED] = mode
+        at = first + ROW * near.number[i]
+        mode = _guess_of(state, near, H, i, h, unloading, at)
+        near.tried[i] = mode
         if mode != OPEN:
             closed += 1
     return closed
 
 
 @lean
-def _guess_of(state, contacts, H, i, h, unloading, at):
+def _guess_of(state, near, H, i, h, unloading, at):
     """First guess of the mode of contact i, whose row in the state is at `at`."""
-    gap = contacts[i, GAP]
+    gap = near.gap[i, 0]
     if gap > 0.0:
         share = 0.0
-        if gap < NEAR * h * abs(contacts[i, SPEED]):
-            share = _closed_share(contacts, i, contacts[i, MIDDLE], h)
+        if gap < NEAR * h * abs(near.speed[i, 0]):
+            share = _closed_share(near, i, near.middle[i, 0], h)
         if share == 0.0:
             return OPEN
-        _touch(contacts, i, h, share)
+        _touch(near, i, h, share)
     else:
-        middle = gap + 0.5 * h * contacts[i, SPEED]
+        middle = gap + 0.5 * h * near.speed[i, 0]
         if middle >= 0.0:
             return OPEN
-        if contacts[i, SHARE] != 1.0:
-            resist(contacts, i, h, contacts[i, K_N])
+        if near.share[i] != 1.0:
+            resist(near, i, h, near.k_n[i])
         if unloading > 1.0:
-            stiff, offset = unloading * contacts[i, K_N], state[at + SET]
-            if stiff * (-middle - offset) < -contacts[i, K_N] * middle:
-                resist(contacts, i, h, stiff)
-                contacts[i, OFFSET] = offset
+            stiff, offset = unloading * near.k_n[i], state[at + SET]
+            if stiff * (-middle - offset) < -near.k_n[i] * middle:
+                resist(near, i, h, stiff)
+                near.offset[i] = offset
             else:
-                resist(contacts, i, h, contacts[i, K_N])
-    press = -contacts[i, STIFF] * (gap + contacts[i, OFFSET])
-    press = max(press - contacts[i, B_N] * contacts[i, MIDDLE], 0.0)
+                resist(near, i, h, near.k_n[i])
+    press = -near.stiff[i] * (gap + near.offset[i])
+    press = max(press - near.b_n[i] * near.middle[i, 0], 0.0)
     mode = int(state[at + MODE])
     if mode == OPEN:
-        t_1 = contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * contacts[i, SPEED + 1]
-        t_2 = contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * contacts[i, SPEED + 2]
-        limit = contacts[i, FRICTION] * press
+        t_1 = near.k_t[i] * near.gap[i, 1] + near.b_t[i] * near.speed[i, 1]
+        t_2 = near.k_t[i] * near.gap[i, 2] + near.b_t[i] * near.speed[i, 2]
+        limit = near.friction[i] * press
         mode = SLIDE if t_1 * t_1 + t_2 * t_2 > limit * limit else STICK
     if mode == STICK:
         return STICK
-    aim(contacts, i, contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2], press, h)
-    return STICK if _jams(contacts, H, i, h) else SLIDE
+    aim(near, i, near.middle[i, 1], near.middle[i, 2], press, h)
+    return STICK if _jams(near, H, i, h) else SLIDE
 
 
 @lean
-def aim(contacts, i, u_1, u_2, press, h):
+def aim(near, i, u_1, u_2, press, h):
     """Point contact i along its stretch in the middle of its share of the step, and at its end.
 
     It slips by (u_1, u_2), mm/s, under the normal force `press`. Returns how far the direction in
     the middle has changed.
     """
-    share = contacts[i, SHARE]
-    radius = contacts[i, FRICTION] * press / (share * contacts[i, K_T])
-    n_1, n_2, contacts[i, END_1], contacts[i, END_2] = dragged(
-        contacts[i, GAP + 1], contacts[i, GAP + 2], u_1, u_2, 0.5 * share * h, radius
+    share = near.share[i]
+    radius = near.friction[i] * press / (share * near.k_t[i])
+    n_1, n_2, near.end[i, 0], near.end[i, 1] = dragged(
+        near.gap[i, 1], near.gap[i, 2], u_1, u_2, 0.5 * share * h, radius
     )
-    turned = abs(n_1 - contacts[i, TOWARD_1]) + abs(n_2 - contacts[i, TOWARD_2])
-    contacts[i, TOWARD_1], contacts[i, TOWARD_2] = n_1, n_2
-    contacts[i, SLIP_1], contacts[i, SLIP_2] = u_1, u_2
+    turned = abs(n_1 - near.toward[i, 0]) + abs(n_2 - near.toward[i, 1])
+    near.toward[i, 0], near.toward[i, 1] = n_1, n_2
+    near.slip[i, 0], near.slip[i, 1] = u_1, u_2
     return turned
 
 
 @lean
-def _jams(contacts, H, i, h):
+def _jams(near, H, i, h):
     """True when sliding in the contact's direction would press it on faster than the step."""
     b = 3 * i
-    turned = contacts[i, TOWARD_1] * H[b, b + 1] + contacts[i, TOWARD_2] * H[b, b + 2]
-    own = 1.0 / contacts[i, B_N]
-    return own + 0.5 * h * (H[b, b] - contacts[i, FRICTION] * turned) < JAMMED * own
+    turned = near.toward[i, 0] * H[b, b + 1] + near.toward[i, 1] * H[b, b + 2]
+    own = 1.0 / near.b_n[i]
+    return own + 0.5 * h * (H[b, b] - near.friction[i] * turned) < JAMMED * own
 
 
 @lean
-def _assemble(contacts, H, A, m, h):
+def _assemble(near, H, A, m, h):
     """Fill the equations of the forces for the modes tried; returns their number."""
     half, count = 0.5 * h, 0
     for i in range(m):
-        contacts[i, UNKNOWN] = count
-        if contacts[i, TRIED] != OPEN:
-            count += 3 if contacts[i, TRIED] == STICK else 1
+        near.unknown[i] = count
+        if near.tried[i] != OPEN:
+            count += 3 if near.tried[i] == STICK else 1
     for i in range(m):
-        if contacts[i, TRIED] == OPEN:
+        if near.tried[i] == OPEN:
             continue
-        for p in range(3 if contacts[i, TRIED] == STICK else 1):
-            r, a = 3 * i + p, int(contacts[i, UNKNOWN]) + p
+        for p in range(3 if near.tried[i] == STICK else 1):
+            r, a = 3 * i + p, near.unknown[i] + p
             for j in range(m):
-                c, column = 3 * j, int(contacts[j, UNKNOWN])
-                if contacts[j, TRIED] == STICK:
+                c, column = 3 * j, near.unknown[j]
+                if near.tried[j] == STICK:
                     A[a, column] = half * H[r, c]
                     A[a, column + 1] = half * H[r, c + 1]
                     A[a, column + 2] = half * H[r, c + 2]
-                elif contacts[j, TRIED] == SLIDE:
-                    turned = (
-                        contacts[j, TOWARD_1] * H[r, c + 1] + contacts[j, TOWARD_2] * H[r, c + 2]
-                    )
-                    A[a, column] = half * (H[r, c] - contacts[j, FRICTION] * turned)
+                elif near.tried[j] == SLIDE:
+                    turned = near.toward[j, 0] * H[r, c + 1] + near.toward[j, 1] * H[r, c + 2]
+                    A[a, column] = half * (H[r, c] - near.friction[j] * turned)
             if p == 0:
-                own, pull = (
-                    1.0 / contacts[i, B_N],
-                    contacts[i, STIFF] * (contacts[i, GAP] + contacts[i, OFFSET]),
-                )
+                own, pull = (1.0 / near.b_n[i], near.stiff[i] * (near.gap[i, 0] + near.offset[i]))
             else:
-                own, pull = 1.0 / contacts[i, B_T], contacts[i, K_T] * contacts[i, GAP + p]
+                own, pull = 1.0 / near.b_t[i], near.k_t[i] * near.gap[i, p]
             A[a, a] += own
-            A[a, count] = -pull * own - contacts[i, FREE + p]
+            A[a, count] = -pull * own - near.free[i, p]
     return count
 
 
@@ -232,135 +197,135 @@ def _eliminate(A, count):
 
 
 @lean
-def _spread(contacts, A, m, count):
+def _spread(near, A, m, count):
     """Set the forces from the unknowns; contacts that would pull are opened: their number."""
     pulling = 0
     for i in range(m):
-        contacts[i, FORCE] = contacts[i, FORCE + 1] = contacts[i, FORCE + 2] = 0.0
-        if contacts[i, TRIED] == OPEN:
+        near.force[i, 0] = near.force[i, 1] = near.force[i, 2] = 0.0
+        if near.tried[i] == OPEN:
             continue
-        c = int(contacts[i, UNKNOWN])
+        c = near.unknown[i]
         press = A[c, count]
         if not press > 0.0:
-            contacts[i, TRIED] = OPEN
+            near.tried[i] = OPEN
             pulling += 1
             continue
-        contacts[i, FORCE] = press
-        if contacts[i, TRIED] == STICK:
-            contacts[i, FORCE + 1], contacts[i, FORCE + 2] = A[c + 1, count], A[c + 2, count]
+        near.force[i, 0] = press
+        if near.tried[i] == STICK:
+            near.force[i, 1], near.force[i, 2] = A[c + 1, count], A[c + 2, count]
         else:
-            rub = contacts[i, FRICTION] * press
-            contacts[i, FORCE + 1], contacts[i, FORCE + 2] = (
-                -rub * contacts[i, TOWARD_1],
-                -rub * contacts[i, TOWARD_2],
+            rub = near.friction[i] * press
+            near.force[i, 1], near.force[i, 2] = (
+                -rub * near.toward[i, 0],
+                -rub * near.toward[i, 1],
             )
     return pulling
 
 
 @lean
-def _move(contacts, H, m, h):
+def _move(near, H, m, h):
     """Set the velocities in the middle of the step, from the forces."""
     for j in range(m):
         for p in range(3):
             total, r = 0.0, 3 * j + p
             for i in range(m):
-                if contacts[i, TRIED] != OPEN:
+                if near.tried[i] != OPEN:
                     c = 3 * i
                     total += (
-                        H[r, c] * contacts[i, FORCE]
-                        + H[r, c + 1] * contacts[i, FORCE + 1]
-                        + H[r, c + 2] * contacts[i, FORCE + 2]
+                        H[r, c] * near.force[i, 0]
+                        + H[r, c + 1] * near.force[i, 1]
+                        + H[r, c + 2] * near.force[i, 2]
                     )
-            contacts[j, MIDDLE + p] = contacts[j, FREE + p] + 0.5 * h * total
+            near.middle[j, p] = near.free[j, p] + 0.5 * h * total
 
 
 @lean
-def _correct(contacts, H, m, h):
+def _correct(near, H, m, h):
     """Change modes and directions that the forces contradict; returns how many."""
     changed = 0
     for i in range(m):
-        if contacts[i, GAP] > 0.0 and _landing_changes(contacts, H, i, h):
+        if near.gap[i, 0] > 0.0 and _landing_changes(near, H, i, h):
             changed += 1
             continue
-        press = contacts[i, FORCE]
-        limit = contacts[i, FRICTION] * press
-        if contacts[i, TRIED] == STICK:
-            size = math.sqrt(contacts[i, FORCE + 1] ** 2 + contacts[i, FORCE + 2] ** 2)
+        press = near.force[i, 0]
+        limit = near.friction[i] * press
+        if near.tried[i] == STICK:
+            size = math.sqrt(near.force[i, 1] ** 2 + near.force[i, 2] ** 2)
             if size > limit:
-                aim(contacts, i, contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2], press, h)
-                if not _jams(contacts, H, i, h):
-                    contacts[i, TRIED] = SLIDE
+                aim(near, i, near.middle[i, 1], near.middle[i, 2], press, h)
+                if not _jams(near, H, i, h):
+                    near.tried[i] = SLIDE
                     changed += 1
-        elif contacts[i, TRIED] == SLIDE:
-            u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
+        elif near.tried[i] == SLIDE:
+            u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
             # where its own stretch, moved along, is short of the limit, it sticks
-            share = contacts[i, SHARE]
-            t_1 = share * contacts[i, K_T] * contacts[i, GAP + 1] + contacts[i, B_T] * u_1
-            t_2 = share * contacts[i, K_T] * contacts[i, GAP + 2] + contacts[i, B_T] * u_2
+            share = near.share[i]
+            t_1 = share * near.k_t[i] * near.gap[i, 1] + near.b_t[i] * u_1
+            t_2 = share * near.k_t[i] * near.gap[i, 2] + near.b_t[i] * u_2
             if t_1 * t_1 + t_2 * t_2 < limit * limit:
-                contacts[i, TRIED] = STICK
+                near.tried[i] = STICK
                 changed += 1
             elif (
-                abs(u_1 - contacts[i, SLIP_1]) + abs(u_2 - contacts[i, SLIP_2])
+                abs(u_1 - near.slip[i, 0]) + abs(u_2 - near.slip[i, 1])
                 > TURNED * (abs(u_1) + abs(u_2))
-                and aim(contacts, i, u_1, u_2, press, h) > TURNED
+                and aim(near, i, u_1, u_2, press, h) > TURNED
             ):
                 changed += 1
     return changed
 
 
 @lean
-def _landing_changes(contacts, H, i, h):
+def _landing_changes(near, H, i, h):
     """Locate the touch of contact i, open when the step began, anew; True if that changes it."""
-    r, u = 3 * i, contacts[i, MIDDLE]
-    if contacts[i, TRIED] == OPEN:
-        share = _closed_share(contacts, i, u, h)
+    r, u = 3 * i, near.middle[i, 0]
+    if near.tried[i] == OPEN:
+        share = _closed_share(near, i, u, h)
         if share < SHORTEST:
             return False
-        _touch(contacts, i, h, share)
-        contacts[i, TRIED] = STICK
+        _touch(near, i, h, share)
+        near.tried[i] = STICK
         return True
     # the velocity until it touches: without its own force
     for p in range(3):
-        u -= 0.5 * h * H[r, r + p] * contacts[i, FORCE + p]
-    share = _closed_share(contacts, i, u, h)
+        u -= 0.5 * h * H[r, r + p] * near.force[i, p]
+    share = _closed_share(near, i, u, h)
     if share < SHORTEST:
-        contacts[i, TRIED] = OPEN
+        near.tried[i] = OPEN
         return True
-    if abs(share - contacts[i, SHARE]) < LOCATED:
+    if abs(share - near.share[i]) < LOCATED:
         return False
-    _touch(contacts, i, h, share)
+    _touch(near, i, h, share)
     return True
 
 
 @lean
-def _cut(contacts, m, h):
+def _cut(near, m, h):
     """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
     cut = False
     for i in range(m):
-        limit = contacts[i, FRICTION] * contacts[i, FORCE]
-        if contacts[i, TRIED] == STICK:
-            size = math.sqrt(contacts[i, FORCE + 1] ** 2 + contacts[i, FORCE + 2] ** 2)
+        limit = near.friction[i] * near.force[i, 0]
+        if near.tried[i] == STICK:
+            size = math.sqrt(near.force[i, 1] ** 2 + near.force[i, 2] ** 2)
             if size > limit:
                 cut = True
-                contacts[i, TRIED] = SLIDE
-                u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
-                aim(contacts, i, u_1, u_2, contacts[i, FORCE], h)
-                contacts[i, FORCE + 1] *= limit / size
-                contacts[i, FORCE + 2] *= limit / size
+                near.tried[i] = SLIDE
+                u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
+                aim(near, i, u_1, u_2, near.force[i, 0], h)
+                near.force[i, 1] *= limit / size
+                near.force[i, 2] *= limit / size
     return cut
 
 
 @lean
-def solve(contacts, H, A, m, h):
+def solve(near, H, A, m, h):
     """Set forces and mid-step velocities of m near contacts for a step of h seconds."""
     for _ in range(PASSES):
-        count = _assemble(contacts, H, A, m, h)
+        count = _assemble(near, H, A, m, h)
         _eliminate(A, count)
-        if _spread(contacts, A, m, count) > 0:
+        if _spread(near, A, m, count) > 0:
             continue
-        _move(contacts, H, m, h)
-        if _correct(contacts, H, m, h) == 0:
+        _move(near, H, m, h)
+        if _correct(near, H, m, h) == 0:
             break
-    if _cut(contacts, m, h):
-        _move(contacts, H, m, h)
+    if _cut(near, m, h):
+        _move(near, H, m, h)

@@ -15,23 +15,12 @@ from walkergen.simulation.space.forces import resist
 from walkergen.simulation.space.pose import locate, normal_of, place, turn
 from walkergen.simulation.space.state import (
     ACTING,
-    C_N,
     C_X,
-    CARRIED,
-    DRIFT,
-    FREE,
-    FRICTION,
-    IMPULSE,
-    K_N,
-    K_T,
     LEGS,
-    MIDDLE,
     MOTION,
     NOISE,
     NOW,
-    NUMBER,
     PHASE,
-    SPEED,
     STEP,
     SWING,
     TURNED,
@@ -155,7 +144,7 @@ def halfway(world, state, work, t):
 
 
 @lean
-def _directions(world, state, work, contacts, lifted, h, t, m):
+def _directions(world, state, work, near, lifted, h, t, m):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
     """
@@ -173,7 +162,7 @@ def _directions(world, state, work, contacts, lifted, h, t, m):
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
-        k = int(contacts[i, NUMBER])
+        k = near.number[i]
         n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
         a_x, a_y, a_z = _bend(state, body, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         for p in range(3):
@@ -192,12 +181,12 @@ def _directions(world, state, work, contacts, lifted, h, t, m):
             upright = 1.0 if p == upward[k] else 0.0
             r = 3 * i + p
             bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
-            contacts[i, SPEED + p] = -upright * lifted - 0.5 * t * bent
-            contacts[i, DRIFT + p] = bent - upright * lifting
-        contacts[i, FRICTION] = friction[k]
-        contacts[i, K_N], contacts[i, K_T] = spring[k, 0], spring[k, 1]
-        contacts[i, C_N] = damper[k]
-        resist(contacts, i, h, contacts[i, K_N])
+            near.speed[i, p] = -upright * lifted - 0.5 * t * bent
+            near.drift[i, p] = bent - upright * lifting
+        near.friction[i] = friction[k]
+        near.k_n[i], near.k_t[i] = spring[k, 0], spring[k, 1]
+        near.c_n[i] = damper[k]
+        resist(near, i, h, near.k_n[i])
     _move_by(J, work.MJ, work.legs, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 
 
@@ -208,21 +197,21 @@ def load(world, work, lifted, h, t, m):
     It lasts t seconds in steps of h, and starts with the plate at the velocity `lifted` (mm/s).
     """
     state = work.midway
-    contacts, J, MJ, H, body = work.contacts, work.J, work.MJ, work.H, work.body
+    near, J, MJ, H, body = work.near, work.J, work.MJ, work.H, work.body
     n = J.shape[1] - 6
-    _directions(world, state, work, contacts, lifted, h, t, m)
+    _directions(world, state, work, near, lifted, h, t, m)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
-            u, drift = contacts[i, SPEED + p], contacts[i, DRIFT + p]
+            u, drift = near.speed[i, p], near.drift[i, p]
             for j in range(6):
                 u += J[r, j] * body[MOTION, j]
                 drift += J[r, j] * body[ACTING, j]
             for j in range(n):
                 u += J[r, 6 + j] * state[LEGS + n + j]
-            contacts[i, SPEED + p], contacts[i, DRIFT + p] = u, drift
-            contacts[i, IMPULSE + p] = contacts[i, CARRIED + p] = 0.0
-            contacts[i, FREE + p] = contacts[i, MIDDLE + p] = 0.0
+            near.speed[i, p], near.drift[i, p] = u, drift
+            near.impulse[i, p] = near.carried[i, p] = 0.0
+            near.free[i, p] = near.middle[i, p] = 0.0
     for r in range(3 * m):
         for c in range(r + 1):
             total = 0.0

@@ -10,32 +10,18 @@ from walkergen.simulation import record
 from walkergen.simulation.space.state import (
     ACROSS,
     ALONG,
-    C_N,
-    END_1,
-    END_2,
-    FORCE,
-    FRICTION,
-    GAP,
     IN_COMPRESSION,
     IN_RESTITUTION,
     J_A,
     J_C,
     J_N,
-    K_N,
-    K_T,
     LANDED,
-    MIDDLE,
     MODE,
-    OFFSET,
     OPEN,
     SET,
-    SHARE,
     SLIDING,
-    SPEED,
     STICK,
-    STIFF,
     STOP,
-    TRIED,
     U_A,
     U_C,
     U_N,
@@ -73,91 +59,91 @@ def leave(state, at, k, on_plate, tally):
 
 
 @lean
-def _released(contacts, i, state, at, unloading):
+def _released(near, i, state, at, unloading):
     """Energies (normal, tangential) of the springs of near contact i, which its force leaves."""
-    depth = max(-contacts[i, GAP] - state[at + SET], 0.0)
+    depth = max(-near.gap[i, 0] - state[at + SET], 0.0)
     stretch = state[at + ALONG] * state[at + ALONG] + state[at + ACROSS] * state[at + ACROSS]
-    return (0.5 * unloading * contacts[i, K_N] * depth * depth, 0.5 * contacts[i, K_T] * stretch)
+    return (0.5 * unloading * near.k_n[i] * depth * depth, 0.5 * near.k_t[i] * stretch)
 
 
 @lean
-def settle(state, contacts, i, at, unloading, t, h, sums):
+def settle(state, near, i, at, unloading, t, h, sums):
     """Move the springs of near contact i over a step of h seconds that ends at t, and book it.
 
     Its row in the state starts at `at`. Returns True when a landing has ended.
     """
-    gap, u_n = contacts[i, GAP], contacts[i, MIDDLE]
-    before, mode = int(state[at + MODE]), int(contacts[i, TRIED])
+    gap, u_n = near.gap[i, 0], near.middle[i, 0]
+    before, mode = int(state[at + MODE]), near.tried[i]
     if mode == OPEN:
         if before != OPEN:
-            normal, tangential = _released(contacts, i, state, at, unloading)
+            normal, tangential = _released(near, i, state, at, unloading)
             sums[record.IMPACT_LOSS] += normal
             sums[record.FRICTION_LOSS] += tangential
             state[at + ALONG] = state[at + ACROSS] = 0.0
-            contacts[i, GAP + 1] = contacts[i, GAP + 2] = 0.0
-        contacts[i, GAP] = gap + h * u_n
-        if contacts[i, GAP] >= 0.0:
+            near.gap[i, 1] = near.gap[i, 2] = 0.0
+        near.gap[i, 0] = gap + h * u_n
+        if near.gap[i, 0] >= 0.0:
             state[at + SET] = 0.0
         return before != OPEN
-    share = contacts[i, SHARE]
+    share = near.share[i]
     if before == OPEN:
         _land(
             state, at, t - share * h,
-            contacts[i, SPEED], contacts[i, SPEED + 1], contacts[i, SPEED + 2],
+            near.speed[i, 0], near.speed[i, 1], near.speed[i, 2],
         )  # fmt: skip
-        normal, _ = _released(contacts, i, state, at, unloading)
+        normal, _ = _released(near, i, state, at, unloading)
         sums[record.IMPACT_LOSS] -= normal
-    contacts[i, GAP] = gap + h * u_n
+    near.gap[i, 0] = gap + h * u_n
     if share < 1.0:  # what its springs and damper took is not what the mean force gave
-        given = -h * contacts[i, FORCE] * u_n - share * h * contacts[i, C_N] * u_n * u_n
-        depth = min(contacts[i, GAP], 0.0)
-        sums[record.IMPACT_LOSS] += given - 0.5 * contacts[i, K_N] * depth * depth
+        given = -h * near.force[i, 0] * u_n - share * h * near.c_n[i] * u_n * u_n
+        depth = min(near.gap[i, 0], 0.0)
+        sums[record.IMPACT_LOSS] += given - 0.5 * near.k_n[i] * depth * depth
     for axis in range(3):
-        state[at + J_N + axis] += h * contacts[i, FORCE + axis]
-    if state[at + STOP] == SLIDING and contacts[i, MIDDLE + 1] * state[at + U_A] <= 0.0:
+        state[at + J_N + axis] += h * near.force[i, axis]
+    if state[at + STOP] == SLIDING and near.middle[i, 1] * state[at + U_A] <= 0.0:
         state[at + STOP] = IN_COMPRESSION if u_n < 0.0 else IN_RESTITUTION
-    sums[record.IMPACT_LOSS] += share * h * contacts[i, C_N] * u_n * u_n
+    sums[record.IMPACT_LOSS] += share * h * near.c_n[i] * u_n * u_n
     if unloading > 1.0:
-        state[at + SET], lost = _pressed(contacts, i, unloading, state[at + SET])
+        state[at + SET], lost = _pressed(near, i, unloading, state[at + SET])
         sums[record.IMPACT_LOSS] += lost
-    sums[record.FRICTION_LOSS] += _rub(contacts, i, h)
-    state[at + ALONG], state[at + ACROSS] = contacts[i, GAP + 1], contacts[i, GAP + 2]
+    sums[record.FRICTION_LOSS] += _rub(near, i, h)
+    state[at + ALONG], state[at + ACROSS] = near.gap[i, 1], near.gap[i, 2]
     state[at + MODE] = mode
     return False
 
 
 @lean
-def _pressed(contacts, i, unloading, lasting):
+def _pressed(near, i, unloading, lasting):
     """Lasting compression (mm) of a hysteretic foot after a step, and the energy that it took."""
-    lost, after = 1.0 - 1.0 / unloading, contacts[i, GAP]
-    if (contacts[i, OFFSET] != 0.0 and contacts[i, SHARE] == 1.0) or -after * lost <= lasting:
+    lost, after = 1.0 - 1.0 / unloading, near.gap[i, 0]
+    if (near.offset[i] != 0.0 and near.share[i] == 1.0) or -after * lost <= lasting:
         return lasting, 0.0
     deepest = lasting / lost
-    return -after * lost, 0.5 * lost * contacts[i, K_N] * (after * after - deepest * deepest)
+    return -after * lost, 0.5 * lost * near.k_n[i] * (after * after - deepest * deepest)
 
 
 @lean
-def _rub(contacts, i, h):
+def _rub(near, i, h):
     """Move the tangential springs of a contact; returns the energy that the slider takes."""
-    share, k_t = contacts[i, SHARE], contacts[i, K_T]
-    e_1, e_2 = contacts[i, GAP + 1], contacts[i, GAP + 2]
-    u_1, u_2 = contacts[i, MIDDLE + 1], contacts[i, MIDDLE + 2]
-    given = -h * (contacts[i, FORCE + 1] * u_1 + contacts[i, FORCE + 2] * u_2)
+    share, k_t = near.share[i], near.k_t[i]
+    e_1, e_2 = near.gap[i, 1], near.gap[i, 2]
+    u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
+    given = -h * (near.force[i, 1] * u_1 + near.force[i, 2] * u_2)
     before = e_1 * e_1 + e_2 * e_2
-    if contacts[i, TRIED] == STICK:
+    if near.tried[i] == STICK:
         e_1, e_2 = e_1 + share * h * u_1, e_2 + share * h * u_2
     else:  # dragged along, the spring carries what friction allows at the end of the step
-        radius = contacts[i, FRICTION] * _press_at_end(contacts, i) / k_t
-        e_1, e_2 = radius * contacts[i, END_1], radius * contacts[i, END_2]
-    contacts[i, GAP + 1], contacts[i, GAP + 2] = e_1, e_2
+        radius = near.friction[i] * _press_at_end(near, i) / k_t
+        e_1, e_2 = radius * near.end[i, 0], radius * near.end[i, 1]
+    near.gap[i, 1], near.gap[i, 2] = e_1, e_2
     return given - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
 
 
 @lean
-def _press_at_end(contacts, i):
+def _press_at_end(near, i):
     """Normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
-    stiff, offset = contacts[i, STIFF], contacts[i, OFFSET]
-    if contacts[i, SHARE] < 1.0:
-        stiff, offset = contacts[i, K_N], 0.0
-    u = 2.0 * contacts[i, MIDDLE] - contacts[i, SPEED]
-    return max(-stiff * (contacts[i, GAP] + offset) - contacts[i, C_N] * u, 0.0)
+    stiff, offset = near.stiff[i], near.offset[i]
+    if near.share[i] < 1.0:
+        stiff, offset = near.k_n[i], 0.0
+    u = 2.0 * near.middle[i, 0] - near.speed[i, 0]
+    return max(-stiff * (near.gap[i, 0] + offset) - near.c_n[i] * u, 0.0)

@@ -18,6 +18,7 @@ import numpy.typing as npt
 from walkergen.numerics.kernels import kernel
 
 Array = npt.NDArray[np.float64]
+Integers = npt.NDArray[np.int64]
 
 SHOWN_X, SHOWN_Y, HEADING, HEIGHT, PITCH, ROLL = range(6)
 C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE, QUIET = range(6, 22)
@@ -112,20 +113,57 @@ class Options(NamedTuple):
     """Steps for which pose and contact directions are frozen."""
 
 
-# Columns of `Work.contacts`, a row for each contact near its surface in a frame; triples are
-# normal, along, across. Its number among all points, then its mode, and what does not change:
-NUMBER, TRIED, FRICTION, K_N, K_T, C_N = range(6)
-# stiffness and lasting compression of the branch it is on (loading, unloading), its resistances
-# c + h k / 2, the directions of its stretch as it slides, in the middle and at the end of the step,
-# and the slip (mm/s) that they follow from, its first unknown in the equations, and the share of
-# the step, up to its end, in which it touches:
-STIFF, OFFSET, B_N, B_T, TOWARD_1, TOWARD_2, END_1, END_2, SLIP_1, SLIP_2 = range(6, 16)
-UNKNOWN, SHARE = 16, 17
-# gap and stretches (mm), velocities over the surface (mm/s), the same in the middle of a step
-# without and with contact forces, forces (g mm/s^2), accelerations by all but contacts and legs,
-# impulses since the frame began (g mm/s) and their integrals (g mm):
-GAP, SPEED, FREE, MIDDLE, FORCE, DRIFT, IMPULSE, CARRIED = range(18, 42, 3)
-COLUMNS_OF_CONTACT = 42
+class Near(NamedTuple):
+    """Contacts near their surfaces in a frame, shape (k,) or (k, axes): the first of them count.
+
+    Triples are normal, along, across; pairs along, across.
+    """
+
+    number: Integers
+    """Number among all points of contact."""
+    tried: Integers
+    """Mode."""
+    friction: Array
+    k_n: Array
+    """Normal stiffness, g/s^2."""
+    k_t: Array
+    """Tangential stiffness, g/s^2."""
+    c_n: Array
+    """Normal damping, g/s."""
+    stiff: Array
+    """Stiffness of the branch it is on (loading, unloading), g/s^2."""
+    offset: Array
+    """Lasting compression of that branch, mm."""
+    b_n: Array
+    """Normal resistance c + h k / 2, g/s."""
+    b_t: Array
+    """Tangential resistance, g/s."""
+    unknown: Integers
+    """First unknown in the equations."""
+    share: Array
+    """Share of the step, up to its end, in which it touches."""
+    toward: Array
+    """Direction of its stretch as it slides, in the middle of the step."""
+    end: Array
+    """The same at the end of the step."""
+    slip: Array
+    """Slip that both follow from, mm/s."""
+    gap: Array
+    """Gap, and the stretches, mm."""
+    speed: Array
+    """Velocity over the surface, mm/s."""
+    free: Array
+    """Velocity in the middle of a step without contact forces, mm/s."""
+    middle: Array
+    """Velocity in the middle of a step, mm/s."""
+    force: Array
+    """Forces, g mm/s^2."""
+    drift: Array
+    """Accelerations by all but contacts and legs, mm/s^2."""
+    impulse: Array
+    """Impulses since the frame began, g mm/s."""
+    carried: Array
+    """Integrals of the impulses, g mm."""
 
 
 class Work(NamedTuple):
@@ -139,8 +177,8 @@ class Work(NamedTuple):
     points: Array
     """Points of contact from C, body axes, shape (k, 11): place, derivatives by both coordinates of
     its leg, gap (mm), time in which it cannot close (s)."""
-    contacts: Array
-    """Rows of near contacts, shape (k, COLUMNS_OF_CONTACT)."""
+    near: Near
+    """Contacts near their surfaces."""
     J: Array
     """Jacobian, three rows a near contact (normal, along, across), shape (3 k, 6 + n)."""
     MJ: Array
@@ -167,12 +205,24 @@ PULL, BEFORE, AFTER, STEP, LEFT, SWING = range(6)
 
 
 @kernel
+def near_for(k):
+    """Room for k contacts."""
+    return Near(
+        np.zeros(k, np.int64), np.zeros(k, np.int64), np.zeros(k), np.zeros(k), np.zeros(k),
+        np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k),
+        np.zeros(k, np.int64), np.zeros(k), np.zeros((k, 2)), np.zeros((k, 2)), np.zeros((k, 2)),
+        np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)),
+        np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)),
+    )  # fmt: skip
+
+
+@kernel
 def work_for(walker, state):
     """Work space for a walker and its state."""
     n, k = len(walker.stiffness), len(walker.leg)
     m = 3 * k
     return Work(
-        np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), np.zeros((k, COLUMNS_OF_CONTACT)),
+        np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), near_for(k),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
         np.zeros((5 + n, max(2 * n, 1))), np.zeros_like(state),
     )  # fmt: skip

@@ -30,38 +30,24 @@ from walkergen.simulation.space.state import (
     ACTING,
     ALONG,
     BEFORE,
-    C_N,
     C_X,
-    CARRIED,
     CLEAR,
-    DRIFT,
-    FORCE,
-    FREE,
     GAINED,
-    GAP,
     GAP_OF,
-    IMPULSE,
     LANDED,
     LEFT,
     LEGS,
-    MIDDLE,
     MODE,
     MOTION,
     MOVED,
-    NUMBER,
-    OFFSET,
     OPEN,
     PITCH,
     PULL,
     QUIET,
     ROW,
     SET,
-    SHARE,
-    SPEED,
     STICK,
-    STIFF,
     SWING,
-    TRIED,
     V_X,
     W_X,
     first_row,
@@ -103,14 +89,14 @@ def _gather(walker, state, work, t):
         if state[at + MODE] == OPEN and work.points[k, CLEAR] > t:
             state[at + SET] = 0.0
             continue
-        work.contacts[m, NUMBER], work.contacts[m, GAP] = k, work.points[k, GAP_OF]
-        work.contacts[m, GAP + 1], work.contacts[m, GAP + 2] = state[at + ALONG], state[at + ACROSS]
+        work.near.number[m], work.near.gap[m, 0] = k, work.points[k, GAP_OF]
+        work.near.gap[m, 1], work.near.gap[m, 2] = state[at + ALONG], state[at + ACROSS]
         m += 1
     return m
 
 
 @lean
-def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
+def _swing_freely(state, near, J, legs, springs, dampers, m, h):
     """Fill the legs' accelerations and the mid-step velocities of m contacts without contact.
 
     Those with contact become the ones expected by the forces of the last step.
@@ -125,23 +111,23 @@ def _swing_freely(state, contacts, J, legs, springs, dampers, m, h):
             legs[PULL, i] += legs[SWING + i, j] * torque
     for i in range(m):
         for p in range(3):
-            total = contacts[i, DRIFT + p]
+            total = near.drift[i, p]
             for j in range(n):
                 total += J[3 * i + p, 6 + j] * legs[PULL, j]
-            free = contacts[i, SPEED + p] + 0.5 * h * total
-            contacts[i, MIDDLE + p] += free - contacts[i, FREE + p]
-            contacts[i, FREE + p] = free
+            free = near.speed[i, p] + 0.5 * h * total
+            near.middle[i, p] += free - near.free[i, p]
+            near.free[i, p] = free
 
 
 @lean
-def _move_legs(state, contacts, MJ, legs, dampers, m, h):
+def _move_legs(state, near, MJ, legs, dampers, m, h):
     """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
     n, taken = len(dampers), 0.0
     for i in range(m):
-        if contacts[i, TRIED] != OPEN:
+        if near.tried[i] != OPEN:
             for p in range(3):
                 for j in range(n):
-                    legs[PULL, j] += MJ[3 * i + p, 6 + j] * contacts[i, FORCE + p]
+                    legs[PULL, j] += MJ[3 * i + p, 6 + j] * near.force[i, p]
     for j in range(n):
         change = h * legs[PULL, j]
         rate = state[LEGS + n + j] + 0.5 * change
@@ -152,45 +138,45 @@ def _move_legs(state, contacts, MJ, legs, dampers, m, h):
 
 
 @lean
-def _move_contacts(state, contacts, m, first, unloading, upward, t, h, lifted, tally):
+def _move_contacts(state, near, m, first, unloading, upward, t, h, lifted, tally):
     """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
     sums = tally.sums
     for i in range(m):
-        k = int(contacts[i, NUMBER])
+        k = near.number[i]
         at = first + ROW * k
-        if settle(state, contacts, i, at, unloading, t, h, sums):
+        if settle(state, near, i, at, unloading, t, h, sums):
             leave(state, at, k, upward[k] == 0, tally)
-        sums[record.PLATE_WORK] += h * lifted * contacts[i, FORCE + upward[k]]
-        span = 0.5 * h * contacts[i, SHARE]
+        sums[record.PLATE_WORK] += h * lifted * near.force[i, upward[k]]
+        span = 0.5 * h * near.share[i]
         for p in range(3):
-            contacts[i, SPEED + p] = 2.0 * contacts[i, MIDDLE + p] - contacts[i, SPEED + p]
-            push = h * contacts[i, FORCE + p]
-            contacts[i, CARRIED + p] += h * contacts[i, IMPULSE + p] + span * push
-            contacts[i, IMPULSE + p] += push
+            near.speed[i, p] = 2.0 * near.middle[i, p] - near.speed[i, p]
+            push = h * near.force[i, p]
+            near.carried[i, p] += h * near.impulse[i, p] + span * push
+            near.impulse[i, p] += push
 
 
 @lean
-def _touched_late(state, contacts, H, MJ, n, m, h):
+def _touched_late(state, near, H, MJ, n, m, h):
     """Take back what a force from the step's start on would have moved, of contacts that touched
     within it: their force began later, and moved contacts and legs for a shorter time.
     """
     for i in range(m):
-        late = 0.5 * h * h * (1.0 - contacts[i, SHARE])
-        if contacts[i, TRIED] == OPEN or late == 0.0:
+        late = 0.5 * h * h * (1.0 - near.share[i])
+        if near.tried[i] == OPEN or late == 0.0:
             continue
         for p in range(3):
-            short, c = late * contacts[i, FORCE + p], 3 * i + p
+            short, c = late * near.force[i, p], 3 * i + p
             for j in range(m):
-                contacts[j, GAP] -= short * H[3 * j, c]
-                if contacts[j, TRIED] != OPEN and contacts[j, SHARE] == 1.0:
-                    contacts[j, GAP + 1] -= short * H[3 * j + 1, c]
-                    contacts[j, GAP + 2] -= short * H[3 * j + 2, c]
+                near.gap[j, 0] -= short * H[3 * j, c]
+                if near.tried[j] != OPEN and near.share[j] == 1.0:
+                    near.gap[j, 1] -= short * H[3 * j + 1, c]
+                    near.gap[j, 2] -= short * H[3 * j + 2, c]
             for j in range(n):
                 state[LEGS + j] -= short * MJ[c, 6 + j]
 
 
 @lean
-def _closed_time(state, contacts, m, first, h):
+def _closed_time(state, near, m, first, h):
     """Time (s) within a step of h seconds in which any of m near contacts is closed.
 
     One that opens in it does so where its force, linear in time, vanishes: before the step's start
@@ -198,14 +184,12 @@ def _closed_time(state, contacts, m, first, h):
     """
     begin, end = 1.0, -0.5
     for i in range(m):
-        if contacts[i, TRIED] != OPEN:
-            begin, end = min(begin, 1.0 - contacts[i, SHARE]), 1.0
-        elif state[first + ROW * int(contacts[i, NUMBER]) + MODE] != OPEN:
-            k, c = contacts[i, STIFF], contacts[i, C_N]
-            now = -k * (contacts[i, GAP] + contacts[i, OFFSET]) - c * contacts[i, SPEED]
-            falls = (
-                k * contacts[i, SPEED] + 2.0 * c * (contacts[i, MIDDLE] - contacts[i, SPEED]) / h
-            )
+        if near.tried[i] != OPEN:
+            begin, end = min(begin, 1.0 - near.share[i]), 1.0
+        elif state[first + ROW * near.number[i] + MODE] != OPEN:
+            k, c = near.stiff[i], near.c_n[i]
+            now = -k * (near.gap[i, 0] + near.offset[i]) - c * near.speed[i, 0]
+            falls = k * near.speed[i, 0] + 2.0 * c * (near.middle[i, 0] - near.speed[i, 0]) / h
             begin = 0.0
             end = max(end, min(max(now / (falls * h), -0.5), 1.0) if falls > 0.0 else 0.0)
     return h * (end - begin) if begin < 1.0 else 0.0
@@ -217,36 +201,36 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
-    contacts, J, MJ, H, A, legs = work.contacts, work.J, work.MJ, work.H, work.A, work.legs
+    near, J, MJ, H, A, legs = work.near, work.J, work.MJ, work.H, work.A, work.legs
     springs, dampers, unloading = walker.stiffness, walker.damping, walker.unloading
     upward, sums, first = walker.upward, tally.sums, first_row(walker)
     for step in range(count):
-        _swing_freely(state, contacts, J, legs, springs, dampers, m, h)
-        if guess(state, contacts, H, m, h, unloading, first) > 0:
-            solve(contacts, H, A, m, h)
+        _swing_freely(state, near, J, legs, springs, dampers, m, h)
+        if guess(state, near, H, m, h, unloading, first) > 0:
+            solve(near, H, A, m, h)
         else:
             for i in range(m):
                 for p in range(3):
-                    contacts[i, FORCE + p], contacts[i, MIDDLE + p] = 0.0, contacts[i, FREE + p]
-        sums[record.CONTACT_TIME] += _closed_time(state, contacts, m, first, h)
-        sums[record.DAMPING_LOSS] += _move_legs(state, contacts, MJ, legs, dampers, m, h)
+                    near.force[i, p], near.middle[i, p] = 0.0, near.free[i, p]
+        sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
+        sums[record.DAMPING_LOSS] += _move_legs(state, near, MJ, legs, dampers, m, h)
         t, speed = begin + (step + 1) * h, lifted + (step + 0.5) * h * lifting
-        _move_contacts(state, contacts, m, first, unloading, upward, t, h, speed, tally)
-        _touched_late(state, contacts, H, MJ, len(springs), m, h)
+        _move_contacts(state, near, m, first, unloading, upward, t, h, speed, tally)
+        _touched_late(state, near, H, MJ, len(springs), m, h)
 
 
 @lean
 def _move_body(walker, state, work, m, t):
     """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
-    body, contacts, MJ, R, legs = work.body, work.contacts, work.MJ, work.R, work.legs
+    body, near, MJ, R, legs = work.body, work.near, work.MJ, work.R, work.legs
     lock, n = walker.lock, len(walker.stiffness)
     for j in range(6):
         gained = t * body[ACTING, j]
         moved = t * (body[MOTION, j] + 0.5 * gained)
         for i in range(m):
             for p in range(3):
-                gained += MJ[3 * i + p, j] * contacts[i, IMPULSE + p]
-                moved += MJ[3 * i + p, j] * contacts[i, CARRIED + p]
+                gained += MJ[3 * i + p, j] * near.impulse[i, p]
+                moved += MJ[3 * i + p, j] * near.carried[i, p]
         body[GAINED, j], body[MOVED, j] = gained, moved
     for i in range(3):
         for j in range(3):
