@@ -29,15 +29,17 @@ def ladder_figure(ladder: Ladder) -> Figure:
     figure = Figure(figsize=(PAGE, 3.2 if panels == 1 else 4.6), layout="constrained")
     grid = {"height_ratios": (1.7, 1.0)[:panels]}
     axes = figure.subplots(panels, 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
-    known = [rung for rung in ladder.rungs if rung.error is not None]
-    apart = 0.6 * min((_at(one, ladder.along) or math.inf for one in known), default=1.0)
+    drawn = [rung for rung in ladder.rungs if rung.error is not None]
+    apart = 0.6 * min((_at(rung, ladder.along) or math.inf for rung in drawn), default=1.0)
     seen = dict.fromkeys(rung.series for rung in ladder.rungs)
     for look, series in zip(SERIES, seen, strict=False):
-        rungs = [rung for rung in known if rung.series == series]
+        rungs = [rung for rung in drawn if rung.series == series]
         x = [_at(rung, ladder.along) for rung in rungs]
         shown = [_shown(rung) for rung in rungs]
         label = series if len(rungs) > 1 else "".join(rung.setting for rung in rungs)
-        _draw(axes[0], [(at, *one) for at, one in zip(x, shown, strict=True)], apart, look, label)
+        _draw(
+            axes[0], [(at, *point) for at, point in zip(x, shown, strict=True)], apart, look, label
+        )
         if ladder.along:
             costs = [(at, rung.cpu_s, True) for at, rung in zip(x, rungs, strict=True)]
             _draw(axes[1], costs, apart, look, "")

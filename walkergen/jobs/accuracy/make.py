@@ -10,19 +10,19 @@ from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
 from walkergen.jobs.accuracy import (
+    biases,
     choose,
-    elastic,
-    everything,
     models,
     report,
     shape,
+    space_steps,
     statistics,
     steps,
 )
 from walkergen.jobs.accuracy.ladder import Ladder
 from walkergen.jobs.accuracy.report import Answer
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.points import tolerance as asked_error
+from walkergen.points import tolerance
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -45,14 +45,14 @@ class Job(NamedTuple):
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "models": (models.ladder,),
-    "steps": (steps.short, steps.long, everything.ladder, elastic.frames),
+    "steps": (steps.short, steps.long, biases.ladder, space_steps.frames),
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
 
 LEAST: dict[str, Callable[[Survey], float]] = {
-    "steps-short": elastic.least_of_short,
-    "frames": elastic.least_of_frames,
+    "steps-short": space_steps.least_of_short,
+    "frames": space_steps.least_of_frames,
     "statistics": statistics.least,
 }
 """Least wall time of what is simulated besides the settings, s."""
@@ -78,7 +78,7 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     with Folder(folder, "") as target:
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
-                if measure is elastic.frames and survey.complete != "space":
+                if measure is space_steps.frames and survey.complete != "space":
                     continue
                 done.append(measure(survey, part(progress, place, len(job.only))))
                 report.of_ladder(done[-1], title).write(target, pictures=True)
@@ -103,10 +103,10 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
         wanted += [survey.steps[0], survey.own]
         survey.others["statistics"] = statistics.WEIGHT
     if "steps" in only and survey.complete == "space":
-        survey.others |= elastic.WEIGHTS
-    survey.asked = list(dict.fromkeys(wanted))
-    for place, setting in enumerate(survey.asked):
-        progress(f"{setting.label}: compiling", place, len(survey.asked))
+        survey.others |= space_steps.WEIGHTS
+    survey.scheduled = list(dict.fromkeys(wanted))
+    for place, setting in enumerate(survey.scheduled):
+        progress(f"{setting.label}: compiling", place, len(survey.scheduled))
         least += survey.least(setting)
     for name in survey.others:
         least += LEAST[name](survey)
@@ -128,23 +128,23 @@ def check(names: str) -> list[str]:
 
 def _answers(survey: Survey, title: str, progress: Progress) -> Report:
     """Answer what to run for which error."""
-    found = choose.candidates(survey, progress)
+    measurements = choose.candidates(survey, progress)
     reference = survey.reference(progress)
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
     formulas = list(models.formulas(survey, reference))
-    others = [survey.known[one] for one in survey.simpler if one in survey.known]
+    others = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
 
     def draw() -> Any:
         from walkergen.jobs.accuracy.choice_figure import choice_figure
 
-        return choice_figure(survey, [*found, *others], reference, formulas, title)
+        return choice_figure(survey, [*measurements, *others], reference, formulas, title)
 
     return report.of_answers(answers, models.certificate(survey, progress), title, draw)
 
 
 def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
-    wanted = asked_error.parse(error)
+    wanted = tolerance.parse(error)
     try:
         choice = choose.choose(survey, wanted, progress)
     except InputError as refused:

@@ -14,8 +14,8 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.jobs.track.appearance import Appearance
-from walkergen.jobs.track.film import Grey
-from walkergen.jobs.track.find import Blob
+from walkergen.jobs.track.blobs import Blob
+from walkergen.jobs.track.films import Grey
 
 Array = npt.NDArray[np.float64]
 
@@ -119,7 +119,10 @@ def shake(shifts: Sequence[Array]) -> Shake:
 def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
     """True for places, shape (2, n), that lie away from all walkers."""
     apart = np.ones(places.shape[1], dtype=bool)
-    for one in walkers:
-        near = np.hypot(places[0] - one.x, places[1] - one.y) < BESIDE * one.length + 2.0 * SOFT
+    for walker in walkers:
+        near = (
+            np.hypot(places[0] - walker.x, places[1] - walker.y)
+            < BESIDE * walker.length + 2.0 * SOFT
+        )
         apart &= ~near
     return apart

@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.track.link import Seen
+from walkergen.jobs.track.blobs import Blobs
+from walkergen.jobs.track.linking import Seen
 
 Array = npt.NDArray[np.float64]
 
@@ -60,16 +61,12 @@ def shadow(walkers: Sequence[Seen]) -> float:
     A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
     that never turn the two cannot be told apart.
     """
-    rows = np.concatenate([one.blobs for one in walkers])
-    c, s, ones, none = (
-        np.cos(rows[:, 3]),
-        np.sin(rows[:, 3]),
-        np.ones(len(rows)),
-        np.zeros(len(rows)),
-    )
+    blobs = _together(walkers)
+    c, s = np.cos(blobs.axis), np.sin(blobs.axis)
+    ones, none = np.ones_like(c), np.zeros_like(c)
     right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
     down = np.column_stack([none, ones, -s, c])
-    terms, pulls = np.concatenate([right, down]), np.concatenate([rows[:, 7], rows[:, 8]])
+    terms, pulls = np.concatenate([right, down]), np.concatenate([blobs.pull_x, blobs.pull_y])
     fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
     if rank < terms.shape[1]:
         return 0.0
@@ -93,12 +90,13 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
 
     Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
     """
-    rows = np.concatenate([one.blobs[:, :3] for one in walkers])
-    owner = np.repeat(np.arange(len(walkers)), [len(one.blobs) for one in walkers])
-    place = rows[:, :2] - rows[:, :2].mean(axis=0)
+    blobs = _together(walkers)
+    owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
+    place = np.column_stack([blobs.x, blobs.y])
+    place -= place.mean(axis=0)
     place /= np.abs(place).max() or 1.0
     terms = np.column_stack([place, (place**2).sum(axis=1)])
-    size = 0.5 * np.log(rows[:, 2])
+    size = 0.5 * np.log(blobs.area)
     own = np.array([_centred(column, owner) for column in (*terms.T, size)])
     fit, _, rank, _ = np.linalg.lstsq(own[:3].T, own[3])
     if rank < 3:
@@ -119,6 +117,11 @@ def _centred(values: Array, owner: npt.NDArray[np.int64]) -> Array:
     return np.asarray(values - means[owner])
 
 
+def _together(walkers: Sequence[Seen]) -> Blobs:
+    """Blobs of all walkers, one walker after the other."""
+    return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))
+
+
 def at_once(walkers: Sequence[Seen]) -> int:
     """Largest number of walkers that are seen in one frame."""
-    return int(np.bincount(np.concatenate([one.frames for one in walkers])).max())
+    return int(np.bincount(np.concatenate([walker.frames for walker in walkers])).max())

@@ -8,10 +8,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.jobs.track.appearance import EIGHT, Appearance, Array, Mask, pieces
-from walkergen.jobs.track.film import Grey
+from walkergen.jobs.track.films import Grey
+
+Column = npt.NDArray[np.float64]
 
 RUBBED = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
@@ -59,10 +62,24 @@ class Blob(NamedTuple):
     pull_y: float = 0.0
 
 
+class Blobs(NamedTuple):
+    """Blobs of one walker in several frames: the fields of `Blob`, arrays of shape (n,)."""
+
+    x: Column
+    y: Column
+    area: Column
+    axis: Column
+    length: Column
+    width: Column
+    mark: Column
+    pull_x: Column
+    pull_y: Column
+
+
 def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
     """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
     field = look.contrasts(frame)
-    found = []
+    blobs = []
     for box, piece in pieces(field > look.threshold, 0.5 * look.width):
         whole = _filled(piece, look.width)
         if DIAGONAL * ndimage.distance_transform_cdt(whole).max() < THICK * look.width:
@@ -79,8 +96,8 @@ def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
             blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
             if marked:
                 blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
-            found.append(blob)
-    return found
+            blobs.append(blob)
+    return blobs
 
 
 def _covered(own: Mask, field: Array) -> Array:
@@ -88,9 +105,9 @@ def _covered(own: Mask, field: Array) -> Array:
     near = ndimage.binary_dilation(own, EIGHT)
     deep = ndimage.binary_erosion(own, EIGHT, iterations=2)
     level = np.median(field[deep if deep.any() else own])  # light may differ from place to place
-    found = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
-    found[deep] = 1.0
-    return found
+    share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
+    share[deep] = 1.0
+    return share
 
 
 def _pull(own: Mask, field: Array) -> tuple[float, float]:
@@ -99,7 +116,7 @@ def _pull(own: Mask, field: Array) -> tuple[float, float]:
     Marks within do not count.
     """
     core = ndimage.binary_fill_holes(own & (field > FULL * np.quantile(field[own], MOSTLY)))
-    (row, col), (own_row, own_col) = (ndimage.center_of_mass(one) for one in (own, core))
+    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (own, core))
     return float(col - own_col), float(row - own_row)
 
 
@@ -127,10 +144,10 @@ def _blob(covered: Array, left: int, top: int) -> Blob:
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
-    middle_x, middle_y = (float((weight * one).sum()) / area for one in (cols, rows))
+    middle_x, middle_y = (float((weight * at).sum()) / area for at in (cols, rows))
     x, y = cols - middle_x, middle_y - rows  # y upward
     # No dot product: threads that share one cost more than it, and sum in another order.
-    xx, xy, yy = (float((weight * one * two).sum()) for one, two in ((x, x), (x, y), (y, y)))
+    xx, xy, yy = (float((weight * a * b).sum()) for a, b in ((x, x), (x, y), (y, y)))
     axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
     along, across = c * x + s * y, c * y - s * x
