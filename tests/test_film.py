@@ -106,7 +106,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     assert not made.clock.regular
     assert report.warnings(made) == []
     found = tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units())
-    assert "rate varies" in found.told
+    assert "rate varies" in found.note
     (one,) = found.tracks
     regular = np.arange(len(one.position)) * found.interval
     np.testing.assert_allclose(one.position, way(regular), atol=0.3)  # of a pixel

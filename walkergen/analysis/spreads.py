@@ -57,7 +57,7 @@ class Fitted(NamedTuple):
     """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
 
     @property
-    def told(self) -> str:
+    def goodness(self) -> str:
         """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
         if math.isnan(self.p_value):
             return ""

@@ -61,7 +61,7 @@ class Tracks(NamedTuple):
     interval: float
     """Time between neighbouring samples of a track, s."""
     bad_rows: int
-    told: str
+    note: str
     """What was done to the rows, as left out for a reason; '' when nothing was."""
     scale_se: float | None = 0.0
     """Standard error of the scale, as a share of it: all lengths are off together by it. None when
@@ -132,7 +132,7 @@ def read(path: Path, units: Units) -> Tracks:
     """Read the tracks of a CSV file.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
-    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `told`.
+    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`.
     """
     names = columns.header(path)
     if "t_s" in names and "x_mm" in names:
@@ -190,8 +190,8 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
         heading = None
     scale_se = _scale_se(path, table) if form is OURS else None
     tracks = _assemble(path, table, steps, position, heading, interval)
-    note = "; ".join(line for line in (between, tracks.told) if line)
-    return tracks._replace(scale_se=scale_se, told=note)
+    note = "; ".join(line for line in (between, tracks.note) if line)
+    return tracks._replace(scale_se=scale_se, note=note)
 
 
 def _ticks(path: Path, table: Columns, form: Timed) -> tuple[float, Array]:

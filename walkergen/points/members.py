@@ -127,4 +127,4 @@ def rows(members: Sequence[Member]) -> list[Any]:
         return []
     keys = [key for part in parts[0] for key in part._fields]
     Row = namedtuple("Row", keys)  # type: ignore[misc]
-    return [Row(*chain(*each)) for each in parts]
+    return [Row(*chain(*walker_parts)) for walker_parts in parts]

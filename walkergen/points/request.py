@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments
-from walkergen.points import point as points
+from walkergen.points import point
 from walkergen.points.axes import Space
 from walkergen.points.evaluate import refused
 from walkergen.points.point import PREDICTION, Point
@@ -37,7 +37,7 @@ class Request(NamedTuple):
 
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
-        points.check(self.keep, self.model, self.printer)
+        point.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(
                 f"--error {self.wanted}: the prediction has no runs: --model compliant"

@@ -9,9 +9,7 @@ from walkergen.files import output
 from walkergen.files.assignments import changed
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.printing import checks, export, orientation, profile, sheet, walls
-from walkergen.printing import layout as plates
-from walkergen.printing import packing as plate
+from walkergen.printing import checks, export, orientation, packing, plates, profile, sheet, walls
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
@@ -34,7 +32,7 @@ class Order(NamedTuple):
     """Printers to arrange for, each with all copies."""
     max_plates: int | None = None
     """Largest number of plates; None: no limit."""
-    max_parts: int = plate.MOST_PARTS
+    max_parts: int = packing.MOST_PARTS
     """Largest number of parts on a plate."""
     pictures: bool = True
     prusaslicer: bool = False
@@ -120,7 +118,7 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
     built = [solids.build(design) for design in members]
     return [
-        Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
+        Room(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
         for printer in printers
         for part in plates.unplaced(members, built, [1] * len(built), printer).parts
     ]
@@ -130,7 +128,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
     """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
     layout = plates.unplaced(members, built, copies, printer)
-    if all(plate.capacity(part, printer) for part in layout.parts):
+    if all(packing.capacity(part, printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
         layout = plates.checked(layout)
@@ -202,7 +200,7 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     """
     if order.serial is None:
         return order.members, order.copies
-    plate.check_number(sum(order.copies))
+    packing.check_number(sum(order.copies))
     every = [design for design, count in zip(order.members, order.copies, strict=True)
             for _ in range(count)]  # fmt: skip
     members = [

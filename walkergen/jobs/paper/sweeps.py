@@ -214,9 +214,9 @@ class _Impacts(NamedTuple):
 
 def _impacts(result: RunResult, corners: int = 1) -> _Impacts:
     """Impacts of a run whose events count so many corners to a foot."""
-    rows = impacts_of(result)
-    landing = landings.of_feet(rows[:, 0], rows[:, 1].astype(np.int64) // corners)
-    return _Impacts(rows[:, 6].astype(np.int64), rows[:, 3], -rows[:, 5], landing)
+    impacts = landings.impacts_in(impacts_of(result))
+    landing = landings.of_feet(impacts.time, impacts.foot // corners)
+    return _Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landing)
 
 
 def _shares(

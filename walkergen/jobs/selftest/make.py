@@ -54,8 +54,8 @@ def choose(only: str | None) -> list[Job]:
     cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
     if not cases:
         sections = list(dict.fromkeys(case.section for case in catalogue.CASES))
-        known = [case.name for case in catalogue.CASES]
-        near = difflib.get_close_matches(str(only)[:60], known, n=2, cutoff=0.4)
+        names = [case.name for case in catalogue.CASES]
+        near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
         hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
         raise InputError(
             f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}"

@@ -6,8 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, scene_of, shaken
-from walkergen.jobs.selftest.scenes import masses as masses_of
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, masses, plan_of, scene_of, shaken
 from walkergen.jobs.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -42,11 +41,11 @@ def _images(model: str) -> Iterator[Check]:
         plan = in_space(drive=shaken(1.8), contact=contact)
         about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         for name, image_of in (("mirror image", reflected), ("quarter turn", quarter_turned)):
-            one = thrown(plan)
-            other = image_of(one)
-            advance(plan, one, IMAGED)
-            advance(plan, other, IMAGED)
-            yield Check(f"{about}: {name}, mm", apart(image_of(one), other), 1e-9, GROWN)
+            state = thrown(plan)
+            image = image_of(state)
+            advance(plan, state, IMAGED)
+            advance(plan, image, IMAGED)
+            yield Check(f"{about}: {name}, mm", apart(image_of(state), image), 1e-9, GROWN)
 
 
 def _held(model: str) -> Iterator[Check]:
@@ -95,9 +94,8 @@ def _tiny_roll(model: str) -> Iterator[Check]:
 def _top(model: str) -> Iterator[Check]:
     """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
-    plan = prepare(
-        scene_of("space", drive=STILL, arena={"kind": "plane"}), design, masses_of(design)
-    )
+    scene = scene_of("space", drive=STILL, arena={"kind": "plane"})
+    plan = prepare(scene, design, masses(design))
     state = plan.start(TALL, 0.0, 0.0)
     state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
     inertia = plan.world.walker.inertia
@@ -135,8 +133,8 @@ def _upright(model: str) -> Iterator[Check]:
         run=runs,
     )  # fmt: skip
     results = [simulate(plan, number) for number in range(8)]
-    yield exactly("all runs end well", all(one.outcome is Outcome.OK for one in results))
-    speeds = np.array([one.speed for one in results])
+    yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
+    speeds = np.array([result.speed for result in results])
     error = float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
     yield Check(
         f"mean speed of 8 runs, over its error of {error:.2g} mm/s",

@@ -73,7 +73,7 @@ def _lossless(model: str) -> Iterator[Check]:
         )  # fmt: skip
         # The mean over drops: each errs with a sign and size of its own
         drops = np.linspace(-1.0, 1.0, 12)
-        changes.append(float(np.sqrt(np.mean([_change(plan, one) ** 2 for one in drops]))))
+        changes.append(float(np.sqrt(np.mean([_change(plan, drop) ** 2 for drop in drops]))))
     yield Check("change at a quarter of the step, rms of 12 drops", changes[0], 1e-2, "h^2")
     yield Check(
         "change at a sixteenth over that at a quarter",
@@ -162,10 +162,10 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
             bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0),
         )
         about = f"e = {label:g}: both walls, alike, mm"
-        one = state.copy()
-        advance(plan, one, 1e-3)
+        direct = state.copy()
+        advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
-        yield Check(about, apart(reflected(one), other), 1e-9, "rounding, grown by landings")
+        yield Check(about, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
         yield from endures(plan, state, RUN, f"e = {label:g}", BALANCE)
         half = 0.5 * plan.scene.arena.gap_mm if plan.scene.arena.gap_mm else math.inf
         yield Check(
