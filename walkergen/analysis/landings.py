@@ -68,9 +68,10 @@ def of_feet(time: Array, foot: Whole) -> npt.NDArray[np.bool_]:
     """Whether each impact is a landing: the first of its foot after QUIET_S without any."""
     landing = np.zeros(len(time), dtype=bool)
     for number in np.unique(foot):
-        (own,) = np.nonzero(foot == number)
-        own = own[np.argsort(time[own], kind="stable")]  # in space in the order of their ends
-        landing[own] = np.diff(time[own], prepend=-math.inf) > QUIET_S
+        (of_foot,) = np.nonzero(foot == number)
+        # In space impacts come in the order of their ends
+        of_foot = of_foot[np.argsort(time[of_foot], kind="stable")]
+        landing[of_foot] = np.diff(time[of_foot], prepend=-math.inf) > QUIET_S
     return landing
 
 

@@ -167,8 +167,8 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
-    own = ("frame", *SCALE) if form is OURS else ()
-    optional = (particle, "plate_speed_mm_s", *own, *([form.heading] if headed else []))
+    extra = ("frame", *SCALE) if form is OURS else ()
+    optional = (particle, "plate_speed_mm_s", *extra, *([form.heading] if headed else []))
     table = columns.read(path, (form.time, *axes), optional)
     if particle in table.values:
         table.values["particle"] = table.values[particle]

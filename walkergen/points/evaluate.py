@@ -31,7 +31,7 @@ def evaluate(point: Point) -> Record:
 
 
 def refused(error: WalkergenError) -> Record:
-    """Record of a point that cannot be."""
+    """Record of a point that cannot be built or simulated: the reason as its status."""
     return {STATUS: f"refused: {' '.join(str(error).split())[:300]}"}
 
 

@@ -118,7 +118,7 @@ def _weighing(
 
 
 def rows(members: Sequence[Member]) -> list[Any]:
-    """Named tuples of all that is told of each walker: prediction, runs, weighed mass."""
+    """Named tuples of all numbers of each walker: prediction, runs, weighed mass."""
     parts = [
         [part for part in (member.row, member.simulated, member.weighing) if part is not None]
         for member in members

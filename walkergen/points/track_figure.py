@@ -41,8 +41,8 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
     for number, track in enumerate(drawn):
         colour, line, marker = SERIES[number % len(SERIES)]
         stride = len(track.position) // MOST_POINTS + 1
-        seen = track.position[~np.isnan(track.position).any(axis=1)]
-        start = seen[0]
+        places = track.position[~np.isnan(track.position).any(axis=1)]
+        start = places[0]
         path = track.position[::stride]
         if along:
             time = np.arange(len(track.position))[::stride] * tracks.interval

@@ -50,7 +50,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def _reference(view: Survey, progress: Progress) -> Measured | None:
-    """What counts as true of an observable; None where it is rare, or not told from zero."""
+    """Measurement that counts as true; None of what is rare, or not told from zero."""
     (finest,) = view.measure(view.steps[:1], progress)
     if finest.value is None or finest.se is None or not abs(finest.value) > TOLD * finest.se:
         return None

@@ -127,9 +127,9 @@ def front(lines: Sequence[Line]) -> list[Part]:
     parts = []
     for first, last in pairwise(starts):
         line = lines[least[first]]
-        own = slice(first, last + 1)  # up to where the next one begins
-        inside = cost[own] <= line.cost[-1]
-        at = cost[own][inside]
+        span = slice(first, last + 1)  # up to where the next one begins
+        inside = cost[span] <= line.cost[-1]
+        at = cost[span][inside]
         if len(at):
             parts.append((line, at, np.interp(at, line.cost, line.error)))
     return parts

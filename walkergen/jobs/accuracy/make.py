@@ -73,21 +73,21 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     least = _share_out(survey, job.only, progress)
     title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
-    done: list[Ladder] = []
+    ladders: list[Ladder] = []
     answers = None
     with Folder(folder, "") as target:
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
                 if measure is space_steps.frames and survey.complete != "space":
                     continue
-                done.append(measure(survey, part(progress, place, len(job.only))))
-                report.of_ladder(done[-1], title).write(target, pictures=True)
+                ladders.append(measure(survey, part(progress, place, len(job.only))))
+                report.of_ladder(ladders[-1], title).write(target, pictures=True)
         if {*job.only} & ANSWERING:
             answers = _answers(survey, title, progress)
             answers.write_figures(target)
             page = f"{answers.markdown()}\n![choice](choice.png)\n"
             target.write("accuracy.md", page.encode())
-    return report.of(done, answers, survey.budget.spent_s, least, title, folder)
+    return report.of(ladders, answers, survey.budget.spent_s, least, title, folder)
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
@@ -96,15 +96,15 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     The least is what the fewest and shortest runs take that mean something, and it is then spent:
     shorter ones would give numbers without error bars.
     """
-    wanted = [*survey.steps, survey.own] if {*only} & ANSWERING else []
-    wanted += survey.simpler if "models" in only else []
+    settings = [*survey.steps, survey.own] if {*only} & ANSWERING else []
+    settings += survey.simpler if "models" in only else []
     least = 0.0
     if "statistics" in only:
-        wanted += [survey.steps[0], survey.own]
+        settings += [survey.steps[0], survey.own]
         survey.others["statistics"] = statistics.WEIGHT
     if "steps" in only and survey.complete == "space":
         survey.others |= space_steps.WEIGHTS
-    survey.scheduled = list(dict.fromkeys(wanted))
+    survey.scheduled = list(dict.fromkeys(settings))
     for place, setting in enumerate(survey.scheduled):
         progress(f"{setting.label}: compiling", place, len(survey.scheduled))
         least += survey.least(setting)
@@ -119,11 +119,11 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
 
 def check(names: str) -> list[str]:
     """Parse a comma-separated list of ladders. Raises InputError."""
-    wanted = [word.strip() for word in names.split(",")]
-    for word in wanted:
+    ladders = [word.strip() for word in names.split(",")]
+    for word in ladders:
         if word not in LADDERS:
             raise InputError(f"--only {word[:30]!r}: must be one of {', '.join(LADDERS)}")
-    return list(dict.fromkeys(wanted))
+    return list(dict.fromkeys(ladders))
 
 
 def _answers(survey: Survey, title: str, progress: Progress) -> Report:

@@ -52,10 +52,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def certificate(survey: Survey, progress: Progress) -> str:
-    """Statement of the mean speed that counts as true, and how far another setting agrees on it.
-
-    That is the step next to the finest.
-    """
+    """Mean speed that counts as true, and how far the step next to the finest agrees on it."""
     reference = survey.reference(progress)
     (other,) = survey.measure([survey.certifying], progress)
     bias = survey.bias(other, reference)
@@ -77,8 +74,8 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     contact, w = survey.scene.contact, survey.scene.impact_speed
     if _unknown_to_theory(survey):
         return
-    own: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
-    modes: tuple[Mode, ...] = tuple(dict.fromkeys((own, "coulomb")))
+    mode_of_scene: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
+    modes: tuple[Mode, ...] = tuple(dict.fromkeys((mode_of_scene, "coulomb")))
     assert reference.value is not None
     assert reference.se is not None
     for mode in modes:

@@ -112,8 +112,8 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     rungs = []
     for number, frame in enumerate(lengths):
         world = plan.world._replace(options=plan.world.options._replace(frame=frame))
-        own_part = part(progress, number, len(lengths))
-        summary, _ = ensemble.measure(plan._replace(world=world), own_part)
+        frame_progress = part(progress, number, len(lengths))
+        summary, _ = ensemble.measure(plan._replace(world=world), frame_progress)
         if summary.runs < runs.number:
             raise KeyboardInterrupt
         survey.budget.pay_runs(runs, rate, discard, summary.wall_s)
@@ -121,8 +121,8 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
         error = se = None
         if good and summary.speed_mm_s is not None and summary.speed_se_mm_s is not None:
             error = abs(summary.speed_mm_s - reference.value) / unit.size
-            own = widened(runs.number) * summary.speed_se_mm_s
-            se = float(np.hypot(own, reference.se)) / unit.size
+            speed_se = widened(runs.number) * summary.speed_se_mm_s
+            se = float(np.hypot(speed_se, reference.se)) / unit.size
         details: dict[str, float | str | None] = {
             "steps_in_a_frame": float(frame),
             "frame_us": 1e6 * frame * plan.world.options.step,

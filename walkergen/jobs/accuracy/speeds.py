@@ -1,4 +1,4 @@
-"""Speeds and all else by every model and step: measured once each, with their costs."""
+"""Speeds and other observables by every model and step: measured once each, with costs."""
 
 import copy
 import math
@@ -117,8 +117,8 @@ class Survey:
         """Measure the settings that are not known yet; returns all of them in their order."""
         for place, setting in enumerate(settings):
             if setting not in self.measured:
-                own = part(progress, place, len(settings))
-                self.measured[setting] = self._measured(setting, own)
+                part_progress = part(progress, place, len(settings))
+                self.measured[setting] = self._measured(setting, part_progress)
         return [self.measured[setting].seen(self.of) for setting in settings]
 
     def ensemble(
@@ -270,7 +270,7 @@ class Survey:
         summary, wider = point.summary, widened(runs.number)
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         se = summary.speed_se_mm_s
-        seen = observed.values(point, self.scene_of(setting)).items()
+        values = observed.values(point, self.scene_of(setting)).items()
         return Measured(
             setting,
             summary.speed_mm_s if complete else None,
@@ -281,7 +281,7 @@ class Survey:
             summary.cpu_s,
             summary.correlation_time_s,
             listed(summary.outcomes),
-            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in seen},
+            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in values},
         )
 
 

@@ -69,12 +69,12 @@ def long(survey: Survey, progress: Progress) -> Ladder:
     rungs = []
     for measured in survey.measure(survey.steps, progress):
         bias = survey.bias(measured, reference)
-        own: Details = {
+        step_details: Details = {
             "step_us": measured.setting.step_us,
             "bias_mm_s": None if bias is None else bias.size,
             "bias_se_mm_s": None if bias is None else bias.se,
         }
-        rungs.append(rung_of(survey, measured, reference, own))
+        rungs.append(rung_of(survey, measured, reference, step_details))
     return Ladder(
         "steps-long",
         "Bias of the long-run mean speed against the step",

@@ -132,7 +132,7 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
         layout = plates.checked(layout)
-    seen = dict.fromkeys(
+    unlike_walls = dict.fromkeys(
         Wall(
             wall.name,
             wall.thickness,
@@ -142,8 +142,10 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.of_design(design)
     )
-    lying = dict.fromkeys(orientation.words(design) for design in members)
-    return Checked(list(seen), list(layout.findings), sum(copies), len(layout.plates), list(lying))
+    attitudes = dict.fromkeys(orientation.words(design) for design in members)
+    return Checked(
+        list(unlike_walls), list(layout.findings), sum(copies), len(layout.plates), list(attitudes)
+    )
 
 
 def make_plates(
@@ -212,11 +214,11 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
     """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
-    own = names.by_design(layout.members)
+    by_name = names.by_design(layout.members)
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
-        "designs": {name: members[0].model_dump(mode="json") for name, members in own.items()},
-        "bodies": {name: sheet.body_facts(members[0]) for name, members in own.items()},
+        "designs": {name: members[0].model_dump(mode="json") for name, members in by_name.items()},
+        "bodies": {name: sheet.body_facts(members[0]) for name, members in by_name.items()},
         "members": [part.name for part in layout.parts],
         "copies": [part.copies for part in layout.parts],
         "serial": [part.serial for part in layout.parts if part.serial is not None],

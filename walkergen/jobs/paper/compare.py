@@ -219,12 +219,12 @@ def _of_lively(series: Sequence[Point], findings: Findings) -> Row:
 def _of_plane(runs: Runs) -> Iterator[Row]:
     """Rows of figure 6's facts about a tilt."""
     tilt, growth = f"{runs.tilt_deg:g}", runs.growth
-    about = {
+    values = {
         f"ballistic at {tilt}": growth.smallest,
         f"superdiffusive at {tilt}": growth.first,
         f"diffusive at {tilt}": growth.late,
         f"crossover at {tilt}": growth.crossover,
     }
-    for fact, value in about.items():
+    for fact, value in values.items():
         if fact in FACTS:
             yield _row(fact, "space", runs.assumption, value)

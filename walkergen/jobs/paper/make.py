@@ -128,7 +128,7 @@ def _labels(
 ) -> dict[float, list[Point]]:
     """Ensembles in space by restitution, those of the assumptions with this friction included."""
     measured = findings.assumptions[0].scene.contact.friction
-    ready = {
+    by_restitution = {
         assumption.scene.contact.restitution: [
             point for point in findings.tilts
             if (point.assumption, point.model) == (assumption.name, "space")
@@ -137,9 +137,9 @@ def _labels(
     }  # fmt: skip
     points = sweeps.along_tilts(cases, TILTS_OF_LABELS, progress)
     for case in cases:
-        own = [point for point in points if point.assumption == case.assumption.name]
-        ready.setdefault(case.assumption.scene.contact.restitution, own)
-    return dict(sorted(ready.items()))
+        of_case = [point for point in points if point.assumption == case.assumption.name]
+        by_restitution.setdefault(case.assumption.scene.contact.restitution, of_case)
+    return dict(sorted(by_restitution.items()))
 
 
 def check(job: Job) -> None:

@@ -135,12 +135,12 @@ def _statements() -> str:
 def _agreements(rows: Sequence[Row]) -> Iterator[str]:
     """Lines that list, for each fact, the assumptions under which it comes out."""
     for key, fact in FACTS.items():
-        about = [row for row in rows if row.fact == key]
-        well = [row for row in about if row.verdict.agrees]
-        line = f"{name(key)} ({fact.claim}): {len(well)} of {len(about)} agree"
-        if 0 < len(well) < len(about):
+        of_fact = [row for row in rows if row.fact == key]
+        agreeing = [row for row in of_fact if row.verdict.agrees]
+        line = f"{name(key)} ({fact.claim}): {len(agreeing)} of {len(of_fact)} agree"
+        if 0 < len(agreeing) < len(of_fact):
             by_model: dict[str, list[str]] = {}
-            for row in well:
+            for row in agreeing:
                 by_model.setdefault(row.model, []).append(row.assumption)
             models = (f"{model} ({', '.join(names)})" for model, names in by_model.items())
             line += ": " + "; ".join(models)

@@ -78,7 +78,7 @@ class Runs(NamedTuple):
 def along_tilts(
     assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress
 ) -> list[Runs]:
-    """Simulate walkers on a plane under every assumption; ensembles without two good runs lack."""
+    """Simulate walkers on a plane under every assumption, but ensembles without two good runs."""
     cases = [
         (assumption.name, on_plane(assumption.scene), design)
         for assumption in assumptions

@@ -181,7 +181,7 @@ def check(case: Case) -> None:
 
 
 def _point(case: Case, point: experiments.Results) -> Point:
-    """What a simulated point says of a case, with its impacts."""
+    """Point of a case, from its simulated runs and their impacts."""
     results = point.results
     good = [result for result in results if result.outcome in ENDED_WELL]
     corners = 2 if point.model == "space" else 1

@@ -144,7 +144,7 @@ def _forty(model: str) -> Iterator[Check]:
 
 
 def _mesh(model: str) -> Iterator[Check]:
-    """Check that a box from a file runs as the same box that was not."""
+    """Check that a box read from a file runs as the same box given by its lengths."""
     box = solids.build(Design()).body
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "box.stl"

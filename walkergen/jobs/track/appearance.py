@@ -107,7 +107,7 @@ class Appearance(NamedTuple):
 def learn(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
 ) -> Appearance:
-    """Appearance of a film from some of its frames; None: what the film tells.
+    """Appearance of a film from some of its frames, which also decide what is None here.
 
     Raises InputError when nothing stands out, with what was seen.
     """
@@ -140,7 +140,7 @@ def learn(
 def _tried(
     samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None
 ) -> Appearance:
-    """Look by the widest window that may hold a walker; its width is 0 unless smaller ones agree.
+    """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
     lets it.
@@ -172,7 +172,7 @@ def ground(picture: Array, dark: bool, widest: float) -> Array:
 
 
 def _seen(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
-    """Look with what stands out from its ground with a sharp edge; its width is 0 without any.
+    """Appearance with what stands out from its ground, sharp-edged; its width is 0 without any.
 
     Where the ground is not known well, shades of the light that are fainter than walkers run into
     them: of several thresholds the one counts that shows the widest thing.

@@ -88,35 +88,35 @@ def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
         inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
         labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
         for number in range(1, count + 1):
-            own = labels == number
-            if ndimage.distance_transform_edt(own).max() < THICK * look.width:
+            mask = labels == number
+            if ndimage.distance_transform_edt(mask).max() < THICK * look.width:
                 continue
-            blob = _blob(_covered(own, inside), left, top)
-            pull_x, pull_y = _pull(own, inside)
+            blob = _blob(_covered(mask, inside), left, top)
+            pull_x, pull_y = _pull(mask, inside)
             blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
             if marked:
-                blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
+                blob = blob._replace(mark=_mark(mask, inside, blob, left, top, look))
             blobs.append(blob)
     return blobs
 
 
-def _covered(own: Mask, field: Array) -> Array:
+def _covered(mask: Mask, field: Array) -> Array:
     """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
-    near = ndimage.binary_dilation(own, EIGHT)
-    deep = ndimage.binary_erosion(own, EIGHT, iterations=2)
-    level = np.median(field[deep if deep.any() else own])  # light may differ from place to place
+    near = ndimage.binary_dilation(mask, EIGHT)
+    deep = ndimage.binary_erosion(mask, EIGHT, iterations=2)
+    level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
     share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
     share[deep] = 1.0
     return share
 
 
-def _pull(own: Mask, field: Array) -> tuple[float, float]:
+def _pull(piece: Mask, field: Array) -> tuple[float, float]:
     """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
 
     Marks within do not count.
     """
-    core = ndimage.binary_fill_holes(own & (field > FULL * np.quantile(field[own], MOSTLY)))
-    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (own, core))
+    core = ndimage.binary_fill_holes(piece & (field > FULL * np.quantile(field[piece], MOSTLY)))
+    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
     return float(col - own_col), float(row - own_row)
 
 

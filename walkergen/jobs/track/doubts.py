@@ -26,7 +26,7 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
     """Error of a place that changes from frame to frame, along an axis.
 
     `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others.
-    From how far a place lies off the line between those before and after, so that uneven motion
+    It follows from how far a place lies off the line between those before and after: uneven motion
     adds to it, and what stays, or changes slowly, is not in it. NaN for too few frames.
     """
     squares = []
@@ -36,9 +36,9 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
         share = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
         bend = places[1:-1] - (1.0 - share) * places[:-2] - share * places[2:]
         squares.append(bend**2 / (1.0 + (1.0 - share) ** 2 + share**2))
-    every = np.concatenate(squares) if squares else np.zeros(0)
-    every = every[~np.isnan(every)]
-    return float(np.sqrt(np.mean(every))) if len(every) else math.nan
+    known_squares = np.concatenate(squares) if squares else np.zeros(0)
+    known_squares = known_squares[~np.isnan(known_squares)]
+    return float(np.sqrt(np.mean(known_squares))) if len(known_squares) else math.nan
 
 
 def path(places: Array, noise: float) -> float:
@@ -47,12 +47,12 @@ def path(places: Array, noise: float) -> float:
     In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
     grow with their number even for a walker that stands.
     """
-    least, way, last = LEGS * noise, 0.0, places[0]
+    least, total, last = LEGS * noise, 0.0, places[0]
     for place in places[1:]:
         leg = math.dist(place, last)
         if leg >= least:
-            way, last = way + leg, place
-    return way
+            total, last = total + leg, place
+    return total
 
 
 def shadow(walkers: Sequence[Seen]) -> float:
@@ -97,17 +97,17 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
     place /= np.abs(place).max() or 1.0
     terms = np.column_stack([place, (place**2).sum(axis=1)])
     size = 0.5 * np.log(blobs.area)
-    own = np.array([_centred(column, owner) for column in (*terms.T, size)])
-    fit, _, rank, _ = np.linalg.lstsq(own[:3].T, own[3])
+    centred = np.array([_centred(column, owner) for column in (*terms.T, size)])
+    fit, _, rank, _ = np.linalg.lstsq(centred[:3].T, centred[3])
     if rank < 3:
-        return Sizes(0.0, math.inf, float(own[3].std()))
-    rest = own[3] - fit @ own[:3]
+        return Sizes(0.0, math.inf, float(centred[3].std()))
+    rest = centred[3] - fit @ centred[:3]
     fitted = terms @ fit
     ends = terms[[fitted.argmax(), fitted.argmin()]]
-    apart = ends[0] - ends[1]
-    spread = np.linalg.pinv(own[:3] @ own[:3].T) * float(np.mean(rest**2)) * INDEPENDENT
+    span = ends[0] - ends[1]
+    spread = np.linalg.pinv(centred[:3] @ centred[:3].T) * float(np.mean(rest**2)) * INDEPENDENT
     return Sizes(
-        math.expm1(float(apart @ fit)), math.sqrt(float(apart @ spread @ apart)), float(rest.std())
+        math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std())
     )
 
 

@@ -95,8 +95,8 @@ def _ran(axis: Array, walker: Seen, part: slice) -> float:
     """Way run along an axis, pixels; 0 where it is too short to tell."""
     x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
-    way = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))
-    return way if abs(way) > MOVED * float(np.median(walker.blobs.length)) else 0.0
+    run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))
+    return run if abs(run) > MOVED * float(np.median(walker.blobs.length)) else 0.0
 
 
 def _unwrapped(theta: Array) -> Array:

@@ -172,8 +172,8 @@ def _scale(options: Options, linked: Linked) -> tuple[float, float | None]:
         return options.mm_per_px, options.mm_per_px_se
     assert options.length_mm is not None
     scale = options.length_mm / linked.length
-    own = (options.length_se_mm or 0.0) / options.length_mm
-    return scale, scale * math.hypot(EDGES / linked.length, own)
+    share_se = (options.length_se_mm or 0.0) / options.length_mm
+    return scale, scale * math.hypot(EDGES / linked.length, share_se)
 
 
 def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:

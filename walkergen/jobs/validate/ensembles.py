@@ -98,7 +98,7 @@ def _measured(scene: Scene, design: Design) -> Measured:
 
 
 def simulated(experiment: experiments.Experiment) -> experiments.Results:
-    """Point with all of its runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
+    """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
     (point,) = experiments.each([experiment], [""], lambda *progress: None, None)
     return point
 
@@ -138,10 +138,9 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
 
 
 def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
-    """Height of the first bounce of walkers dropped level by 1 mm on a plate at rest, as a speed.
+    """Speed after over before the first bounce of walkers dropped level by 1 mm on a plate at rest.
 
-    Mean of the rebound's over the impact's speed, and its standard error over the drops, whose
-    pitch and roll differ by up to TOUCH.
+    Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
     """
     tables = {
         "drive": at_rest(90.0),
