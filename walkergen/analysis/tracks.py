@@ -141,10 +141,10 @@ def read(path: Path, units: Units) -> Tracks:
         return _film(path, names, units)
     if "time" in names and "x" in names:
         return _timed(path, names, units, POGOTRACK, not units.lane)
-    seen = plain.line(", ".join(name for name in names if name))
+    header = plain.line(", ".join(name for name in names if name))
     raise InputError(
         f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
-        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {seen}"
+        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {header}"
     )
 
 

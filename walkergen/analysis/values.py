@@ -75,8 +75,8 @@ def off_line(places: Array, values: Sequence[Value]) -> Value:
 
     def off(samples: Array) -> Array:
         slope = samples @ places / (places @ places)
-        rest = samples - slope[:, None] * places
-        return np.asarray(np.sqrt((rest**2).mean(axis=1)) / np.abs(samples).mean(axis=1))
+        residuals = samples - slope[:, None] * places
+        return np.asarray(np.sqrt((residuals**2).mean(axis=1)) / np.abs(samples).mean(axis=1))
 
     means, drawn = _drawn(values)
     return Value(float(off(means[None])[0]), float(off(drawn).std(ddof=1)))

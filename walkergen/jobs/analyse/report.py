@@ -223,10 +223,10 @@ def _line(motion: Motion) -> Iterator[str]:
     if line is None:
         return
     scale = facts.scale_se(line.slope, "mm_s", motion)
-    apart = f" ± {words.number(scale, 2)} by the scale" if scale else ""
+    scale_error = f" ± {words.number(scale, 2)} by the scale" if scale else ""
     yield (
-        f"speed = ({words.with_error(line.slope, line.slope_se)}{apart}) x plate speed, a line "
-        f"through the origin; chi² {words.number(line.chi2)} for {line.points - 1} degrees of "
+        f"speed = ({words.with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
+        f"line through the origin; chi² {words.number(line.chi2)} for {line.points - 1} degrees of "
         f"freedom, probability {words.number(line.p_value, 2)}"
     )
 
@@ -262,8 +262,8 @@ def _drawn(motion: Motion) -> Iterator[str]:
         yield "msd"
     if len(motion.parallel.at):
         yield "density"
-    kept = motion.correlation.value
-    if (kept < (1.0 - TURNED) * kept[:1]).any():  # less is lost: nothing to see
+    correlation = motion.correlation.value
+    if (correlation < (1.0 - TURNED) * correlation[:1]).any():  # less is lost: nothing to see
         yield "correlation"
 
 

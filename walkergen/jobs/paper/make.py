@@ -156,9 +156,9 @@ def check(job: Job) -> None:
             raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
     for flag, values, fewest in (("--tilt", job.tilts_deg, 3), ("--gamma", job.gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
-            seen = ",".join(f"{value:g}" for value in values)
+            listed = ",".join(f"{value:g}" for value in values)
             allowed = "none negative, each above the last"
-            raise InputError(f"{flag} {seen[:60]}: give {fewest} or more, {allowed}")
+            raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, {allowed}")
     tilts = [*job.tilts_deg, TILT_OF_DRIVES, *plane.TILTS, *TILTS_OF_LABELS]
     job.design.members(tilts, ("flexible", "braced"))
     for case in _cases(job, assumptions_of(job), "flexible", ("space", "space, noisy plate")):

@@ -89,10 +89,10 @@ def _change(plan: Plan, place: float) -> float:
     Energies count from the walker that stands.
     """
     state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
-    rest = plan.energy(plan.start(0.0, 0.0, 0.0))
-    before = plan.energy(state) - rest
+    at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+    before = plan.energy(state) - at_rest
     advance(plan, state, 0.05)
-    return (plan.energy(state) - rest) / before - 1.0
+    return (plan.energy(state) - at_rest) / before - 1.0
 
 
 def _stiffness(model: str) -> Iterator[Check]:

@@ -151,12 +151,12 @@ def _tried(
         for share in WINDOWS
     ]
     whole = looks[0]
-    apart = [
+    differences = [
         abs(look.width - whole.width)
         for look, share in zip(looks, WINDOWS, strict=True)
         if share * widest > AROUND * whole.width
     ]
-    agree = len(apart) > 1 and max(apart) <= SAME * whole.width
+    agree = len(differences) > 1 and max(differences) <= SAME * whole.width
     return whole if agree else whole._replace(width=0.0)
 
 

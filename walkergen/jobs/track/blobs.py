@@ -171,17 +171,17 @@ def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appear
     deep = ndimage.distance_transform_edt(own) > max(1.5, DEEP * look.width)
     if not deep.any():
         return math.nan
-    apart = np.where(deep, field - np.median(field[deep]), 0.0)
-    strongest = apart.flat[np.abs(apart).argmax()]
+    contrast = np.where(deep, field - np.median(field[deep]), 0.0)
+    strongest = contrast.flat[np.abs(contrast).argmax()]
     if abs(strongest) < MARKED * look.contrast:
         return math.nan
-    spots, _ = ndimage.label(apart * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
+    spots, _ = ndimage.label(contrast * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
     areas = np.bincount(spots.ravel())
     areas[0] = 0
     spot = spots == areas.argmax()
     if areas.max() > SPOT * blob.area:
         return math.nan
-    row, col = ndimage.center_of_mass(np.abs(apart) * spot)
+    row, col = ndimage.center_of_mass(np.abs(contrast) * spot)
     x, y = left + col - blob.x, blob.y - top - row
     if math.hypot(x, y) < OFF_CENTRE * blob.length:
         return math.nan

@@ -97,15 +97,16 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
     place /= np.abs(place).max() or 1.0
     terms = np.column_stack([place, (place**2).sum(axis=1)])
     size = 0.5 * np.log(blobs.area)
-    centred = np.array([_centred(column, owner) for column in (*terms.T, size)])
-    fit, _, rank, _ = np.linalg.lstsq(centred[:3].T, centred[3])
+    slopes = np.array([_centred(term, owner) for term in terms.T])
+    changes = _centred(size, owner)
+    fit, _, rank, _ = np.linalg.lstsq(slopes.T, changes)
     if rank < 3:
-        return Sizes(0.0, math.inf, float(centred[3].std()))
-    rest = centred[3] - fit @ centred[:3]
+        return Sizes(0.0, math.inf, float(changes.std()))
+    rest = changes - fit @ slopes
     fitted = terms @ fit
     ends = terms[[fitted.argmax(), fitted.argmin()]]
     span = ends[0] - ends[1]
-    spread = np.linalg.pinv(centred[:3] @ centred[:3].T) * float(np.mean(rest**2)) * INDEPENDENT
+    spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * INDEPENDENT
     return Sizes(
         math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std())
     )

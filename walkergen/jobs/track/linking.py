@@ -55,14 +55,14 @@ def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
 
     Raises InputError when nothing was found for long enough, or too much to tell apart.
     """
-    seen = [blob for frame in frames for blob in frame]
-    if not seen:
+    blobs = [blob for frame in frames for blob in frame]
+    if not blobs:
         raise InputError(
             f"no walker found in {len(frames)} frames: try --threshold, --width or --region"
         )
-    areas = np.array([blob.area for blob in seen])
+    areas = np.array([blob.area for blob in blobs])
     area = typical(areas)
-    lengths = np.array([blob.length for blob in seen])
+    lengths = np.array([blob.length for blob in blobs])
     length = float(np.median(lengths[np.abs(areas - area) < 0.3 * area]))
     fitting = [[blob for blob in frame if SMALL <= blob.area / area <= MERGED] for frame in frames]
     names = _named(fitting, REACH * length, max(1, round(MEMORY_S * fps)))

@@ -130,8 +130,8 @@ def notes(tracked: Tracked) -> list[str]:
     rate = f"{words.number(tracked.clock.fps, 4)} frames a second"
     if not tracked.clock.regular:
         steps = 1e3 * np.diff(tracked.clock.times)
-        apart = words.span(steps.min(), steps.max(), 3)
-        rate += f" in the mean, {apart} ms apart by the film's times"
+        intervals = words.span(steps.min(), steps.max(), 3)
+        rate += f" in the mean, {intervals} ms apart by the film's times"
     lines = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "

@@ -193,11 +193,11 @@ def elastic(effort: Effort) -> Iterator[Claim]:
     plan, gap, bounces = bodies.plan(AT_REST, 1.0), 0.1, 10_000
     state = plan.start(gap, 0.0, 0.0)
     state[V_Y] = 0.0
-    rest = plan.energy(plan.start(0.0, 0.0, 0.0))
-    before = plan.energy(state) - rest
+    at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+    before = plan.energy(state) - at_rest
     advance(plan, state, (2.0 * bounces + 1.0) * math.sqrt(2.0 * gap / GRAVITY))
     yield exact(
-        GROUP, "energy kept in 10 000 elastic bounces", "", (plan.energy(state) - rest) / before,
+        GROUP, "energy kept in 10 000 elastic bounces", "", (plan.energy(state) - at_rest) / before,
         1.0, 1e-9, "rounding of a height, 1e-15 mm of 0.1 mm, in each bounce",
         "conservation of energy",
     )  # fmt: skip

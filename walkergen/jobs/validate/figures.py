@@ -161,10 +161,10 @@ def _tallest(claims: Sequence[Claim]) -> int:
 def _draw_dots(axes: Axes, claims: Sequence[Claim], ground: float) -> None:
     """Draw the agreeing claims of a group, one above another, from a line upward."""
     for word in ("agree", "undecided", "fitted"):
-        own = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims)
+        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims)
                if claim.verdict == word]  # fmt: skip
-        if own:
-            _mark(axes, word, *np.array(own).T.tolist())
+        if places:
+            _mark(axes, word, *np.array(places).T.tolist())
 
 
 def _mark(axes: Axes, word: Word, x: Sequence[float], y: Sequence[float]) -> None:

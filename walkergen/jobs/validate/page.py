@@ -29,10 +29,10 @@ def as_markdown(claims: Sequence[Claim], command: str, titles: Mapping[str, str]
     sources = list(dict.fromkeys(claim.source for claim in claims))
     parts = [_head(claims, command)]
     for group, title in titles.items():
-        own = [claim for claim in claims if claim.group == group]
-        if own:
-            parts.append(f"## {title}\n\n{_table(own, sources)}")
-            parts += _reasons(own)
+        of_group = [claim for claim in claims if claim.group == group]
+        if of_group:
+            parts.append(f"## {title}\n\n{_table(of_group, sources)}")
+            parts += _reasons(of_group)
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
     parts.append("## Sources\n\n" + "\n".join(listed))
     return "\n\n".join(parts) + "\n"
