@@ -50,7 +50,7 @@ ROOMS = {
         "analysis/beams",
         "analysis/inverse",
     ],
-    "printing": ["printing/printers", "printing/checks", "printing/layout", "printing/export"],
+    "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
 }
 """Modules of the reference, a page for each room."""

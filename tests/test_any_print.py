@@ -21,10 +21,10 @@ from walkergen.points import members as predictions
 from walkergen.points import speed_table
 from walkergen.printing import (
     checks,
-    layout,
     legs_up,
     orientation,
     plate_map,
+    plates,
     profile,
     sheet,
     walls,
@@ -389,5 +389,5 @@ def test_check_tells_the_orientation(tmp_path):
     result = CliRunner().invoke(app, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
     assert json.loads(result.stdout)["orientations"] == [orientation.LEGS_UP]
-    (place,) = layout.unplaced([DISC], [solids.build(DISC)], [1], MK3S).parts
+    (place,) = plates.unplaced([DISC], [solids.build(DISC)], [1], MK3S).parts
     assert place.height == pytest.approx(2.0 + 7.5 * math.cos(math.radians(10.0)))

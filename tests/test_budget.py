@@ -5,7 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.jobs.accuracy import elastic, make, statistics
+from walkergen.jobs.accuracy import make, space_steps, statistics
 from walkergen.jobs.accuracy.budget import KINDS, Budget, Runs, rounded_down, widened
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
@@ -46,11 +46,11 @@ def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slow
         idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
         survey.budget.pay_runs(runs, rate, 1.0, slowness * idle)
         cost = runs.number * rate * (runs.seconds + 1.0)
-        survey.known[setting] = Measured(setting, 1.0, 0.1, *runs, 1.0, cost, None, "ok")
+        survey.measured[setting] = Measured(setting, 1.0, 0.1, *runs, 1.0, cost, None, "ok")
     survey.budget.pay(survey.take("steps-short"))
     for name, kinds in (("frames", KINDS), ("statistics", statistics.KINDS)):
         rate = survey.rate(survey.own)
-        parts = len(elastic.FRAMES) if name == "frames" else 1
+        parts = len(space_steps.FRAMES) if name == "frames" else 1
         runs = survey.budget.affords(survey.take(name) / parts, rate, 1.0, kinds)
         idle = math.ceil(runs.number / 2) * rate * (runs.seconds + 1.0)
         survey.budget.pay_runs(runs, rate, 1.0, parts * slowness * idle)
@@ -135,7 +135,7 @@ def test_parts_of_eight_runs_still_give_a_rung(monkeypatch):
     survey = rated(survey_of(1.0))
     reference = survey.steps[0]
     for one in {reference, survey.own}:
-        survey.known[one] = Measured(one, 10.0, 0.5, 4, 0.5, 1.0, 1.0, None, "4 ok")
+        survey.measured[one] = Measured(one, 10.0, 0.5, 4, 0.5, 1.0, 1.0, None, "4 ok")
     survey.others["statistics"] = statistics.WEIGHT
     survey.budget.budget_s = 1e-6
 

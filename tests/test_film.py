@@ -9,7 +9,7 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.track import appearance, doubts, find, make, report
+from walkergen.jobs.track import appearance, blobs, doubts, make, report
 from walkergen.jobs.track.result import Options
 
 
@@ -67,7 +67,7 @@ def test_walkers_are_found_in_any_light(name):
     errors = []
     for one, frame in zip(truth[::3], frames[::3], strict=True):
         places = [
-            (blob.x + 0.5, film.high - blob.y - 0.5) for blob in find.find(frame, seen, False)
+            (blob.x + 0.5, film.high - blob.y - 0.5) for blob in blobs.find(frame, seen, False)
         ]
         assert len(places) == 4
         errors += [min(math.dist(place, at[:2]) for place in places) for at in one]
@@ -106,7 +106,7 @@ def test_a_film_of_variable_rate_keeps_its_times(tmp_path, name):
     assert not made.clock.regular
     assert report.warnings(made) == []
     found = tracks.read(tmp_path / "out" / "tracks.csv", tracks.Units())
-    assert "rate varies" in found.told
+    assert "rate varies" in found.note
     (one,) = found.tracks
     regular = np.arange(len(one.position)) * found.interval
     np.testing.assert_allclose(one.position, way(regular), atol=0.3)  # of a pixel

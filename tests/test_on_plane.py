@@ -17,7 +17,7 @@ from walkergen.analysis.values import Value
 from walkergen.errors import InputError
 from walkergen.files import figures as pictures
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, curves, figure6, plane, sweeps
+from walkergen.jobs.paper import compare, curves, plane, plane_figure, sweeps
 from walkergen.jobs.paper import make as reproduce
 from walkergen.jobs.paper.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
@@ -215,11 +215,11 @@ def test_figure_6_draws_what_there_is(scene):
     ]  # fmt: skip
     for shown in (runs, runs[:1], []):
         figure = Figure(figsize=(10.0, 6.8), layout="constrained")
-        figure6.draw(figure, findings({}, [low])._replace(plane=shown))
+        plane_figure.draw(figure, findings({}, [low])._replace(plane=shown))
         assert len(figure.axes) == 6
         tracks = [line for axes in figure.axes[2:4] for line in axes.get_lines()[:-1]]
         drawn = [line.get_color() for line in tracks]
-        wanted = [figure6.STYLES[one.tilt_deg][0] for one in shown for _ in range(8)]
+        wanted = [plane_figure.STYLES[one.tilt_deg][0] for one in shown for _ in range(8)]
         assert drawn == wanted
         assert pictures.png(figure, 50).startswith(b"\x89PNG")
 

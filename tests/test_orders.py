@@ -15,8 +15,7 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.orders import order_list
-from walkergen.printing import checks, packing, plate_map
-from walkergen.printing import layout as plates
+from walkergen.printing import checks, packing, plate_map, plates
 from walkergen.printing.printers import Printer
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design

@@ -19,7 +19,7 @@ from walkergen.cli import app
 from walkergen.errors import InputError, PlateError
 from walkergen.files import templates
 from walkergen.jobs.orders import make as batch
-from walkergen.printing import layout as plates
+from walkergen.printing import plates
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
 from walkergen.walker.design import Design

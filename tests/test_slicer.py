@@ -16,8 +16,7 @@ from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 
 from walkergen.files import templates
 from walkergen.jobs.orders import make as batch
-from walkergen.printing import checks, estimate, export, slicer, walls
-from walkergen.printing import layout as plates
+from walkergen.printing import checks, estimate, export, plates, slicer, walls
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
 from walkergen.walker import mass, names, solids

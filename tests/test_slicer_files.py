@@ -13,7 +13,7 @@ import threemf
 import trimesh
 
 from walkergen.files import templates
-from walkergen.printing import estimate, export, layout, sheet, slicer
+from walkergen.printing import estimate, export, plates, sheet, slicer
 from walkergen.printing import packing as plate
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
@@ -31,8 +31,8 @@ every_printer = pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer:
 def files_of(printer: Printer = MK3S, copies: tuple[int, int] = (2, 3), **more: bool):
     members = PAPER.members((5.0, 10.0), ["flexible"])
     built = [solids.build(design) for design in members]
-    made = layout.arrange(members, built, copies, printer)
-    return made, dict(layout.files(made, "p", pictures=False, **more))
+    made = plates.arrange(members, built, copies, printer)
+    return made, dict(plates.files(made, "p", pictures=False, **more))
 
 
 @every_printer
@@ -114,7 +114,7 @@ def pairs(element) -> dict[str, str]:
 def test_copies_and_plates_have_names_in_orca_slicer_and_bambu_studio():
     made, files = files_of()
     archive = archive_of(files["p_prusa-mk3s_1.3mf"])
-    wanted = [row.item for row in layout.places(made)]
+    wanted = [row.item for row in plates.places(made)]
     assert wanted[1] == "walker_t05.0_flexible_s0.40-2"
     told = ElementTree.fromstring(archive.read("Metadata/model_settings.config"))
     model = ElementTree.fromstring(archive.read("3D/3dmodel.model"))

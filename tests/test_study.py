@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.accuracy import choose, elastic, report, shape, statistics, steps
+from walkergen.jobs.accuracy import choose, report, shape, space_steps, statistics, steps
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
 from walkergen.jobs.accuracy.setting import Measured
 from walkergen.jobs.accuracy.speeds import Survey
@@ -37,7 +37,7 @@ def known(survey, speeds, se=0.1, cpu_per_s=None):
     cpu_per_s = cpu_per_s or {}
     for setting, speed in speeds.items():
         cost = cpu_per_s.get(setting, 0.01) * 16 * 11.0
-        survey.known[setting] = Measured(setting, speed, se, 16, 10.0, 1.0, cost, 0.1, "16 ok")
+        survey.measured[setting] = Measured(setting, speed, se, 16, 10.0, 1.0, cost, 0.1, "16 ok")
     return survey
 
 
@@ -179,7 +179,7 @@ def test_errors_are_those_of_the_observable_asked_for():
     shares = (0.2, 0.21, 0.22, 0.23, 0.3, 0.4, 0.5, 0.6)
     for setting, share in zip(survey.steps, shares, strict=True):
         seen = {"contact_fraction": (share, 0.0005)}
-        survey.known[setting] = survey.known[setting]._replace(observed=seen)
+        survey.measured[setting] = survey.measured[setting]._replace(observed=seen)
     contact = survey.showing("contact_fraction")
     assert contact.reference(silent).setting == survey.steps[0]
     assert choose.choose(survey, Tolerance(0.25, True), silent).setting == survey.steps[5]
@@ -200,7 +200,7 @@ def test_what_cannot_be_promised_is_refused():
         choose.choose(survey, Tolerance(1e-4, True), silent)
     dead = survey_of()
     finest = dead.steps[0]
-    dead.known[finest] = Measured(finest, None, None, 16, 1.0, 1.0, 1.0, None, "16 toppled")
+    dead.measured[finest] = Measured(finest, None, None, 16, 1.0, 1.0, 1.0, None, "16 toppled")
     with pytest.raises(InputError, match="16 toppled"):
         dead.reference(silent)
 
@@ -243,8 +243,8 @@ def test_only_settings_in_space_are_chosen_even_where_a_plane_is_right_by_luck()
 def test_orders_in_space_are_those_claimed():
     """Smooth sliding errs by second order; landings by first, in the mean over drops."""
     survey = survey_of(model="auto")
-    survey.budget.budget_s, survey.others = 60.0, dict(elastic.WEIGHTS)
-    ladder = elastic.short(survey, silent)
+    survey.budget.budget_s, survey.others = 60.0, dict(space_steps.WEIGHTS)
+    ladder = space_steps.short(survey, silent)
     for series, claimed, allowance in (("sliding", 2.0, 0.6), ("landings", 1.0, 0.4)):
         # Tolerances: frames end at other instants for other steps; 32 drops leave 20 % of an error
         rungs = [rung for rung in ladder.rungs if rung.series == series]

@@ -19,9 +19,9 @@ from walkergen.files import figures, templates
 from walkergen.files.progress import silent
 from walkergen.jobs.movie import above
 from walkergen.jobs.movie import make as movie
-from walkergen.jobs.track import appearance, film, find, heading, link, make, report
-from walkergen.jobs.track.find import Blob
-from walkergen.jobs.track.link import Seen
+from walkergen.jobs.track import appearance, blobs, films, heading, linking, make, report
+from walkergen.jobs.track.blobs import Blob, Blobs
+from walkergen.jobs.track.linking import Seen
 from walkergen.jobs.track.result import Options
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -65,7 +65,7 @@ def drawn(walkers, dark=True, spot=None, round_ones=False, noise=2.0, seed=0, si
 
 def blobs_of(frame, marked=False, **known):
     seen = appearance.learn([frame], known.get("dark"), known.get("threshold"), known.get("width"))
-    return find.find(frame, seen, marked), seen
+    return blobs.find(frame, seen, marked), seen
 
 
 def places(blobs):
@@ -99,7 +99,7 @@ def test_what_is_thin_is_no_walker_and_does_not_pull():
     with_lines[130:141, 30:230:20] = with_lines[130:141, 40:230:20] = 30  # letters
     for left in range(30, 220, 20):
         with_lines[[130, 140], left : left + 10] = 30
-    (one,) = find.find(with_lines, seen, marked=False)
+    (one,) = blobs.find(with_lines, seen, marked=False)
     assert (one.x, one.y) == pytest.approx((plain[0].x, plain[0].y), abs=0.25)
     assert one.axis == pytest.approx(plain[0].axis, abs=0.01)
 
@@ -129,14 +129,14 @@ def test_without_a_mark_there_is_none():
 
 def seen_of(x, y, axis, mark=None, frames=None, ratio=3.0):
     """A walker in frames, y up."""
-    n = len(x)
-    rows = np.full((n, len(Blob._fields)), np.nan)
-    rows[:, 0], rows[:, 1], rows[:, 2] = x, -np.asarray(y), 900.0
-    rows[:, 3] = (np.asarray(axis) + 0.5 * np.pi) % np.pi - 0.5 * np.pi
-    rows[:, 4], rows[:, 5] = 56.0, 56.0 / ratio
-    if mark is not None:
-        rows[:, 6] = np.angle(np.exp(1j * np.asarray(mark)))
-    return Seen(np.arange(n) if frames is None else np.asarray(frames), rows)
+    none = np.full(len(x), np.nan)
+    blobs = Blobs(
+        np.asarray(x), -np.asarray(y), np.full(len(x), 900.0),
+        (np.asarray(axis) + 0.5 * np.pi) % np.pi - 0.5 * np.pi,
+        np.full(len(x), 56.0), np.full(len(x), 56.0 / ratio),
+        none if mark is None else np.angle(np.exp(1j * np.asarray(mark))), none, none,
+    )  # fmt: skip
+    return Seen(np.arange(len(x)) if frames is None else np.asarray(frames), blobs)
 
 
 TURN = np.linspace(0.0, 15.0, 120)
@@ -188,18 +188,18 @@ def test_walkers_that_touch_are_left_out_counted_and_known_again():
     merged = [[blob(100, 60, 1800.0)] for _ in range(4)]
     after = [[blob(98 + 2 * n, 40), blob(102 - 2 * n, 80)] for n in range(20)]
     noise = [[blob(10, 10, 100.0)], []]
-    found = link.link([*apart, *merged, *after, *noise], 7, 50.0)
+    found = linking.link([*apart, *merged, *after, *noise], 7, 50.0)
     assert (found.merged, found.empty, found.short) == (4, 1, 0)
     assert found.area == 900.0
     assert [list(one.frames[[0, -1]]) for one in found.walkers] == [[7, 50], [7, 50]]
     for one in found.walkers:
-        assert len(set(one.blobs[:, 1])) == 1  # each has kept its way
+        assert len(set(one.blobs.y)) == 1  # each has kept its way
         assert 27 not in one.frames
 
 
 def test_a_walker_that_jumps_is_refused_with_numbers():
     with pytest.raises(InputError, match="jumps by more than 28 pixels a frame"):
-        link.link([[blob(60.0 * n, 40)] for n in range(30)], 0, 50.0)
+        linking.link([[blob(60.0 * n, 40)] for n in range(30)], 0, 50.0)
 
 
 def write_film(path, frames, fps=25):
@@ -374,21 +374,21 @@ def test_what_is_no_film_is_one_clear_line(tmp_path, two):
     for name, (data, hint) in files.items():
         (tmp_path / name).write_bytes(data)
         with pytest.raises(InputError, match=hint) as caught:
-            film.about(tmp_path / name)
+            films.about(tmp_path / name)
         assert len(str(caught.value).splitlines()) == 1
     with pytest.raises(InputError, match="is a folder; give a film"):
-        film.about(tmp_path)
+        films.about(tmp_path)
     with pytest.raises(InputError, match="no such file"):
-        film.about(tmp_path / ".." / "nope.mp4")
+        films.about(tmp_path / ".." / "nope.mp4")
 
 
 def test_too_large_a_film_and_a_missing_package_say_what_to_do(monkeypatch, two):
-    monkeypatch.setattr(film, "MOST_PIXELS", 1000)
+    monkeypatch.setattr(films, "MOST_PIXELS", 1000)
     with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* make it smaller"):
-        film.about(two)
-    monkeypatch.setattr(film, "NEEDED", {"no_such_module": "no-such-package"})
+        films.about(two)
+    monkeypatch.setattr(films, "NEEDED", {"no_such_module": "no-such-package"})
     with pytest.raises(InputError, match=r"no-such-package not installed: pip install 'walkergen"):
-        film.require()
+        films.require()
 
 
 def test_from_python_a_film_is_tracked_and_analysed(tmp_path, monkeypatch, two):

@@ -81,20 +81,20 @@ def test_bad_rows_are_counted_named_and_left_out(tmp_path):
     assert np.count_nonzero(~np.isnan(found.tracks[0].position[:, 0])) == 3
     for told in ("7 bad rows", "line 3: x is 'abc'", "line 4: y is missing", "line 6", "line 7",
                  "line 9", "and 2 more"):  # fmt: skip
-        assert told in found.told, found.told
+        assert told in found.note, found.note
 
 
 def test_a_row_with_an_open_quote_spoils_no_other(tmp_path):
     found = read(tmp_path, 'frame,particle,x,y\n0,0,1,1\n1,0,"2,1\n2,0,1,1\n3,0,1,1\n')
     assert found.bad_rows == 1
-    assert "line 3" in found.told
+    assert "line 3" in found.note
 
 
 def test_many_rows_are_read_in_pieces(tmp_path, monkeypatch):
     monkeypatch.setattr(columns, "CHUNK", 3)
     rows = "".join(f"{n},0,{n * n},x\n" if n == 5 else f"{n},0,{n * n},1\n" for n in range(10))
     found = read(tmp_path, "frame,particle,x,y\n" + rows)
-    assert found.told == "1 bad row left out: line 7: y is 'x', not a number"
+    assert found.note == "1 bad row left out: line 7: y is 'x', not a number"
     seen = ~np.isnan(found.tracks[0].position[:, 0])
     np.testing.assert_allclose(
         found.tracks[0].position[seen, 0], [0.5 * n * n for n in range(10) if n != 5]
@@ -160,7 +160,7 @@ def test_pogotracks_file_has_its_own_units(tmp_path):
     found = read(tmp_path, text, Units())
     (one,) = found.tracks
     assert found.interval == pytest.approx(1 / 22.46)  # its default frame rate
-    assert found.told == "1 bad row left out: line 4: x is '', not a number"
+    assert found.note == "1 bad row left out: line 4: x is '', not a number"
     np.testing.assert_allclose(one.position[0], [768.7377589939182, 708.736212761571])
     np.testing.assert_allclose(np.degrees(one.heading[[0, 3]]), [60.96184860, 59.32456959])
     assert np.isnan(one.position[2]).all()

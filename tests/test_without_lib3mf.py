@@ -9,7 +9,7 @@ import pytest
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.orders import make as orders
-from walkergen.printing import layout, packing
+from walkergen.printing import packing, plates
 from walkergen.printing.printers import Printer
 from walkergen.shapes import meshes, threemf
 from walkergen.walker import solids
@@ -27,7 +27,7 @@ def missing(monkeypatch):
 def arranged(copies):
     members = [PAPER.variant(tilt_deg=tilt) for tilt in (5.0, 20.0)]
     built = [solids.build(member) for member in members]
-    return layout.arrange(members, built, copies, PRINTER)
+    return plates.arrange(members, built, copies, PRINTER)
 
 
 def volume(mesh):
@@ -39,7 +39,7 @@ def volume(mesh):
 @pytest.mark.usefixtures("missing")
 def test_plates_are_stl_files_with_every_copy_at_its_place(tmp_path):
     found = arranged([2, 1])
-    files = dict(layout.files(found, "plate", pictures=False))
+    files = dict(plates.files(found, "plate", pictures=False))
     assert not [name for name in files if name.endswith(".3mf")]
     (name,) = [name for name in files if name.endswith(".stl")]
     assert f"`{name}`" in files[name.replace("_1.stl", ".md")].decode()
@@ -71,7 +71,7 @@ def test_the_stl_holds_what_the_3mf_holds():
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
         lambda: orders.export_part(PAPER, tmp_path / "one.3mf"),
-        lambda: dict(layout.files(arranged([1, 1]), "plate", False, prusaslicer=True)),
+        lambda: dict(plates.files(arranged([1, 1]), "plate", False, prusaslicer=True)),
         lambda: threemf.read(b"PK", "robot.3mf"),
     ):
         with pytest.raises(InputError, match=r"^3MF: lib3mf is not installed .* use STL") as told:

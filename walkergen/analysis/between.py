@@ -47,7 +47,7 @@ class Alone(NamedTuple):
     """The same with their errors within this walker's track."""
 
     def of(self, name: str) -> Estimate:
-        """What is known of it: the value also where its error is not, and `reason` says why."""
+        """Estimate of a number by its name; where only its error is refused it has the value."""
         estimate = self.estimates.get(name, Estimate(None, None))
         value = self.values.get(name, math.nan)
         return estimate._replace(value=value) if math.isfinite(value) else estimate
@@ -165,7 +165,7 @@ def _mean_known(values: moments.Complex) -> moments.Complex:
 
 
 def _mean(series: _Series, frame: Frame) -> tuple[float, Estimate]:
-    """Mean of a series, and the same with its error by pieces, or by its own correlation time."""
+    """Mean of a series, and its estimate with an error, by pieces or by its correlation time."""
     present = ~np.isnan(series.steps)
     values = np.stack([series.steps, series.samples])[:, present]
     edges = np.linspace(0, values.shape[1], PIECES + 1).astype(int)[:-1]
@@ -233,9 +233,9 @@ def _error_if_correlated(blocks: Array, block: float, lasting: float) -> tuple[f
 
 
 def compare(alone: Sequence[Alone]) -> Together | None:
-    """Means and spread of those that were seen for long enough.
+    """Means and spread of the walkers that were seen for long enough.
 
-    None unless they are two or more, and all of them have a speed.
+    None for fewer than two, or where one of them has no speed.
     """
     longest = max(walker.seconds for walker in alone)
     walkers = [walker for walker in alone if walker.seconds >= COUNTED * longest]

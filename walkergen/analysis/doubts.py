@@ -98,15 +98,15 @@ def _jumps(tracks: Tracks) -> list[str]:
             near = step[max(number - NEIGHBOURS, 0) : number + NEIGHBOURS + 1]
             if step[number] > LOCAL_JUMP * np.median(near):
                 first, last = at[number : number + 2]
-                way = float(step[number] * (last - first))
-                jumps.append((way, track.particle, (track.start + last) * tracks.interval))
+                length = float(step[number] * (last - first))
+                jumps.append((length, track.particle, (track.start + last) * tracks.interval))
     if not jumps:
         return []
-    way, particle, time = max(jumps)
+    length, particle, time = max(jumps)
     return [
-        f"jumps in tracks, {len(jumps)} in all, the largest of {way:.3g} mm by particle {particle} "
-        f"at {time:.4g} s: were two walkers taken for one another? Cut the tracks there (number "
-        "them anew): every number here suffers"
+        f"jumps in tracks, {len(jumps)} in all, the largest of {length:.3g} mm by particle "
+        f"{particle} at {time:.4g} s: were two walkers taken for one another? Cut the tracks there "
+        "(number them anew): every number here suffers"
     ]
 
 

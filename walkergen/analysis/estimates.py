@@ -237,7 +237,7 @@ def _late_start(lag: Array, values: Complex, errors: Array) -> tuple[float, floa
 
 
 def _at_once(lag: Array, kept: Complex) -> float:
-    """Logarithm of the correlation of headings at lag 0 but for itself: less twice their noise.
+    """Logarithm of the correlation of headings as the lag goes to 0: noise makes it less than 0.
 
     By the parabola through the first three lags: with inertia, headings hardly turn at first, so
     that the fitted decay would not meet it.
@@ -260,9 +260,9 @@ def _velocity(sums: Moments) -> complex:
 
 
 def _extrapolated(kept: Callable[[Array], Array]) -> float:
-    """What `_velocity` leaves of a speed, with what is `kept` of a heading by lag (samples).
+    """Share of a speed that `_velocity` gives, 1 up to second order in the turn of a sample.
 
-    It is 1 but for the second order in the loss of direction a sample.
+    `kept` is the correlation of headings by lag (samples).
     """
     at, weights = np.polynomial.legendre.leggauss(8)
     near, far = (0.5 * float(weights @ kept(first + 0.5 + 0.5 * at)) for first in (0.0, 1.0))
@@ -297,7 +297,7 @@ def of_spread(spread: Spread, interval: float) -> dict[str, float]:
 
 
 def _dispersion(numbers: dict[str, float], sums: Moments, frame: Frame) -> None:
-    """Fit the spread about each one's own run in a lane, over the last decade of fitted lags.
+    """Fit the spread about each walker's own run in a lane, over the last decade of fitted lags.
 
     It is 2 D lag (1 - lag / T), as the own speed was measured over T.
     """

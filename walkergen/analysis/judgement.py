@@ -34,7 +34,7 @@ CHANCE = 5e-3
 
 
 def measured(numbers: Sequence[Mapping[str, float]], name: str) -> Estimate:
-    """Number by the jackknife, refused or not: of all samples, then of those without each one."""
+    """Estimate of a number, refused or not; `numbers`: of all samples, then without each one."""
     value, error = numbers[0][name], _error(numbers[1:], name)
     if not (math.isfinite(value) and math.isfinite(error)):
         return Estimate(None, None, TOO_FEW)

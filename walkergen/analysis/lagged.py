@@ -29,8 +29,8 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     times = np.arange(len(position), dtype=float)
     first, last = np.flatnonzero(seen)[[0, -1]]
     drift = (position[last] - position[first]) / (last - first)
-    rest = position - drift * times[:, None]
-    rest = np.where(seen[:, None], rest - rest[seen].mean(axis=0), 0.0)
+    about_drift = position - drift * times[:, None]
+    about_drift = np.where(seen[:, None], about_drift - about_drift[seen].mean(axis=0), 0.0)
     size = fft.next_fast_len(2 * len(position), real=True)
     weight = fft.rfft(seen.astype(float), size)
 
@@ -41,13 +41,13 @@ def squares(position: Array, lags: Lags) -> tuple[Array, Array]:
     count = np.rint(correlate(weight, weight))
     sums = np.zeros(len(near))
     for axis in range(position.shape[1]):
-        values, squared = (fft.rfft(rest[:, axis] ** power, size) for power in (1, 2))
-        about = (
+        values, squared = (fft.rfft(about_drift[:, axis] ** power, size) for power in (1, 2))
+        spread = (
             correlate(weight, squared) + correlate(squared, weight) - 2 * correlate(values, values)
         )
         shift = correlate(weight, values) - correlate(values, weight)
         run = drift[axis] * near
-        sums += about + run * (2 * shift + run * count)
+        sums += spread + run * (2 * shift + run * count)
     total[reachable], pairs[reachable] = np.maximum(sums, 0.0), count
     return total, pairs
 

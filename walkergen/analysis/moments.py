@@ -119,31 +119,34 @@ def _cut(tracks: Sequence[Track]) -> list[Track]:
     return pieces
 
 
-def measure(track: Track, grid: Grid, own: float = 0.0) -> Moments:
+def measure(track: Track, grid: Grid, mean_step: float = 0.0) -> Moments:
     """Moments of one track or of a piece of one.
 
-    `own` is the mean step of the whole track: the turn of its heading (rad) a sample, or in a lane
-    its way (mm).
+    `mean_step` is that of the whole track: the turn of its heading (rad) a sample, or in a lane its
+    way (mm).
     """
     forward, sideways = displacements(track, grid.step)
     bins_along, bins_across = grid.bins
     square, square_pairs = lagged.squares(track.position, grid.square_lags)
     headings, lane = direction(track, grid.step), track.position.shape[1] == 1
     times = np.arange(len(track.position), dtype=float)
-    rest = lagged.squares(track.position - own * times[:, None], grid.square_lags)[0] if lane else 0
+    about_mean = np.zeros_like(square)
+    if lane:
+        drift = mean_step * times[:, None]
+        about_mean, _ = lagged.squares(track.position - drift, grid.square_lags)
     turn, turn_pairs = lagged.products(
-        headings * np.exp(-1j * own * times[: len(headings)]), grid.turn_lags
+        headings * np.exp(-1j * mean_step * times[: len(headings)]), grid.turn_lags
     )
     return Moments(
         run(track),
-        _sum_and_number(ahead(track, own, 0)),
-        _sum_and_number(ahead(track, own, 1)),
+        _sum_and_number(ahead(track, mean_step, 0)),
+        _sum_and_number(ahead(track, mean_step, 1)),
         _turned(track),
         _powers(forward),
         _powers(sideways),
         square,
         square_pairs,
-        rest + np.zeros_like(square),
+        about_mean,
         turn,
         turn_pairs,
         _histogram(forward, bins_along),

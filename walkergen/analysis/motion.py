@@ -138,17 +138,17 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     grid = _grid(tracks, lag_s, length, headed)
     on_plane = headed and not tracks.lane
     turnings = turning.walkers(tracks.tracks, tracks.interval) if on_plane else []
-    own = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
+    mean_steps = _own_runs(tracks) if tracks.lane else _own_turns(tracks, turnings)
 
     def summed(some: Iterable[Track]) -> Moments:
-        return moments.total(moments.measure(t, grid, own[t.particle]) for t in some)
+        return moments.total(moments.measure(t, grid, mean_steps[t.particle]) for t in some)
 
     parts = [summed(group) for group in groups]
-    rest = moments.total(parts)
-    left_out = [moments.without(rest, part) for part in parts]
+    of_pieces = moments.total(parts)
+    left_out = [moments.without(of_pieces, part) for part in parts]
     in_pieces = moments.in_pieces(tracks.tracks)
     # Whole tracks have pairs that their pieces lack.
-    whole = summed(tracks.tracks) if in_pieces else rest
+    whole = summed(tracks.tracks) if in_pieces else of_pieces
     both = [whole, *left_out]
     squares: list[Array] = [mean(m.square, m.square_pairs).real for m in both]
     msd = _curve(grid.square_lags, squares, length)
@@ -168,7 +168,7 @@ def _analyse(tracks: Tracks, lag_s: float) -> Motion:
     frame, numbers = memory.choose(both, frame)
     longest = length // FITTED
     numbers, fit = _with_fit(numbers, both, frame, longest)
-    alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], own)
+    alone = between.of_walkers(tracks, frame, numbers[0]["shortened"], mean_steps)
     together = between.compare(alone)
     if headed:
         shortened = judgement.measured(numbers, "shortened")
@@ -245,8 +245,8 @@ def _own_turns(tracks: Tracks, turnings: Sequence[Turning]) -> dict[int, float]:
     """Mean turn a sample of each particle, rad; of all together where one's own is not known."""
     rates = np.array([(walker.rate, walker.seconds) for walker in turnings]).reshape(-1, 2).T
     mean_rate = float(rates[0] @ rates[1] / rates[1].sum()) if turnings else 0.0
-    own = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
-    return own | {walker.particle: walker.rate * tracks.interval for walker in turnings}
+    turns = dict.fromkeys((track.particle for track in tracks.tracks), mean_rate * tracks.interval)
+    return turns | {walker.particle: walker.rate * tracks.interval for walker in turnings}
 
 
 def _own_runs(tracks: Tracks) -> dict[int, float]:

@@ -34,9 +34,9 @@ def at_regular_times(table: Columns, time: str, heading: str) -> tuple[Columns, 
     counts = np.where(near, last - first, 0.0).astype(np.int64)
     rows = np.repeat(np.arange(len(counts)), counts)
     places = np.arange(len(rows)) - np.repeat(np.cumsum(counts) - counts, counts)
-    wanted = np.asarray(usual * (first[rows] + places), dtype=float)
-    share = (wanted - at[rows]) / steps[rows]
-    values: dict[str, Array] = {time: wanted}
+    regular_times = np.asarray(usual * (first[rows] + places), dtype=float)
+    share = (regular_times - at[rows]) / steps[rows]
+    values: dict[str, Array] = {time: regular_times}
     for name in table.values.keys() - {time}:
         column = table.values[name]
         change = np.diff(column)[rows]

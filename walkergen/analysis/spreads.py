@@ -57,7 +57,7 @@ class Fitted(NamedTuple):
     """Probability of a misfit at least as large where the law holds; NaN where nothing fits."""
 
     @property
-    def told(self) -> str:
+    def goodness(self) -> str:
         """Goodness of the fit, in words; '' where nothing fits, or nothing scatters."""
         if math.isnan(self.p_value):
             return ""
@@ -95,8 +95,8 @@ def fit(lag: Array, squares: Sequence[Array], turns: Sequence[float]) -> Fitted:
         first = _fit_smooth(lag, values[0], errors[0], turns[0], None)
         start = first.rate, first.smooth_rate
         fits = [_fit_smooth(lag, *row, start) for row in zip(values, errors, turns, strict=True)]
-    rest = (values - np.stack([walks.squared(lag, spread) for spread in fits])) / errors[0]
-    return Fitted(tuple(fits), run, *_goodness(rest[0], rest[1:]))
+    residuals = (values - np.stack([walks.squared(lag, spread) for spread in fits])) / errors[0]
+    return Fitted(tuple(fits), run, *_goodness(residuals[0], residuals[1:]))
 
 
 def _errors(values: Array) -> Array:
@@ -106,8 +106,8 @@ def _errors(values: Array) -> Array:
     """
     count = len(values) - 1
     samples = count * values[0] - (count - 1) * values[1:]
-    kept = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
-    return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in kept])
+    resamples = [samples, *(np.delete(samples, number, axis=0) for number in range(count))]
+    return np.stack([sample.std(axis=0, ddof=1) / math.sqrt(len(sample)) for sample in resamples])
 
 
 def _smooth(lag: Array, errors: Array) -> Array:
@@ -193,29 +193,30 @@ def _linear(
         terms.append(4.0 * lag)
     design = np.stack(terms, axis=1) / errors[:, None]
     scale = np.sqrt((design**2).sum(axis=0))
-    wanted = values / errors
-    solution = np.linalg.lstsq(design / scale, wanted)[0] / scale
-    rest = wanted - design @ solution
+    scaled = values / errors
+    solution = np.linalg.lstsq(design / scale, scaled)[0] / scale
+    residuals = scaled - design @ solution
     offset, *others = map(float, solution)
     diffusion = 0.0 if len(rates) > 1 else others.pop()
     (speed2, rate), (smooth2, smooth_rate) = (*zip(others, rates, strict=True), *NO_RUNS)[:2]
     spread = Spread(speed2, rate, diffusion, offset, turn, smooth2, smooth_rate)
-    return spread, float(rest @ rest)
+    return spread, float(residuals @ residuals)
 
 
-def _goodness(rest: Array, replicates: Array) -> tuple[float, float]:
+def _goodness(residuals: Array, replicates: Array) -> tuple[float, float]:
     """Misfit and its probability from residuals of all samples and of those without each one.
 
     Residuals of neighbouring lags go together: their sum of squares is held against its expectation
     by the jackknife's covariance, with degrees of freedom after Satterthwaite (1946).
     """
-    apart = replicates - replicates.mean(axis=0)
+    deviations = replicates - replicates.mean(axis=0)
     others = len(replicates) - 1
-    covariance = others / len(replicates) * apart.T @ apart
+    covariance = others / len(replicates) * deviations.T @ deviations
     expected = float(np.trace(covariance))
     if not expected > 0:
         return math.nan, math.nan
     from scipy.special import fdtrc
 
-    ratio, free = float(rest @ rest) / expected, expected**2 / float((covariance**2).sum())
-    return ratio, float(fdtrc(free, others, ratio))
+    ratio = float(residuals @ residuals) / expected
+    freedom = expected**2 / float((covariance**2).sum())
+    return ratio, float(fdtrc(freedom, others, ratio))

@@ -61,7 +61,7 @@ class Tracks(NamedTuple):
     interval: float
     """Time between neighbouring samples of a track, s."""
     bad_rows: int
-    told: str
+    note: str
     """What was done to the rows, as left out for a reason; '' when nothing was."""
     scale_se: float | None = 0.0
     """Standard error of the scale, as a share of it: all lengths are off together by it. None when
@@ -132,7 +132,7 @@ def read(path: Path, units: Units) -> Tracks:
     """Read the tracks of a CSV file.
 
     Raises InputError when columns or units are missing or contradict each other, when no row is
-    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `told`.
+    usable, or when times do not lie on a regular grid. Bad rows are left out and named in `note`.
     """
     names = columns.header(path)
     if "t_s" in names and "x_mm" in names:
@@ -141,10 +141,10 @@ def read(path: Path, units: Units) -> Tracks:
         return _film(path, names, units)
     if "time" in names and "x" in names:
         return _timed(path, names, units, POGOTRACK, not units.lane)
-    seen = plain.line(", ".join(name for name in names if name))
+    header = plain.line(", ".join(name for name in names if name))
     raise InputError(
         f"{path}: neither trackpy's columns (frame, particle, x, y) nor walkergen's (t_s, x_mm) "
-        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {seen}"
+        f"nor Pogotrack's (time, x, y, theta, particle); columns seen: {header}"
     )
 
 
@@ -167,8 +167,8 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
     axes = form.axes if on_plane else form.axes[:1]
     headed = on_plane and form.heading in names
     particle = next((name for name in form.particle if name in names), "particle")
-    own = ("frame", *SCALE) if form is OURS else ()
-    optional = (particle, "plate_speed_mm_s", *own, *([form.heading] if headed else []))
+    extra = ("frame", *SCALE) if form is OURS else ()
+    optional = (particle, "plate_speed_mm_s", *extra, *([form.heading] if headed else []))
     table = columns.read(path, (form.time, *axes), optional)
     if particle in table.values:
         table.values["particle"] = table.values[particle]
@@ -190,8 +190,8 @@ def _timed(path: Path, names: list[str], units: Units, form: Timed, on_plane: bo
         heading = None
     scale_se = _scale_se(path, table) if form is OURS else None
     tracks = _assemble(path, table, steps, position, heading, interval)
-    note = "; ".join(line for line in (between, tracks.told) if line)
-    return tracks._replace(scale_se=scale_se, told=note)
+    note = "; ".join(line for line in (between, tracks.note) if line)
+    return tracks._replace(scale_se=scale_se, note=note)
 
 
 def _ticks(path: Path, table: Columns, form: Timed) -> tuple[float, Array]:

@@ -36,8 +36,8 @@ def mean(values: Sequence[float]) -> Value:
 
 def ratio(over: Value, under: Value) -> Value:
     """Ratio of two independent values, of which the second is not 0."""
-    found = over.mean / under.mean
-    return Value(found, math.hypot(over.se, found * under.se) / abs(under.mean))
+    quotient = over.mean / under.mean
+    return Value(quotient, math.hypot(over.se, quotient * under.se) / abs(under.mean))
 
 
 def top(places: Array, values: Sequence[Value]) -> Top:
@@ -47,7 +47,7 @@ def top(places: Array, values: Sequence[Value]) -> Top:
     Where the largest is the first or the last it is the top, though that may lie beyond.
     """
     means, drawn = _drawn(values)
-    tops = np.array([_vertex(places, each) for each in drawn])
+    tops = np.array([_vertex(places, sample) for sample in drawn])
     place, height = _vertex(places, means)
     at = min(max(int(means.argmax()), 1), len(places) - 2)
     grid = float(places[at + 1] - places[at - 1]) / 2.0 / math.sqrt(12.0)
@@ -73,10 +73,10 @@ def slope(places: Array, values: Sequence[Value]) -> Value:
 def off_line(places: Array, values: Sequence[Value]) -> Value:
     """Rms distance from the line through zero over the mean size; 0: proportional."""
 
-    def off(each: Array) -> Array:
-        slope = each @ places / (places @ places)
-        rest = each - slope[:, None] * places
-        return np.asarray(np.sqrt((rest**2).mean(axis=1)) / np.abs(each).mean(axis=1))
+    def off(samples: Array) -> Array:
+        slope = samples @ places / (places @ places)
+        residuals = samples - slope[:, None] * places
+        return np.asarray(np.sqrt((residuals**2).mean(axis=1)) / np.abs(samples).mean(axis=1))
 
     means, drawn = _drawn(values)
     return Value(float(off(means[None])[0]), float(off(drawn).std(ddof=1)))

@@ -30,7 +30,7 @@ def decay(lag: Array, amplitude: float, rate: float, turn: float, window: float 
 
 
 def late(lag: Array, memory: float) -> Array:
-    """Lags (s) less what headings keep while their rate of turning lasts for `memory` > 0 s.
+    """Lags (s), shortened by the time `memory` > 0 (s) in which a rate of turning lasts.
 
     A rate of turning with an exponential correlation of this time, as of a body with moment of
     inertia in a viscous medium, loses direction as exp(-rate late) (Uhlenbeck and Ornstein 1930).

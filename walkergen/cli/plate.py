@@ -15,7 +15,7 @@ from walkergen.errors import InputError
 if TYPE_CHECKING:
     from walkergen.jobs.calibration.plate import Order
     from walkergen.jobs.orders.make import Room
-    from walkergen.printing.layout import Place
+    from walkergen.printing.plates import Place
     from walkergen.walker.design import Design
 
 

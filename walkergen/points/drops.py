@@ -1,7 +1,7 @@
 """Drops of a walker on a plate at rest: rebound of the whole structure, as a phone shows it.
 
-Seen is the height of the body's middle over where it stands: let go from h_1, it comes up to h_2
-again; the rebound is sqrt(h_2 / h_1), for a ball the restitution of its contact.
+What counts is the height of the body's middle above that of the walker at rest: let go from h_1, it
+comes up to h_2 again; the rebound is sqrt(h_2 / h_1), for a ball the restitution of its contact.
 """
 
 import math
@@ -84,7 +84,7 @@ def rebound(plan: Plan, let: Let) -> Rebound:
 
 
 def let_go(plan: Plan, let: Let) -> Plan:
-    """Plan whose runs start so, whatever height, turns and phase a run draws for itself."""
+    """Plan whose runs start as `let` says, not by the height, turns and phase that each draws."""
     start = plan.model.start
 
     def started(world: World, clearance: float, pitch: float, phase: float, roll: float) -> State:
@@ -112,10 +112,10 @@ def rebounds(plan: Plan, hand: Sequence[Let]) -> Rebounds:
     flat = Let(hand[0].height)
     with ThreadPoolExecutor(os.cpu_count() or 1) as pool:
         level, *others = pool.map(lambda let: rebound(plan, let), [flat, *hand])
-    kept = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
-    sd = float(kept.std(ddof=1)) if len(kept) > 1 else 0.0
-    mean = float(kept.mean()) if len(kept) else None
-    return Rebounds(level.ratio, mean, sd, len(kept), sum(bounce.fell for bounce in others))
+    ratios = np.array([bounce.ratio for bounce in others if bounce.ratio is not None])
+    sd = float(ratios.std(ddof=1)) if len(ratios) > 1 else 0.0
+    mean = float(ratios.mean()) if len(ratios) else None
+    return Rebounds(level.ratio, mean, sd, len(ratios), sum(bounce.fell for bounce in others))
 
 
 def by_label(

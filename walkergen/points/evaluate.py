@@ -31,7 +31,7 @@ def evaluate(point: Point) -> Record:
 
 
 def refused(error: WalkergenError) -> Record:
-    """Record of a point that cannot be."""
+    """Record of a point that cannot be built or simulated: the reason as its status."""
     return {STATUS: f"refused: {' '.join(str(error).split())[:300]}"}
 
 
@@ -69,8 +69,8 @@ def _evaluated(point: Point) -> Record:
 
 def _simulated(point: Point, mass: MassProperties) -> Record:
     """Numbers of the runs of a point, more and more of them until its error is met."""
-    asked = experiments.Experiment(point.scene, point.design, mass)
-    measured = measure.measure(asked, silent, point.wanted, threads=1)
+    experiment = experiments.Experiment(point.scene, point.design, mass)
+    measured = measure.measure(experiment, silent, point.wanted, threads=1)
     simulated, scene = measured.results, measured.scene
     summary = simulated.summary
     if summary.runs < scene.run.runs:

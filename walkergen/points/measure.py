@@ -170,8 +170,8 @@ def refined(
     if runs >= MOST_RUNS:
         return None
     # Variances fall as runs are added; the scatter of few runs is itself known badly.
-    known = math.isfinite(error)
-    short = (error**2 - step_error**2) / (most**2 - step_error**2) if known else 2.0
+    finite = math.isfinite(error)
+    short = (error**2 - step_error**2) / (most**2 - step_error**2) if finite else 2.0
     more = math.ceil(runs * min(max(SLACK * short, 1.5), 8.0))
     return with_runs(scene, runs=min(MOST_RUNS, more))
 

@@ -118,7 +118,7 @@ def _weighing(
 
 
 def rows(members: Sequence[Member]) -> list[Any]:
-    """Named tuples of all that is told of each walker: prediction, runs, weighed mass."""
+    """Named tuples of all numbers of each walker: prediction, runs, weighed mass."""
     parts = [
         [part for part in (member.row, member.simulated, member.weighing) if part is not None]
         for member in members
@@ -127,4 +127,4 @@ def rows(members: Sequence[Member]) -> list[Any]:
         return []
     keys = [key for part in parts[0] for key in part._fields]
     Row = namedtuple("Row", keys)  # type: ignore[misc]
-    return [Row(*chain(*each)) for each in parts]
+    return [Row(*chain(*walker_parts)) for walker_parts in parts]

@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments
-from walkergen.points import point as points
+from walkergen.points import point
 from walkergen.points.axes import Space
 from walkergen.points.evaluate import refused
 from walkergen.points.point import PREDICTION, Point
@@ -37,7 +37,7 @@ class Request(NamedTuple):
 
     def check(self) -> None:
         """Refuse unknown keys, words, groups and models before anything runs. Raises InputError."""
-        points.check(self.keep, self.model, self.printer)
+        point.check(self.keep, self.model, self.printer)
         if self.wanted is not None and self.model == PREDICTION:
             raise InputError(
                 f"--error {self.wanted}: the prediction has no runs: --model compliant"
@@ -81,11 +81,11 @@ class Request(NamedTuple):
 
 def check(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
-    own = key.removeprefix(SCENE)
-    if own == key:
-        assignments.check(own, Design, source)
+    bare_key = key.removeprefix(SCENE)
+    if bare_key == key:
+        assignments.check(bare_key, Design, source)
     else:
-        assignments.check(own, Scene, source, SCENE)
+        assignments.check(bare_key, Scene, source, SCENE)
 
 
 def changed(
@@ -100,12 +100,12 @@ def changed(
     The design's are set in the data of its file, where these are known. Raises InputError, or
     GeometryError, with a line for every mistake.
     """
-    own = {key: value for key, value in values.items() if not key.startswith(SCENE)}
-    scenes = {
+    of_design = {key: value for key, value in values.items() if not key.startswith(SCENE)}
+    of_scene = {
         key.removeprefix(SCENE): value for key, value in values.items() if key.startswith(SCENE)
     }
-    if data is None or not own:
-        varied = assignments.changed(design, own, source)
+    if data is None or not of_design:
+        varied = assignments.changed(design, of_design, source)
     else:
-        varied = assignments.assigned(design, copy.deepcopy(dict(data)), own, source)
-    return varied, assignments.changed(scene, scenes, source, SCENE)
+        varied = assignments.assigned(design, copy.deepcopy(dict(data)), of_design, source)
+    return varied, assignments.changed(scene, of_scene, source, SCENE)

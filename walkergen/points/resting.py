@@ -49,14 +49,14 @@ def with_contact(scene: Scene, **contact: float) -> Scene:
 
 def one_material(design: Design, key: str) -> None:
     """Raise InputError where a leg has a `key`, friction or restitution, of its own."""
-    own = [
+    exceptions = [
         number for number, limb in enumerate(design.limbs, start=1)
         if getattr(limb, key) is not None
     ]  # fmt: skip
-    if own:
+    if exceptions:
         raise InputError(
-            f"{design.name}: legs[{own[0]}].{key} is that foot's own, and the bench finds one "
-            f"{key} for all feet: test a walker of one material, without that key"
+            f"{design.name}: legs[{exceptions[0]}].{key} is that foot's own, and the bench finds "
+            f"one {key} for all feet: test a walker of one material, without that key"
         )
 
 

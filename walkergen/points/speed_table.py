@@ -35,23 +35,25 @@ WEIGHED = (
 )
 
 
-def tables(name: str, design: str, made: Sequence[Member]) -> list[Table]:
+def tables(name: str, design: str, walkers: Sequence[Member]) -> list[Table]:
     """Table of a design's walkers, and if they were weighed their masses beside the meshes'."""
-    rows = members.rows(made)
+    rows = members.rows(walkers)
     keys = rows[0]._fields if rows else Prediction._fields
-    speeds = Table(name, rows, keys, columns(made), f"Predicted speeds of {design}")
-    return [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(made) else [speeds]
+    speeds = Table(name, rows, keys, columns(walkers), f"Predicted speeds of {design}")
+    return (
+        [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
+    )
 
 
-def lines(made: Sequence[Member]) -> list[str]:
+def lines(walkers: Sequence[Member]) -> list[str]:
     """Notes of the table by their numbers, and what weighed masses change."""
-    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(made), start=1)]
-    return [*notes, WEIGHED] if _weighed(made) else notes
+    notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
+    return [*notes, WEIGHED] if _weighed(walkers) else notes
 
 
-def columns(made: Sequence[Member]) -> tuple[Column, ...]:
+def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
     """Columns of the table; a speed with a note carries its number."""
-    simulated, notes = any(member.simulated for member in made), _notes(made)
+    simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
 
     def speed(row: Any) -> str:
         mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
@@ -75,13 +77,13 @@ def columns(made: Sequence[Member]) -> tuple[Column, ...]:
     )
 
 
-def _weighed(made: Sequence[Member]) -> bool:
-    return any(member.weighing is not None for member in made)
+def _weighed(walkers: Sequence[Member]) -> bool:
+    return any(member.weighing is not None for member in walkers)
 
 
-def _notes(made: Sequence[Member]) -> list[str]:
+def _notes(walkers: Sequence[Member]) -> list[str]:
     """Distinct notes of the walkers, in order."""
-    return list(dict.fromkeys(member.row.note for member in made if member.row.note))
+    return list(dict.fromkeys(member.row.note for member in walkers if member.row.note))
 
 
 def _bounds(heading: str, share: str, wide: bool = False) -> Column:

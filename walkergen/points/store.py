@@ -75,7 +75,7 @@ class Store:
 
 
 def _record(text: Any) -> Record | None:
-    """Record of its JSON; None for what this program does not write: it is computed anew."""
+    """Record from its JSON; None for what this program would not write: that is computed anew."""
     try:
         record = json.loads(text)
     except (ValueError, TypeError, RecursionError):

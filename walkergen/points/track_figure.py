@@ -34,15 +34,15 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
     if len(drawn) < len(tracks.tracks):
         title += f" (first {MOST_TRACKS} of {len(tracks.tracks)})"
     figure, axes = axes_of(title)
-    everywhere = np.concatenate([one.position for one in drawn])
+    everywhere = np.concatenate([track.position for track in drawn])
     extent = np.nanmax(everywhere, axis=0) - np.nanmin(everywhere, axis=0)
     size = float(np.max(extent))
     along = tracks.lane or extent[1] < STRAIGHT * extent[0]
     for number, track in enumerate(drawn):
         colour, line, marker = SERIES[number % len(SERIES)]
         stride = len(track.position) // MOST_POINTS + 1
-        seen = track.position[~np.isnan(track.position).any(axis=1)]
-        start = seen[0]
+        places = track.position[~np.isnan(track.position).any(axis=1)]
+        start = places[0]
         path = track.position[::stride]
         if along:
             time = np.arange(len(track.position))[::stride] * tracks.interval
@@ -65,8 +65,8 @@ def tracks_figure(tracks: Tracks, title: str) -> Figure:
 def _head(axes: Axes, track: Track, size: float, colour: str) -> None:
     """Draw arrows along a track that point where the walker's front did."""
     assert track.heading is not None
-    known = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
-    at = np.flatnonzero(known)
+    complete = np.isfinite(track.position).all(axis=1) & np.isfinite(track.heading)
+    at = np.flatnonzero(complete)
     chosen = at[np.linspace(0, len(at) - 1, min(ARROWS, len(at))).astype(int)] if len(at) else at
     heading = track.heading[chosen]
     axes.quiver(

@@ -90,10 +90,10 @@ def of_piece(name: str, upright: Sequence[Wall], mesh: Mesh, printer: Printer) -
     Its masses are not predicted: only walls that fail or print otherwise than drawn count.
     """
     of_walls = [_wall(wall.name, wall.thickness, printer, TOLERATED_DEVIATION) for wall in upright]
-    own = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
+    findings = [*_size(Part.of(name, mesh), printer), *_mesh(mesh)]
     if printer.brim_width_mm == 0.0:
-        own += _upright(upright)
-    return [finding._replace(where=name) for finding in [*filter(None, of_walls), *own]]
+        findings += _upright(upright)
+    return [finding._replace(where=name) for finding in [*filter(None, of_walls), *findings]]
 
 
 def of_printer(printer: Printer) -> list[Finding]:
@@ -356,11 +356,11 @@ def _too_close(labels: Sequence[str], boxes: Array, printer: Printer) -> Iterato
     brims, wanted = 2.0 * printer.brim_width_mm, spacing(printer)
     for first, box in enumerate(boxes):
         later = boxes[first + 1 :]
-        apart = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
-        for second in np.flatnonzero(apart < wanted - NOISE_MM):
+        gaps = np.maximum(later[:, :2] - box[2:], box[:2] - later[:, 2:]).max(axis=1)
+        for second in np.flatnonzero(gaps < wanted - NOISE_MM):
             other = labels[first + 1 + int(second)].split(": ")[-1]
-            overlap = apart[second] < brims - NOISE_MM
+            overlap = gaps[second] < brims - NOISE_MM
             level: Level = "error" if overlap else "warning"
             what = "with its brim, if any, overlaps" if overlap else "is closer than the gap to"
-            yield new(level, f"{what} {other}", apart[second], wanted, "mm",
+            yield new(level, f"{what} {other}", gaps[second], wanted, "mm",
                        "move them apart")._replace(where=labels[first])  # fmt: skip

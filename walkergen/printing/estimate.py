@@ -55,13 +55,13 @@ def of_plate(
 ) -> Estimate:
     """Estimate of a plate; `loads` are those of one copy of each of the parts, in their order."""
     placed = [placement.part for placement in plate.placements]
-    own, height = [loads[part] for part in placed], printer.layer_height_mm
-    volume = sum(1e3 * load.grams / load.density for load in own)
+    copies, height = [loads[part] for part in placed], printer.layer_height_mm
+    volume = sum(1e3 * load.grams / load.density for load in copies)
     lines = volume / (height * (printer.line_width_mm - walls.line_rounding(printer)))
-    outlines = sum(load.sides for load in own) / height
+    outlines = sum(load.sides for load in copies) / height
     tallest = max(parts[part].height for part in placed)
     return Estimate(
-        grams=sum(load.grams for load in own),
+        grams=sum(load.grams for load in copies),
         metres=1e-3 * volume / (0.25 * math.pi * slicer.FILAMENT_MM**2),
         layers=max(1, math.floor(tallest / height + 0.5 + NOISE_MM)),
         seconds=outlines / OUTLINE_MM_S + lines / LINE_MM_S,

@@ -81,10 +81,10 @@ def _soft(design: Design) -> Iterator[Finding]:
     material = design.material
     spread = 100.0 * material.youngs_modulus_sd_gpa / material.youngs_modulus_gpa
     if not design.braced and spread < LEAST_SPREAD_PERCENT:
-        wanted = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
+        enough = 0.01 * LEAST_SPREAD_PERCENT * material.youngs_modulus_gpa
         yield new("advice", "legs printed upright bend across their layers, which is weaker and "
                   "softer: the deviation of E", spread, LEAST_SPREAD_PERCENT, "%",
-                  f"raise material.youngs_modulus_sd_gpa to {wanted:.2g}, or pluck a printed leg "
+                  f"raise material.youngs_modulus_sd_gpa to {enough:.2g}, or pluck a printed leg "
                   "(walkergen bench)")  # fmt: skip
 
 

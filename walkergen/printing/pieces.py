@@ -83,9 +83,9 @@ def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[
             from walkergen.files import figures
 
             with figures.style({}):
-                drawn = _map(laid, plate, name)
-            picture = figures.png(drawn, THUMBNAIL_DPI)
-            yield f"{name}.png", figures.png(drawn, 130)
+                map_figure = _map(laid, plate, name)
+            picture = figures.png(map_figure, THUMBNAIL_DPI)
+            yield f"{name}.png", figures.png(map_figure, 130)
         suffix, data = packing.plate_file(
             plate, laid.parts, meshes, laid.printer, name, picture, prusaslicer
         )
@@ -122,9 +122,9 @@ def _draw(axes: "Axes", laid: Laid, plate: Plate) -> None:
     for placed in plate.placements:
         mesh = laid.pieces[placed.part].mesh
         moved = mesh._replace(vertices=mesh.vertices - mesh.vertices.min(axis=0))
-        seen = plate_map.triangles(modeller.solid(moved).project())
+        silhouette = plate_map.triangles(modeller.solid(moved).project())
         colour = (DARK, LIGHT)[placed.part % 2]
-        faces = list(seen + np.array((placed.x, placed.y)))
+        faces = list(silhouette + np.array((placed.x, placed.y)))
         axes.add_collection(
             PolyCollection(faces, facecolors=[colour], edgecolors=[colour], linewidths=0.3)
         )

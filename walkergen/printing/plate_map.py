@@ -101,20 +101,22 @@ def _place(
     that of the names, and cuts the last one off.
     """
     width, height = size
-    beside = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
-    left = max(AROUND.left, beside)
-    right = max(AROUND.right + key, beside)
+    overhang = max(0.0, 0.5 * (max(map(len, lines)) * LETTER * WORDS / 72.0 - width))
+    left = max(AROUND.left, overhang)
+    right = max(AROUND.right + key, overhang)
     below = AROUND.below + LINE_INCHES * (len(lines) - 1)
-    whole = left + width + right, below + height + AROUND.above
-    figure.set_size_inches(*whole)
-    axes.set_position((left / whole[0], below / whole[1], width / whole[0], height / whole[1]))
+    whole_width, whole_height = left + width + right, below + height + AROUND.above
+    figure.set_size_inches(whole_width, whole_height)
+    axes.set_position(
+        (left / whole_width, below / whole_height, width / whole_width, height / whole_height)
+    )
 
 
 def _window(axes: Axes, printer: Printer) -> Bbox:
     """Area of the bed that the map shows, mm: all of it, or the parts' where these are few."""
     bed = np.array([printer.bed_width_mm, printer.bed_depth_mm])
-    drawn = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
-    points = np.concatenate([np.asarray(outline, float) for outline in drawn])
+    outlines = [path.vertices for shapes in axes.collections for path in shapes.get_paths()]
+    points = np.concatenate([np.asarray(outline, float) for outline in outlines])
     margin = MARGIN * bed.max()
     low, high = points.min(axis=0) - margin, points.max(axis=0) + margin
     room = np.maximum(high - low, FLATTEST * (high - low).max())
@@ -165,12 +167,12 @@ def _draw_parts(
         part: _view(members[part], meshes[part]) for part in {p.part for p in plate.placements}
     }
     for kind, colour in figures.COLOURS.items():
-        own = [placed for placed in plate.placements if members[placed.part].kind == kind]
-        corners = [np.array((placed.x, placed.y)) for placed in own]
+        copies = [placed for placed in plate.placements if members[placed.part].kind == kind]
+        corners = [np.array((placed.x, placed.y)) for placed in copies]
         for layer, shade, label in (("whole", 1.0, f"{kind} legs"), ("legs", LEGS_SHADE, None)):
             triangles = [
                 getattr(views[placed.part], layer) + corner
-                for placed, corner in zip(own, corners, strict=True)
+                for placed, corner in zip(copies, corners, strict=True)
             ]
             if sum(map(len, triangles)):
                 tone = tuple(shade * part for part in colour)
@@ -249,8 +251,8 @@ def _label_parts(
         label = f"{letters.get(design.name, '')}{design.tilt_deg:g}-{placed.copy}"
         key = placed.part, len(label)
         if key not in rooms:
-            own = design.pair and solids.on_side(design)
-            room = _between_legs if own else _on_part
+            on_side = design.pair and solids.on_side(design)
+            room = _between_legs if on_side else _on_part
             rooms[key] = room(design, meshes[placed.part], len(label))
         x, y, height = rooms[key]
         axes.text(

@@ -54,8 +54,8 @@ class Budget:
         Fewer where they would be too short; the last of `kinds` is the least that means something.
         """
         for kind in kinds:
-            each = granted_s / (self._idle_s(kind.number, rate) * self.slowness)
-            seconds = rounded_down(each - discard_s)
+            lasting_s = granted_s / (self._idle_s(kind.number, rate) * self.slowness)
+            seconds = rounded_down(lasting_s - discard_s)
             if seconds >= kind.seconds:
                 return Runs(kind.number, seconds)
         return kinds[-1]

@@ -59,7 +59,7 @@ class Line(NamedTuple):
 @style()
 def choice_figure(
     survey: Survey,
-    found: Sequence[Measured],
+    measurements: Sequence[Measured],
     reference: Measured,
     formulas: Iterable[Rung],
     title: str,
@@ -69,7 +69,7 @@ def choice_figure(
     The front is the least error of the complete model's settings for a time.
     """
     unit = survey.unit(reference)
-    lines = [_line(survey, one, reference, unit) for one in found]
+    lines = [_line(survey, measured, reference, unit) for measured in measurements]
     drawn = [line for line in lines if line is not None]
     rungs = sorted(formulas, key=lambda rung: rung.error or 0.0)
     figure = Figure(figsize=(PAGE, 3.6), layout="constrained")
@@ -93,20 +93,20 @@ def choice_figure(
     return figure
 
 
-def _line(survey: Survey, one: Measured, reference: Measured, unit: Unit) -> Line | None:
+def _line(survey: Survey, measured: Measured, reference: Measured, unit: Unit) -> Line | None:
     """Line of a setting; None for one without a mean speed."""
-    bias, bound = survey.bias(one, reference), survey.bound(one, reference)
+    bias, bound = survey.bias(measured, reference), survey.bound(measured, reference)
     if bias is None or bound is None:
         return None
     time = np.geomspace(0.5, 1e6, 600)
-    statistical = 2.0 * np.sqrt(one.variance_time / time)
+    statistical = 2.0 * np.sqrt(measured.variance_time / time)
     resolved = bias.certain > 0.0 or bound > bias.bound
     shown = statistical > (FLAT if resolved else 1.0) * bound
     shown[0] = True
-    cost = one.cpu_per_s * (time + one.runs * one.discard_seconds)
+    cost = measured.cpu_per_s * (time + measured.runs * measured.discard_seconds)
     error = (bound + statistical) / unit.size
-    worth = one.setting.model == survey.complete
-    return Line(one.setting.label, cost[shown], error[shown], resolved, worth)
+    worth = measured.setting.model == survey.complete
+    return Line(measured.setting.label, cost[shown], error[shown], resolved, worth)
 
 
 Part = tuple[Line, Array, Array]
@@ -127,9 +127,9 @@ def front(lines: Sequence[Line]) -> list[Part]:
     parts = []
     for first, last in pairwise(starts):
         line = lines[least[first]]
-        own = slice(first, last + 1)  # up to where the next one begins
-        inside = cost[own] <= line.cost[-1]
-        at = cost[own][inside]
+        span = slice(first, last + 1)  # up to where the next one begins
+        inside = cost[span] <= line.cost[-1]
+        at = cost[span][inside]
         if len(at):
             parts.append((line, at, np.interp(at, line.cost, line.error)))
     return parts

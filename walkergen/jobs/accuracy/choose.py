@@ -7,7 +7,7 @@ from typing import NamedTuple
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
-from walkergen.jobs.accuracy import elastic
+from walkergen.jobs.accuracy import space_steps
 from walkergen.jobs.accuracy.budget import RUNS, SHORTEST
 from walkergen.jobs.accuracy.setting import Measured, Setting
 from walkergen.jobs.accuracy.speeds import Survey
@@ -56,13 +56,16 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice:
     are refused) has a bias within the error as well: beyond the next step there may be a cliff.
     Raises InputError when the measured biases are not known well enough for that.
     """
-    found = candidates(survey, progress)
+    measurements = candidates(survey, progress)
     reference = survey.reference(progress)
     error = allowed(wanted, reference.value, survey.scene)
     offers = (
-        _offer(survey, one, reference, error)
-        for one in found
-        if all(_within(survey, other, reference, error) for other in margin(survey, one, found))
+        _offer(survey, candidate, reference, error)
+        for candidate in measurements
+        if all(
+            _within(survey, other, reference, error)
+            for other in margin(survey, candidate, measurements)
+        )
     )
     choices = [offer for offer in offers if offer is not None]
     if not choices:
@@ -73,29 +76,31 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice:
 def _too_fine(wanted: Tolerance, error: float, survey: Survey, reference: Measured) -> str:
     """Advice on the budget that would give the reference's mean speed to a third of the error."""
     assert reference.se is not None
-    known = 2.0 * reference.se
-    weights = [*map(survey.share, survey.steps), *elastic.WEIGHTS.values()]
+    certainty = 2.0 * reference.se
+    weights = [*map(survey.share, survey.steps), *space_steps.WEIGHTS.values()]
     share = survey.share(reference.setting) / sum(weights)
     spent = reference.cpu_s / share / survey.cores
-    needed = spent * max(3.0 * known / error, 1.0) ** 2
-    told = (
+    needed = spent * max(3.0 * certainty / error, 1.0) ** 2
+    problem = (
         f"--error {wanted}: the most accurate setting is itself known to "
-        f"{words.number(known, 2)} mm/s only; "
+        f"{words.number(certainty, 2)} mm/s only; "
     )
     if needed > LONGEST_BUDGET:
-        least = _up(3.0 * known * math.sqrt(spent / LONGEST_BUDGET))
-        return f"{told}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
+        least = _up(3.0 * certainty * math.sqrt(spent / LONGEST_BUDGET))
+        return f"{problem}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
     budget = words.budget(needed)
-    return f"{told}measure longer: walkergen accuracy ... --only steps --budget {budget}"
+    return f"{problem}measure longer: walkergen accuracy ... --only steps --budget {budget}"
 
 
-def margin(survey: Survey, one: Measured, found: Sequence[Measured]) -> list[Measured | None]:
-    """What must be within the error for `one` to count: a step twice as long; [None] without any.
+def margin(
+    survey: Survey, candidate: Measured, measurements: Sequence[Measured]
+) -> list[Measured | None]:
+    """Measurements that must be within the error for `candidate` to count: a step twice as long.
 
-    Steps on a ladder are rounded: 1.9 times as long is twice.
+    [None] where there is none. Steps on a ladder are rounded: 1.9 times as long is twice.
     """
-    step = one.setting.step_us or 0.0
-    steps = {other.setting.step_us or 0.0: other for other in found}
+    step = candidate.setting.step_us or 0.0
+    steps = {other.setting.step_us or 0.0: other for other in measurements}
     longer = sorted(other for other in steps if other > step)
     twice = [other for other in longer if other >= MARGIN * step]
     if survey.complete == "space":
@@ -103,20 +108,20 @@ def margin(survey: Survey, one: Measured, found: Sequence[Measured]) -> list[Mea
     return [steps[twice[0]] if twice else None]
 
 
-def _within(survey: Survey, one: Measured | None, reference: Measured, error: float) -> bool:
-    bound = None if one is None else survey.bound(one, reference)
+def _within(survey: Survey, measured: Measured | None, reference: Measured, error: float) -> bool:
+    bound = None if measured is None else survey.bound(measured, reference)
     return bound is not None and bound < 0.9 * error
 
 
-def _offer(survey: Survey, one: Measured, reference: Measured, error: float) -> Choice | None:
-    bound = survey.bound(one, reference)
-    if bound is None or not _within(survey, one, reference, error):
+def _offer(survey: Survey, measured: Measured, reference: Measured, error: float) -> Choice | None:
+    bound = survey.bound(measured, reference)
+    if bound is None or not _within(survey, measured, reference, error):
         return None
     se = 0.5 * (error - bound)
-    time = max(SLACK * one.variance_time / se**2, RUNS * SHORTEST)
+    time = max(SLACK * measured.variance_time / se**2, RUNS * SHORTEST)
     seconds = _up(time / RUNS)
-    cpu = one.cpu_per_s * RUNS * (seconds + one.discard_seconds)
-    return Choice(one.setting, bound, se, RUNS, seconds, cpu)
+    cpu = measured.cpu_per_s * RUNS * (seconds + measured.discard_seconds)
+    return Choice(measured.setting, bound, se, RUNS, seconds, cpu)
 
 
 def _up(seconds: float) -> float:

@@ -29,18 +29,24 @@ def ladder_figure(ladder: Ladder) -> Figure:
     figure = Figure(figsize=(PAGE, 3.2 if panels == 1 else 4.6), layout="constrained")
     grid = {"height_ratios": (1.7, 1.0)[:panels]}
     axes = figure.subplots(panels, 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
-    known = [rung for rung in ladder.rungs if rung.error is not None]
-    apart = 0.6 * min((_at(one, ladder.along) or math.inf for one in known), default=1.0)
-    seen = dict.fromkeys(rung.series for rung in ladder.rungs)
-    for look, series in zip(SERIES, seen, strict=False):
-        rungs = [rung for rung in known if rung.series == series]
+    drawn = [rung for rung in ladder.rungs if rung.error is not None]
+    at_zero = 0.6 * min((_at(rung, ladder.along) or math.inf for rung in drawn), default=1.0)
+    names_of_series = dict.fromkeys(rung.series for rung in ladder.rungs)
+    for look, series in zip(SERIES, names_of_series, strict=False):
+        rungs = [rung for rung in drawn if rung.series == series]
         x = [_at(rung, ladder.along) for rung in rungs]
-        shown = [_shown(rung) for rung in rungs]
+        points = [_shown(rung) for rung in rungs]
         label = series if len(rungs) > 1 else "".join(rung.setting for rung in rungs)
-        _draw(axes[0], [(at, *one) for at, one in zip(x, shown, strict=True)], apart, look, label)
+        _draw(
+            axes[0],
+            [(at, *point) for at, point in zip(x, points, strict=True)],
+            at_zero,
+            look,
+            label,
+        )
         if ladder.along:
             costs = [(at, rung.cpu_s, True) for at, rung in zip(x, rungs, strict=True)]
-            _draw(axes[1], costs, apart, look, "")
+            _draw(axes[1], costs, at_zero, look, "")
     if any(rung.error_sd for rung in ladder.rungs):
         axes[0].plot([], [], "o", color="0.5", markerfacecolor="white", label=UNSURE)
     _label(axes[0], names.get(ladder.along, ladder.cost), ladder.error)
@@ -60,7 +66,7 @@ def _at(rung: Rung, along: str) -> float:
 def _draw(
     axes: Axes,
     points: Sequence[tuple[float, float, bool]],
-    apart: float,
+    at_zero: float,
     look: tuple[str, Any, str],
     label: str,
 ) -> None:
@@ -73,7 +79,9 @@ def _draw(
     joined = np.array([(at, y) for at, y, sure in shown if at > 0 and sure]).reshape(-1, 2).T
     axes.plot(*joined, color=colour, ls=line, linewidth=0.9)
     for at, y, sure in shown:
-        axes.plot(at or apart, y, marker, color=colour, markerfacecolor=colour if sure else "white")
+        axes.plot(
+            at or at_zero, y, marker, color=colour, markerfacecolor=colour if sure else "white"
+        )
     if label and shown:
         joins = line if len(shown) > 1 else ""
         axes.plot([], [], color=colour, ls=joins, marker=marker, label=label)

@@ -10,19 +10,19 @@ from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, part
 from walkergen.files.report import Report
 from walkergen.jobs.accuracy import (
+    biases,
     choose,
-    elastic,
-    everything,
     models,
     report,
     shape,
+    space_steps,
     statistics,
     steps,
 )
 from walkergen.jobs.accuracy.ladder import Ladder
 from walkergen.jobs.accuracy.report import Answer
 from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.points import tolerance as asked_error
+from walkergen.points import tolerance
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -45,14 +45,14 @@ class Job(NamedTuple):
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
     "models": (models.ladder,),
-    "steps": (steps.short, steps.long, everything.ladder, elastic.frames),
+    "steps": (steps.short, steps.long, biases.ladder, space_steps.frames),
     "statistics": (statistics.ladder,),
     "shape": (shape.ladder,),
 }
 
 LEAST: dict[str, Callable[[Survey], float]] = {
-    "steps-short": elastic.least_of_short,
-    "frames": elastic.least_of_frames,
+    "steps-short": space_steps.least_of_short,
+    "frames": space_steps.least_of_frames,
     "statistics": statistics.least,
 }
 """Least wall time of what is simulated besides the settings, s."""
@@ -73,21 +73,21 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     survey = Survey(job.scene, job.design, mass, job.budget_s)
     least = _share_out(survey, job.only, progress)
     title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
-    done: list[Ladder] = []
+    ladders: list[Ladder] = []
     answers = None
     with Folder(folder, "") as target:
         for place, name in enumerate(job.only):
             for measure in LADDERS[name]:
-                if measure is elastic.frames and survey.complete != "space":
+                if measure is space_steps.frames and survey.complete != "space":
                     continue
-                done.append(measure(survey, part(progress, place, len(job.only))))
-                report.of_ladder(done[-1], title).write(target, pictures=True)
+                ladders.append(measure(survey, part(progress, place, len(job.only))))
+                report.of_ladder(ladders[-1], title).write(target, pictures=True)
         if {*job.only} & ANSWERING:
             answers = _answers(survey, title, progress)
             answers.write_figures(target)
             page = f"{answers.markdown()}\n![choice](choice.png)\n"
             target.write("accuracy.md", page.encode())
-    return report.of(done, answers, survey.budget.spent_s, least, title, folder)
+    return report.of(ladders, answers, survey.budget.spent_s, least, title, folder)
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
@@ -96,17 +96,17 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
     The least is what the fewest and shortest runs take that mean something, and it is then spent:
     shorter ones would give numbers without error bars.
     """
-    wanted = [*survey.steps, survey.own] if {*only} & ANSWERING else []
-    wanted += survey.simpler if "models" in only else []
+    settings = [*survey.steps, survey.own] if {*only} & ANSWERING else []
+    settings += survey.simpler if "models" in only else []
     least = 0.0
     if "statistics" in only:
-        wanted += [survey.steps[0], survey.own]
+        settings += [survey.steps[0], survey.own]
         survey.others["statistics"] = statistics.WEIGHT
     if "steps" in only and survey.complete == "space":
-        survey.others |= elastic.WEIGHTS
-    survey.asked = list(dict.fromkeys(wanted))
-    for place, setting in enumerate(survey.asked):
-        progress(f"{setting.label}: compiling", place, len(survey.asked))
+        survey.others |= space_steps.WEIGHTS
+    survey.scheduled = list(dict.fromkeys(settings))
+    for place, setting in enumerate(survey.scheduled):
+        progress(f"{setting.label}: compiling", place, len(survey.scheduled))
         least += survey.least(setting)
     for name in survey.others:
         least += LEAST[name](survey)
@@ -119,32 +119,32 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
 
 def check(names: str) -> list[str]:
     """Parse a comma-separated list of ladders. Raises InputError."""
-    wanted = [word.strip() for word in names.split(",")]
-    for word in wanted:
+    ladders = [word.strip() for word in names.split(",")]
+    for word in ladders:
         if word not in LADDERS:
             raise InputError(f"--only {word[:30]!r}: must be one of {', '.join(LADDERS)}")
-    return list(dict.fromkeys(wanted))
+    return list(dict.fromkeys(ladders))
 
 
 def _answers(survey: Survey, title: str, progress: Progress) -> Report:
     """Answer what to run for which error."""
-    found = choose.candidates(survey, progress)
+    measurements = choose.candidates(survey, progress)
     reference = survey.reference(progress)
     errors = ERRORS if survey.unit(reference).relative else SPEED_ERRORS
     answers = [_answer(survey, error, progress) for error in errors]
     formulas = list(models.formulas(survey, reference))
-    others = [survey.known[one] for one in survey.simpler if one in survey.known]
+    others = [survey.measured[setting] for setting in survey.simpler if setting in survey.measured]
 
     def draw() -> Any:
         from walkergen.jobs.accuracy.choice_figure import choice_figure
 
-        return choice_figure(survey, [*found, *others], reference, formulas, title)
+        return choice_figure(survey, [*measurements, *others], reference, formulas, title)
 
     return report.of_answers(answers, models.certificate(survey, progress), title, draw)
 
 
 def _answer(survey: Survey, error: str, progress: Progress) -> Answer:
-    wanted = asked_error.parse(error)
+    wanted = tolerance.parse(error)
     try:
         choice = choose.choose(survey, wanted, progress)
     except InputError as refused:

@@ -31,10 +31,11 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     """
     reference = survey.reference(progress)
     settings = [*survey.simpler, survey.own]
-    found = survey.measure(settings, progress)
     unit = survey.unit(reference)
     rungs = [*formulas(survey, reference)]
-    rungs += [rung_of(survey, one, reference) for one in found]
+    rungs += [
+        rung_of(survey, measured, reference) for measured in survey.measure(settings, progress)
+    ]
     return Ladder(
         "models",
         TITLES[survey.complete == "space"],
@@ -51,23 +52,20 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def certificate(survey: Survey, progress: Progress) -> str:
-    """Statement of the mean speed that counts as true, and how far another setting agrees on it.
-
-    That is the step next to the finest.
-    """
+    """Mean speed that counts as true, and how far the step next to the finest agrees on it."""
     reference = survey.reference(progress)
     (other,) = survey.measure([survey.certifying], progress)
     bias = survey.bias(other, reference)
-    told = (
+    truth = (
         f"{reference.setting.label}: {reference.value:.2f} ± {reference.se:.2f} mm/s "
         f"({reference.runs} runs of {reference.seconds:g} s)"
     )
     if bias is None:
-        return f"{told}; NOT certified: {other.setting.label} ends as {other.outcomes}"
-    found = f"{other.setting.label} {other.value:.2f} ± {other.se:.2f}"
+        return f"{truth}; NOT certified: {other.setting.label} ends as {other.outcomes}"
+    rival = f"{other.setting.label} {other.value:.2f} ± {other.se:.2f}"
     if abs(bias.size) <= 2.0 * bias.se:
-        return f"{told}; certified to ± {words.number(bias.bound, 2)} mm/s: {found}, which agrees"
-    return f"{told}; NOT certified: {found}, {abs(bias.size) / bias.se:.1f} errors away"
+        return f"{truth}; certified to ± {words.number(bias.bound, 2)} mm/s: {rival}, which agrees"
+    return f"{truth}; NOT certified: {rival}, {abs(bias.size) / bias.se:.1f} errors away"
 
 
 def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
@@ -76,8 +74,8 @@ def formulas(survey: Survey, reference: Measured) -> Iterator[Rung]:
     contact, w = survey.scene.contact, survey.scene.impact_speed
     if _unknown_to_theory(survey):
         return
-    own: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
-    modes: tuple[Mode, ...] = tuple(dict.fromkeys((own, "coulomb")))
+    mode_of_scene: Mode = "paper" if contact.law == "poisson" and survey.design.alike else "coulomb"
+    modes: tuple[Mode, ...] = tuple(dict.fromkeys((mode_of_scene, "coulomb")))
     assert reference.value is not None
     assert reference.se is not None
     for mode in modes:
@@ -113,25 +111,25 @@ def _unknown_to_theory(survey: Survey) -> str:
 
 
 def rung_of(
-    survey: Survey, found: Measured, reference: Measured, own: Details | None = None
+    survey: Survey, measured: Measured, reference: Measured, own: Details | None = None
 ) -> Rung:
     """Rung of a measured setting with its bias and cost; `own` details precede the common ones."""
-    bias, unit = survey.bias(found, reference), survey.unit(reference)
+    bias, unit = survey.bias(measured, reference), survey.unit(reference)
     return Rung(
-        found.setting.series,
-        found.setting.label,
+        measured.setting.series,
+        measured.setting.label,
         None if bias is None else abs(bias.size) / unit.size,
         None if bias is None else bias.se / unit.size,
-        found.cpu_s if bias is None else found.cost_of(unit.fine),
-        (own or {}) | _details_of(found),
+        measured.cpu_s if bias is None else measured.cost_of(unit.fine),
+        (own or {}) | _details_of(measured),
     )
 
 
-def _details_of(found: Measured) -> Details:
+def _details_of(measured: Measured) -> Details:
     """Details of a measured speed: the further columns of the table."""
     return {
-        "speed_mm_s": found.value,
-        "speed_se_mm_s": found.se,
-        "simulated_s": found.runs * found.seconds,
-        "outcomes": found.outcomes,
+        "speed_mm_s": measured.value,
+        "speed_se_mm_s": measured.se,
+        "simulated_s": measured.runs * measured.seconds,
+        "outcomes": measured.outcomes,
     }

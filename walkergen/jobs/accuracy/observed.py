@@ -21,10 +21,10 @@ def values(point: Results, scene: Scene) -> dict[str, tuple[float | None, float 
     """Values and standard errors of a point's observables; without those that it refuses."""
     summary = point.summary
     errors = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
-    known: dict[str, tuple[float | None, float | None]] = {
+    by_name: dict[str, tuple[float | None, float | None]] = {
         name: (value, errors[name]) for name, value in resolution.values(summary).items()
     }
-    return known | _motion(point, scene.arena.kind == "lane")
+    return by_name | _motion(point, scene.arena.kind == "lane")
 
 
 def _motion(point: Results, lane: bool) -> dict[str, tuple[float | None, float | None]]:
@@ -33,6 +33,10 @@ def _motion(point: Results, lane: bool) -> dict[str, tuple[float | None, float |
     if not good or len(good[0].places) < 4:
         return {}
     tracks = of_places([result.places for result in good], good[0].block_s, lane)
-    found = motion.analyse(tracks).estimates
-    named = ((name, found[own]) for name, own in MOTION.items())
-    return {name: (one.value, one.se) for name, one in named if one.value is not None}
+    estimates = motion.analyse(tracks).estimates
+    named = ((name, estimates[key]) for name, key in MOTION.items())
+    return {
+        name: (estimate.value, estimate.se)
+        for name, estimate in named
+        if estimate.value is not None
+    }

@@ -53,17 +53,19 @@ def of(
     where it was taken in place of a smaller one.
     """
     tables, lines = [], []
-    for each in map(table_of, ladders):
-        short = len(each) <= MOST_ROWS
-        tables.append(replace(each, columns=each.columns[: len(COMMON)] if short else ()))
+    for table in map(table_of, ladders):
+        short = len(table) <= MOST_ROWS
+        tables.append(replace(table, columns=table.columns[: len(COMMON)] if short else ()))
         if not short:
-            lines += [f"{each.title}: {len(each)} rows in {each.name}.md", *each.notes]
-    figures = {one.name: partial(_draw, one) for one in ladders}
+            lines += [f"{table.title}: {len(table)} rows in {table.name}.md", *table.notes]
+    figures = {ladder.name: partial(_draw, ladder) for ladder in ladders}
     return Report(
         name="accuracy", title=title,
         tables=[*tables, *(answers.tables if answers else ())],
         facts={
-            "ladders": {one.name: [rung._asdict() for rung in one.rungs] for one in ladders},
+            "ladders": {
+                ladder.name: [rung._asdict() for rung in ladder.rungs] for ladder in ladders
+            },
             "answers": [row._asdict() for row in answers.table.rows] if answers else [],
             "simulated_s": simulated_s,
             "least_budget_s": least_s,

@@ -112,13 +112,13 @@ def _weighed_far(
     body, *legs = (
         form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs)
     )
-    found = assemble(design, body, legs)
+    weighed = assemble(design, body, legs)
     # Anchors stay where the design has them: only O and the leg's centre have moved.
     at = shift[:2]
-    return found._replace(
+    return weighed._replace(
         legs=tuple(
             leg._replace(anchor=leg.anchor + at, c_A=leg.c_A - at, c_T=leg.c_T + at)
-            for leg in found.legs
+            for leg in weighed.legs
         )
     )
 
@@ -131,42 +131,45 @@ def _through_stl(mesh: Mesh) -> Mesh:
     import trimesh
 
     data = io.BytesIO(stl_bytes(mesh, "part"))
-    found = trimesh.load_mesh(data, file_type="stl", process=False)
-    return Mesh(np.asarray(found.vertices, dtype=np.float64), np.asarray(found.faces))
+    loaded = trimesh.load_mesh(data, file_type="stl", process=False)
+    return Mesh(np.asarray(loaded.vertices, dtype=np.float64), np.asarray(loaded.faces))
 
 
 def _rung(
     series: str,
     setting: str,
-    found: MassProperties,
+    mass: MassProperties,
     true: MassProperties,
     design: Design,
     scene: Scene,
     seconds: float,
 ) -> Rung:
-    errors = errors_of(found, true, design, scene)
+    errors = errors_of(mass, true, design, scene)
     largest = max(error for error in errors if error is not None)
     return Rung(series, setting, largest, None, seconds, errors._asdict())
 
 
-def errors_of(found: MassProperties, true: MassProperties, design: Design, scene: Scene) -> Errors:
+def errors_of(
+    weighed: MassProperties, true: MassProperties, design: Design, scene: Scene
+) -> Errors:
     """Relative errors of a walker's masses and of its predicted speed.
 
     The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
     """
     contact = scene.contact
-    one, other = (
+    predicted, true_prediction = (
         stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
-        for mass in (found, true)
+        for mass in (weighed, true)
     )
-    size = max(*(abs(float(foot)) for foot in other.feet), 1e-300)
+    size = max(*(abs(float(foot)) for foot in true_prediction.feet), 1e-300)
 
     def relative(name: str) -> float:
-        return abs(float(getattr(found, name)) / float(getattr(true, name)) - 1.0)
+        return abs(float(getattr(weighed, name)) / float(getattr(true, name)) - 1.0)
 
     def of_legs(name: str) -> float:
         pairs = (
-            (getattr(a, name), getattr(b, name)) for a, b in zip(found.legs, true.legs, strict=True)
+            (getattr(a, name), getattr(b, name))
+            for a, b in zip(weighed.legs, true.legs, strict=True)
         )
         return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
 
@@ -175,5 +178,5 @@ def errors_of(found: MassProperties, true: MassProperties, design: Design, scene
         relative("J"),
         None if true.rigid else of_legs("m"),
         None if true.rigid else of_legs("j"),
-        abs(float(one.factor - other.factor)) / size,
+        abs(float(predicted.factor - true_prediction.factor)) / size,
     )

@@ -1,4 +1,4 @@
-"""Speeds and all else by every model and step: measured once each, with their costs."""
+"""Speeds and other observables by every model and step: measured once each, with costs."""
 
 import copy
 import math
@@ -55,9 +55,9 @@ class Survey:
         self.budget = Budget(budget_s, self.cores)
         self.others: dict[str, float] = {}
         """Weights of what else is to be simulated within the budget; all settings together: 1."""
-        self.asked: list[Setting] | None = None
+        self.scheduled: list[Setting] | None = None
         """Settings that are to be measured within the budget; None: all."""
-        self.known: dict[Setting, Measured] = {}
+        self.measured: dict[Setting, Measured] = {}
         self._rates: dict[Setting, float] = {}
         self.complete = complete(scene)
 
@@ -70,11 +70,11 @@ class Survey:
     def steps(self) -> list[Setting]:
         """Settings of the complete model, finest step first, which is the reference."""
         if self.complete == "space":
-            found = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
+            steps_us = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
         else:
             period = 1e6 / self.scene.drive.frequency
-            found = [_round(period / part) for part in STEPS_PER_PERIOD]
-        inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in found)
+            steps_us = [_round(period / part) for part in STEPS_PER_PERIOD]
+        inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us)
         return [Setting(self.complete, step) for step in inside]
 
     @cached_property
@@ -96,18 +96,18 @@ class Survey:
     @property
     def simpler(self) -> list[Setting]:
         """Settings of the models that leave something out, and know this walker."""
-        return [one for one in self._planar if not self.refusals.get(one.model)]
+        return [setting for setting in self._planar if not self.refusals.get(setting.model)]
 
     @property
     def _planar(self) -> list[Setting]:
         planar = PLANAR[:1] if self.design.braced else PLANAR
-        return [one for one in planar if one.model != self.complete]
+        return [setting for setting in planar if setting.model != self.complete]
 
     @cached_property
     def refusals(self) -> dict[str, str]:
         """Reasons for which planar models do not know this walker, by model; "" where one does."""
-        each = [one.model for one in self._planar]
-        return {model: refusal(self.scene, self.design, self.mass, model) for model in each}
+        models = [setting.model for setting in self._planar]
+        return {model: refusal(self.scene, self.design, self.mass, model) for model in models}
 
     def plan(self, setting: Setting) -> Plan:
         """The plan of a setting."""
@@ -116,10 +116,10 @@ class Survey:
     def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
         """Measure the settings that are not known yet; returns all of them in their order."""
         for place, setting in enumerate(settings):
-            if setting not in self.known:
-                own = part(progress, place, len(settings))
-                self.known[setting] = self._measured(setting, own)
-        return [self.known[setting].seen(self.of) for setting in settings]
+            if setting not in self.measured:
+                part_progress = part(progress, place, len(settings))
+                self.measured[setting] = self._measured(setting, part_progress)
+        return [self.measured[setting].seen(self.of) for setting in settings]
 
     def ensemble(
         self, setting: Setting, runs: Runs, progress: Progress
@@ -140,8 +140,8 @@ class Survey:
 
         They are one a core, at once: what else runs on the machine is learnt with them.
         """
-        if setting in self.known:
-            return self.known[setting].cpu_per_s
+        if setting in self.measured:
+            return self.measured[setting].cpu_per_s
         if setting not in self._rates:
             runs = min(self.cores, RUNS)
             plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
@@ -149,15 +149,15 @@ class Survey:
             started = time.perf_counter()
             pilots = ensemble.run(plan, silent)
             took = time.perf_counter() - started
-            cpu_s = sum(one.cpu_s for one in pilots) / runs
-            simulated_s = sum(one.measured_s for one in pilots) / runs
+            cpu_s = sum(pilot.cpu_s for pilot in pilots) / runs
+            simulated_s = sum(pilot.measured_s for pilot in pilots) / runs
             self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
             self.budget.pay_turns(cpu_s, took)
         return self._rates[setting]
 
     def granted(self, what: Hashable) -> float:
         """Wall time for a setting or for one of `others`, s, of what is left of the budget."""
-        due: dict[Hashable, float] = {one: self.share(one) for one in self.due}
+        due: dict[Hashable, float] = {setting: self.share(setting) for setting in self.due}
         if isinstance(what, Setting):
             due[what] = self.share(what)
         due.update(self.others)
@@ -172,8 +172,8 @@ class Survey:
     @property
     def due(self) -> list[Setting]:
         """Settings that are still to be measured."""
-        asked = [*self.steps, *self.simpler] if self.asked is None else self.asked
-        return [one for one in dict.fromkeys(asked) if one not in self.known]
+        scheduled = [*self.steps, *self.simpler] if self.scheduled is None else self.scheduled
+        return [setting for setting in dict.fromkeys(scheduled) if setting not in self.measured]
 
     def least(self, setting: Setting) -> float:
         """Wall time (s) of the least measurement of a setting that means something."""
@@ -184,13 +184,13 @@ class Survey:
 
         Raises InputError when it gives no value with an error bar.
         """
-        (found,) = self.measure(self.steps[:1], progress)
-        if found.value is None or found.se is None:
+        (reference,) = self.measure(self.steps[:1], progress)
+        if reference.value is None or reference.se is None:
             raise InputError(
-                f"{self.scene.name}: the runs end as {found.outcomes}: there is no {self.title} "
-                "whose error could be studied; try another drive, tilt or restitution"
+                f"{self.scene.name}: the runs end as {reference.outcomes}: there is no "
+                f"{self.title} whose error could be studied; try another drive, tilt or restitution"
             )
-        return found
+        return reference
 
     @property
     def title(self) -> str:
@@ -233,10 +233,10 @@ class Survey:
     def _finer(self, measured: Measured, reference: Measured) -> float:
         """Largest significant bias of finer steps; infinite where a finer step failed."""
         biases = [
-            self.bias(one.seen(self.of), reference)
-            for one in self.known.values()
-            if one.setting.model == measured.setting.model
-            and (one.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
+            self.bias(finer.seen(self.of), reference)
+            for finer in self.measured.values()
+            if finer.setting.model == measured.setting.model
+            and (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
         ]
         sizes = (math.inf if bias is None else bias.certain for bias in biases)
         return max(sizes, default=0.0)
@@ -253,8 +253,8 @@ class Survey:
 
     def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
         scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
-        asked = experiments.Experiment(scene, self.design, self.mass)
-        (point,) = experiments.each([asked], [setting.label], progress, None)
+        experiment = experiments.Experiment(scene, self.design, self.mass)
+        (point,) = experiments.each([experiment], [setting.label], progress, None)
         took, discard = point.summary.wall_s, scene.run.discard_seconds
         self.budget.pay_runs(runs, self.rate(setting), discard, took)
         return point
@@ -270,7 +270,7 @@ class Survey:
         summary, wider = point.summary, widened(runs.number)
         complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         se = summary.speed_se_mm_s
-        seen = observed.values(point, self.scene_of(setting)).items()
+        values = observed.values(point, self.scene_of(setting)).items()
         return Measured(
             setting,
             summary.speed_mm_s if complete else None,
@@ -281,7 +281,7 @@ class Survey:
             summary.cpu_s,
             summary.correlation_time_s,
             listed(summary.outcomes),
-            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in seen},
+            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in values},
         )
 
 

@@ -38,17 +38,19 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
     unit = survey.unit(reference)
     (own,) = survey.measure([survey.own], progress)
     bias = survey.bias(own, reference)
-    wanted = _affordable(survey)
-    results, cpu_per_s = survey.ensemble(survey.own, wanted, progress)
+    ensemble_runs = _affordable(survey)
+    results, cpu_per_s = survey.ensemble(survey.own, ensemble_runs, progress)
     correlation = ensemble.correlation_time(results)
     rungs = []
-    for runs in (runs for runs in RUN_COUNTS if 2 * runs <= wanted.number):
-        for length in (length for length in LENGTHS if 2.0 * length <= wanted.seconds):
+    for runs in (runs for runs in RUN_COUNTS if 2 * runs <= ensemble_runs.number):
+        for length in (length for length in LENGTHS if 2.0 * length <= ensemble_runs.seconds):
             parts = _parts(results, runs, length)
             rungs.append(_rung(parts, results, unit.size, cpu_per_s, own.discard_seconds))
-    told = "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
-    told_runs = f"{wanted.number} runs of {wanted.seconds:g} s"
-    notes = [f"Correlation time of the speed: {told}."]
+    correlation_text = (
+        "longer than the runs tell" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    )
+    ensemble_text = f"{ensemble_runs.number} runs of {ensemble_runs.seconds:g} s"
+    notes = [f"Correlation time of the speed: {correlation_text}."]
     if bias is not None:
         share = bias.bound / unit.size
         notes.append(
@@ -60,7 +62,7 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
         "Standard error of the mean speed against simulated time",
         f"standard error actually made, {unit.name}",
         "CPU time, s",
-        f"mean of the whole ensemble, {told_runs} by {survey.own.label}",
+        f"mean of the whole ensemble, {ensemble_text} by {survey.own.label}",
         rungs,
         notes,
     )

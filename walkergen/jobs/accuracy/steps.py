@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.jobs.accuracy import elastic
+from walkergen.jobs.accuracy import space_steps
 from walkergen.jobs.accuracy.ladder import Ladder, Rung, cpu_time, order
 from walkergen.jobs.accuracy.models import Details, certificate, rung_of
 from walkergen.jobs.accuracy.speeds import Survey
@@ -43,7 +43,7 @@ SHORTS = (Short("first landing", 4.0, 0.5), Short("two periods", 4.0, 2.0))
 def short(survey: Survey, progress: Progress) -> Ladder:
     """Measure the error of the final state against the step, before chaos sets in."""
     if survey.complete == "space":
-        return elastic.short(survey, progress)
+        return space_steps.short(survey, progress)
     started = time.perf_counter()
     rungs: list[Rung] = []
     for number, scene in enumerate(SHORTS):
@@ -67,14 +67,14 @@ def long(survey: Survey, progress: Progress) -> Ladder:
     reference = survey.reference(progress)
     unit = survey.unit(reference)
     rungs = []
-    for found in survey.measure(survey.steps, progress):
-        bias = survey.bias(found, reference)
-        own: Details = {
-            "step_us": found.setting.step_us,
+    for measured in survey.measure(survey.steps, progress):
+        bias = survey.bias(measured, reference)
+        step_details: Details = {
+            "step_us": measured.setting.step_us,
             "bias_mm_s": None if bias is None else bias.size,
             "bias_se_mm_s": None if bias is None else bias.se,
         }
-        rungs.append(rung_of(survey, found, reference, own))
+        rungs.append(rung_of(survey, measured, reference, step_details))
     return Ladder(
         "steps-long",
         "Bias of the long-run mean speed against the step",
@@ -122,10 +122,10 @@ def _final(plan: Plan, scene: Short) -> Array:
 def _orders(rungs: Sequence[Rung]) -> Iterator[str]:
     """Lines with the measured and the claimed order of each series."""
     for series in dict.fromkeys(rung.series for rung in rungs):
-        known = [
+        points = [
             (float(rung.details["value"] or 0.0), rung.error)
             for rung in rungs
             if rung.series == series and rung.error
         ]
-        slope, se = order(*zip(*known, strict=True))
+        slope, se = order(*zip(*points, strict=True))
         yield f"{series}: measured order {slope:.2f} ± {se:.2f}, claimed 2 in the step"

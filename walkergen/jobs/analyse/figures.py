@@ -72,8 +72,8 @@ def _exponents(axes: Axes, exponent: Curve) -> None:
         axes.axhline(value, color="0.75", lw=0.8, zorder=0)
         axes.annotate(limit, (at, value), xycoords=("axes fraction", "data"), ha=side,
                       va="bottom", fontsize=SMALLEST, color="0.3")  # fmt: skip
-    known = exponent.se < DRAWN
-    _points(axes, Curve(*(column[known] for column in exponent)), "")
+    precise = exponent.se < DRAWN
+    _points(axes, Curve(*(column[precise] for column in exponent)), "")
     axes.set_ylim(min(axes.get_ylim()[0], 0.75), max(axes.get_ylim()[1], 2.45))
     axes.set_xlabel("lag t (s)")
     axes.set_ylabel("local exponent")
@@ -121,8 +121,9 @@ def correlation_figure(motion: Motion, title: str) -> Figure:
 def walkers_figure(motion: Motion, title: str) -> Figure:
     """Draw the speed of each walker with its error, and their mean with its bounds of 95 %."""
     figure, axes = axes_of(title)
-    speeds = [(one.particle, *one.of("speed")[:2]) for one in motion.walkers]
-    names, values, errors = zip(*(one for one in speeds if one[1] is not None), strict=True)
+    speeds = [(walker.particle, walker.of("speed")) for walker in motion.walkers]
+    points = [(name, speed.value, speed.se) for name, speed in speeds if speed.value is not None]
+    names, values, errors = zip(*points, strict=True)
     at = range(1, len(names) + 1)
     axes.errorbar(at, values, np.array(errors, dtype=float), fmt="o", color=INK, capsize=3,
                   label="each, ± standard error in its track")  # fmt: skip
@@ -150,7 +151,9 @@ def walkers_figure(motion: Motion, title: str) -> Figure:
 def plate_speed_figure(motion: Motion, title: str) -> Figure:
     """Draw speed against plate speed with the line through the origin (fig. 5, inset)."""
     figure, axes = axes_of(title)
-    points = [(p, one.value, one.se) for p, one in motion.by_plate_speed if one.value is not None]
+    points = [
+        (p, speed.value, speed.se) for p, speed in motion.by_plate_speed if speed.value is not None
+    ]
     plates, speeds, errors = np.array(points, dtype=float).reshape(-1, 3).T
     axes.errorbar(plates, speeds, errors, fmt="o", color=INK, capsize=3, label="measured")
     if motion.line is not None:

@@ -24,10 +24,10 @@ def analyse(
     read = tracks.read(path, units)
     progress("measuring", 1, 3)
     measured = motion.analyse(read, lag_s)._replace(scale_se=read.scale_se)
-    made = report.of(read, measured, path.name, folder)
+    analysis = report.of(read, measured, path.name, folder)
     if folder is not None:
         with Folder(folder) as target:
             progress("drawing", 2, 3)
-            made.write(target, pictures)
+            analysis.write(target, pictures)
             target.finish({"file": path.name, **units._asdict(), "lag_s": measured.lag_s})
-    return made
+    return analysis

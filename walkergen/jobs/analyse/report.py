@@ -96,8 +96,8 @@ class AtPlate(NamedTuple):
 
 def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
     """Report of the motion of tracks, of a file called `title`."""
-    fit = motion.msd_fit.told if motion.msd_fit else ""
-    lines = [motion.method, fit, *motion.doubts, by_scale(motion), tracks.told]
+    fit = motion.msd_fit.goodness if motion.msd_fit else ""
+    lines = [motion.method, fit, *motion.doubts, by_scale(motion), tracks.note]
     notes = [f"{line}." for line in lines if line]
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
     hidden = len(motion.walkers) - MOST_WALKERS
@@ -140,8 +140,8 @@ def _tables(motion: Motion) -> Iterator[Table]:
         yield report.table("analysis", estimates)
         yield _walkers(motion)
         return
-    told = [row for row in estimates if row.refused not in (IN_A_LANE, HEADINGS_KNOWN)]
-    yield Table("analysis", estimates, Measured._fields, ESTIMATES, "Motion", read=told)
+    readable = [row for row in estimates if row.refused not in (IN_A_LANE, HEADINGS_KNOWN)]
+    yield Table("analysis", estimates, Measured._fields, ESTIMATES, "Motion", read=readable)
     yield _walkers(motion)
     yield from _curves(motion)
 
@@ -188,14 +188,14 @@ AT_PLATES = (
 
 def _walkers(motion: Motion) -> Table:
     """Table of each walker by itself; people read the first."""
-    rows, alone = [], {one.particle: one for one in motion.walkers}
-    for one in motion.walkers:
-        speed, turning = (one.of(name) for name in OF_WALKERS)
+    rows, alone = [], {walker.particle: walker for walker in motion.walkers}
+    for walker in motion.walkers:
+        speed, turning = (walker.of(name) for name in OF_WALKERS)
         ends = facts.ends(speed)
         rows.append(
-            Walker(one.particle, one.seconds, *speed[:2], *ends, *turning[:2], speed.reason)
+            Walker(walker.particle, walker.seconds, *speed[:2], *ends, *turning[:2], speed.reason)
         )
-    turns = any("turning_bias" in one.estimates for one in motion.walkers)
+    turns = any("turning_bias" in walker.estimates for walker in motion.walkers)
     headings = ("speed (mm/s)", "turning (rad/s)")[: 1 + turns]
     columns = [
         report.text("walker", "particle"),
@@ -210,11 +210,11 @@ def _own(heading: str, name: str, alone: Mapping[int, Alone]) -> Column:
     return Column(heading, lambda row: _or_alone(alone[row.particle].of(name)))
 
 
-def _or_alone(one: Estimate) -> str:
+def _or_alone(estimate: Estimate) -> str:
     """Value with its error, or by itself with the reason why that is not known."""
-    if one.value is None or one.se is not None:
-        return with_error(one)
-    return f"{words.number(one.value)} ± ?: {one.reason}"
+    if estimate.value is None or estimate.se is not None:
+        return with_error(estimate)
+    return f"{words.number(estimate.value)} ± ?: {estimate.reason}"
 
 
 def _line(motion: Motion) -> Iterator[str]:
@@ -223,10 +223,10 @@ def _line(motion: Motion) -> Iterator[str]:
     if line is None:
         return
     scale = facts.scale_se(line.slope, "mm_s", motion)
-    apart = f" ± {words.number(scale, 2)} by the scale" if scale else ""
+    scale_error = f" ± {words.number(scale, 2)} by the scale" if scale else ""
     yield (
-        f"speed = ({words.with_error(line.slope, line.slope_se)}{apart}) x plate speed, a line "
-        f"through the origin; chi² {words.number(line.chi2)} for {line.points - 1} degrees of "
+        f"speed = ({words.with_error(line.slope, line.slope_se)}{scale_error}) x plate speed, a "
+        f"line through the origin; chi² {words.number(line.chi2)} for {line.points - 1} degrees of "
         f"freedom, probability {words.number(line.p_value, 2)}"
     )
 
@@ -256,14 +256,14 @@ def _drawn(motion: Motion) -> Iterator[str]:
     if motion.by_plate_speed:
         yield "plate_speed"
         return
-    if sum(one.of("speed").value is not None for one in motion.walkers) > 1:
+    if sum(walker.of("speed").value is not None for walker in motion.walkers) > 1:
         yield "walkers"
     if (motion.msd.value > 0).any():
         yield "msd"
     if len(motion.parallel.at):
         yield "density"
-    kept = motion.correlation.value
-    if (kept < (1.0 - TURNED) * kept[:1]).any():  # less is lost: nothing to see
+    correlation = motion.correlation.value
+    if (correlation < (1.0 - TURNED) * correlation[:1]).any():  # less is lost: nothing to see
         yield "correlation"
 
 

@@ -51,8 +51,8 @@ def speeds() -> tuple[Array, Array]:
         design = Design().variant(tilt_deg=tilt)
         inputs = prediction.known_inputs(scene, design)
         drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
-        own = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
-        prints = drawn._replace(columns={**drawn.columns, PRINT.name: own})
+        unevenness = np.random.default_rng([SEED, number]).standard_normal(DRAWS)
+        prints = drawn._replace(columns={**drawn.columns, PRINT.name: unevenness})
         mass = solids.mass_of(design)
         rows.append(prediction.spread(design, mass, scene, "coulomb", prints).speed)
     labels = drawn.columns["contact.restitution"]
@@ -64,10 +64,10 @@ def likelihood(speed: Array) -> Array:
     tilts = np.array(TILTS_DEG)
     fastest = tilts[np.argmax(speed, axis=1)]
     weights = np.ones(len(speed))
-    for seen, key in ((speed.max(axis=1), "peak speed"), (fastest, "peak tilt")):
+    for ours, key in ((speed.max(axis=1), "peak speed"), (fastest, "peak tilt")):
         fact = FACTS[key]
         sd = (fact.high - fact.value) / ENDS
-        weights *= np.exp(-0.5 * ((seen - fact.value) / sd) ** 2)
+        weights *= np.exp(-0.5 * ((ours - fact.value) / sd) ** 2)
     at = {tilt: speed[:, place] for place, tilt in enumerate(TILTS_DEG)}
     # "10°, 15°, 35° corresponding to high, medium and low propulsion efficiency"
     return weights * ((at[10.0] > at[15.0]) & (at[15.0] > at[35.0]))

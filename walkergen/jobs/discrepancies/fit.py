@@ -73,10 +73,10 @@ class Rows(NamedTuple):
 
 def rows_of(table: Array, braced: bool) -> Rows:
     """Rows of one kind of legs, of a table in the order of `make.COLUMNS`."""
-    chosen = table[table[:, 0] == braced]
-    speed, se, runs = chosen[:, -3:].T
+    kinds, *_ = table.T
+    _, *place, speed, se, runs = table[kinds == braced].T
     y, se = discrepancy.transformed(speed, se)
-    return Rows(chosen[:, 1:-3], speed, y, se * np.sqrt(runs), runs)
+    return Rows(np.stack(place, axis=1), speed, y, se * np.sqrt(runs), runs)
 
 
 def table(simulated: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
@@ -93,14 +93,16 @@ def table(simulated: Array, cores: int, steps: int = STEPS) -> dict[str, Array]:
         ranges[kind] = {
             name: [float(getattr(low, name)), float(getattr(high, name))] for name in Place._fields
         }
-        arrays |= _of_kind(kind, rows, cores, steps)
-        errors[kind] = json.loads(str(arrays.pop(f"{kind}_told")))
+        of_kind, errors[kind] = _of_kind(kind, rows, cores, steps)
+        arrays |= of_kind
     facts = {"ranges": ranges, "errors": errors, "versions": versions()}
     return arrays | {"facts": np.array(json.dumps(facts))}
 
 
-def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> dict[str, Array]:
-    """Arrays of one kind of legs, and under "told" its errors in JSON."""
+def _of_kind(
+    kind: str, rows: Rows, cores: int, steps: int
+) -> tuple[dict[str, Array], dict[str, Any]]:
+    """Arrays of one kind of legs, and its errors by groups of rows."""
     inputs, factors = discrepancy.coordinates(rows.places)
     middle = inputs.mean(axis=0)
     scale = np.maximum(inputs.std(axis=0), np.ptp(inputs, axis=0) / WIDEST)  # most have no extras
@@ -108,11 +110,11 @@ def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> dict[str, Array]:
     inputs = (inputs - middle) / scale
     features = network.features(inputs)
     in_time, between = _scatter(features, rows)
-    uneven = rows.places[:, Place._fields.index("unevenness_ratio")]
+    uneven = Place(*rows.places.T).unevenness_ratio
     variance = network.smooth(features, in_time) ** 2
     variance += (uneven * network.smooth(features, between)) ** 2
-    own = rows.runs - 1.0
-    noise = (own * rows.spread**2 + PRIOR_RUNS * variance) / (own + PRIOR_RUNS) / rows.runs
+    freedom = rows.runs - 1.0
+    noise = (freedom * rows.spread**2 + PRIOR_RUNS * variance) / (freedom + PRIOR_RUNS) / rows.runs
     weights = 1.0 / (noise + ROUGH**2)
     training = Values(inputs, factors, rows.y, weights / weights.mean())
     networks, left_out = _networks(training, HIDDEN[kind], cores, steps)
@@ -128,7 +130,7 @@ def _of_kind(kind: str, rows: Rows, cores: int, steps: int) -> dict[str, Array]:
     errors = _errors(rows, left_out, np.sqrt(noise), network.smooth(features, error))
     prints = uneven * network.smooth(features, between)
     errors["all"]["prints_sd_median_percent"] = 100.0 * _median(prints[uneven > 0.0])
-    return arrays | {f"{kind}_told": np.array(json.dumps(errors))}
+    return arrays, errors
 
 
 def _networks(
@@ -136,14 +138,14 @@ def _networks(
 ) -> tuple[list[list[Layer]], Array]:
     """The networks, and values at every row by those that have not seen it."""
     tenth = np.random.default_rng(TENTHS).permutation(len(training.values)) % TENTHS
-    seen = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
-    parts = [Values(*(column[rows] for column in training)) for rows in seen]
+    trained_on = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
+    parts = [Values(*(column[rows] for column in training)) for rows in trained_on]
     with ProcessPoolExecutor(cores) as pool:
         networks = list(
             pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
         )
     total = np.zeros(len(training.values))
-    for layers, rows in zip(networks, seen, strict=True):
+    for layers, rows in zip(networks, trained_on, strict=True):
         outputs = network.evaluated(layers, training.inputs[~rows])
         total[~rows] += (outputs * training.factors[~rows]).sum(axis=1) / OUT
     return networks, total
@@ -162,7 +164,7 @@ def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
 
     As weights of smooth features: the likeliest of variances of `rows.runs` normal numbers each.
     """
-    uneven = rows.places[:, Place._fields.index("unevenness_ratio")]
+    uneven = Place(*rows.places.T).unevenness_ratio
     half, observed = 0.5 * (rows.runs - 1.0), np.maximum(rows.spread**2, 1e-6)
 
     def loss(values: Array) -> tuple[float, Array]:
@@ -187,10 +189,10 @@ def _log_sd(features: Array, residual: Array, noise: Array) -> Array:
     """
 
     def loss(weights: Array) -> tuple[float, Array]:
-        own = network.smooth(features, weights) ** 2
-        variance = own + noise
+        excess = network.smooth(features, weights) ** 2
+        variance = excess + noise
         total = 0.5 * float(np.sum(np.log(variance) + residual**2 / variance))
-        slope = (1.0 - residual**2 / variance) / variance * own
+        slope = (1.0 - residual**2 / variance) / variance * excess
         return total + PRIOR * float(weights @ weights), features.T @ slope + 2.0 * PRIOR * weights
 
     return _least(loss, np.r_[-2.0, np.zeros(features.shape[1] - 1)])
@@ -245,11 +247,12 @@ def _errors(rows: Rows, left_out: Array, noise: Array, sd: Array) -> dict[str, A
 
 def _groups(places: Array) -> dict[str, npt.NDArray[np.bool_]]:
     """Rows of which errors are told: all, by what they have beside the usual, and the paper's."""
-    named = Place(*places.T)
-    slope, noise = named.slope_ratio != 0.0, named.noise_ratio != 0.0
-    harmonic = np.hypot(named.harmonic_cos, named.harmonic_sin) != 0.0
+    place = Place(*places.T)
+    slope, noise = place.slope_ratio != 0.0, place.noise_ratio != 0.0
+    harmonic = np.hypot(place.harmonic_cos, place.harmonic_sin) != 0.0
     plain = ~(slope | noise | harmonic)
-    shape = np.abs(places[:, [5, 7, 11]] - PAPERS_SHAPE).max(axis=1) < SAME
+    shapes = np.column_stack([place.length_ratio, place.log_gyration_ratio, place.log_width_ratio])
+    shape = np.abs(shapes - PAPERS_SHAPE).max(axis=1) < SAME
     return {
         "all": np.ones(len(places), bool),
         "paper's walker": plain & shape,
@@ -273,8 +276,8 @@ def report(arrays: dict[str, Array]) -> str:
     errors = json.loads(str(arrays["facts"]))["errors"]
     lines = ["error at rows left out by tens, their own noise within (mm/s of a plate at 31 mm/s)"]
     for kind, groups in errors.items():
-        for group, own in groups.items():
-            numbers = ", ".join(f"{name} {value:.3g}" for name, value in own.items())
+        for group, numbers_of in groups.items():
+            numbers = ", ".join(f"{name} {value:.3g}" for name, value in numbers_of.items())
             lines.append(f"{kind}, {group}: {numbers}")
     return "\n".join(lines)
 

@@ -37,12 +37,12 @@ COLUMNS = ("braced", *Place._fields, "speed", "se", "runs")
 over the plate's peak speed."""
 
 
-def rows(every: Sequence[Case], cores: int) -> Iterator[Array]:
+def rows(chosen: Sequence[Case], cores: int) -> Iterator[Array]:
     """Rows of the table, simulated or found in the store; none of runs that end badly."""
-    points = [Point(case.design, case.scene, simulated=True, keep=()) for case in every]
+    points = [Point(case.design, case.scene, simulated=True, keep=()) for case in chosen]
     progress = Progress(len(points))
     with worker_pool.local(cores) as workers:
-        for case, done in zip(every, run.each(points, Store(), workers), strict=True):
+        for case, done in zip(chosen, run.each(points, Store(), workers), strict=True):
             progress.add(0.0 if done.stored else _seconds(case))
             numbers = row(case, done.record)
             if numbers is not None:

@@ -16,8 +16,7 @@ from walkergen.jobs.family.chart_data import ChartData
 from walkergen.jobs.family.report import FamilyReport
 from walkergen.points import members
 from walkergen.points.members import Member
-from walkergen.printing import checks, export, sheet
-from walkergen.printing import layout as plates
+from walkergen.printing import checks, export, plates, sheet
 from walkergen.printing import packing as plate
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer

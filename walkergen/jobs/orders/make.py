@@ -9,9 +9,7 @@ from walkergen.files import output
 from walkergen.files.assignments import changed
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.printing import checks, export, orientation, profile, sheet, walls
-from walkergen.printing import layout as plates
-from walkergen.printing import packing as plate
+from walkergen.printing import checks, export, orientation, packing, plates, profile, sheet, walls
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
@@ -34,7 +32,7 @@ class Order(NamedTuple):
     """Printers to arrange for, each with all copies."""
     max_plates: int | None = None
     """Largest number of plates; None: no limit."""
-    max_parts: int = plate.MOST_PARTS
+    max_parts: int = packing.MOST_PARTS
     """Largest number of parts on a plate."""
     pictures: bool = True
     prusaslicer: bool = False
@@ -120,7 +118,7 @@ def how_many(members: Sequence[Design], printers: Sequence[Printer], max_parts: 
     """Count the copies of each member that fit on one plate of each printer with no other parts."""
     built = [solids.build(design) for design in members]
     return [
-        Room(printer.name, part.name, min(plate.capacity(part, printer), max_parts))
+        Room(printer.name, part.name, min(packing.capacity(part, printer), max_parts))
         for printer in printers
         for part in plates.unplaced(members, built, [1] * len(built), printer).parts
     ]
@@ -130,11 +128,11 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
     """Run the printability checks on arranged copies of the members; writes nothing."""
     built = [solids.build(design) for design in members]
     layout = plates.unplaced(members, built, copies, printer)
-    if all(plate.capacity(part, printer) for part in layout.parts):
+    if all(packing.capacity(part, printer) for part in layout.parts):
         layout = plates.arrange(members, built, copies, printer)
     else:  # a part is too large for any plate: the findings name it
         layout = plates.checked(layout)
-    seen = dict.fromkeys(
+    unlike_walls = dict.fromkeys(
         Wall(
             wall.name,
             wall.thickness,
@@ -144,8 +142,10 @@ def check(members: Sequence[Design], copies: Sequence[int], printer: Printer) ->
         for design in members
         for wall in walls.of_design(design)
     )
-    lying = dict.fromkeys(orientation.words(design) for design in members)
-    return Checked(list(seen), list(layout.findings), sum(copies), len(layout.plates), list(lying))
+    attitudes = dict.fromkeys(orientation.words(design) for design in members)
+    return Checked(
+        list(unlike_walls), list(layout.findings), sum(copies), len(layout.plates), list(attitudes)
+    )
 
 
 def make_plates(
@@ -202,7 +202,7 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     """
     if order.serial is None:
         return order.members, order.copies
-    plate.check_number(sum(order.copies))
+    packing.check_number(sum(order.copies))
     every = [design for design, count in zip(order.members, order.copies, strict=True)
             for _ in range(count)]  # fmt: skip
     members = [
@@ -214,11 +214,11 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:
     """Facts for a printer's manifest: inputs resolved, findings, versions of the software."""
-    own = names.by_design(layout.members)
+    by_name = names.by_design(layout.members)
     return {
         # Of several members of a design the first: names tell the tilts and kinds of the others.
-        "designs": {name: members[0].model_dump(mode="json") for name, members in own.items()},
-        "bodies": {name: sheet.body_facts(members[0]) for name, members in own.items()},
+        "designs": {name: members[0].model_dump(mode="json") for name, members in by_name.items()},
+        "bodies": {name: sheet.body_facts(members[0]) for name, members in by_name.items()},
         "members": [part.name for part in layout.parts],
         "copies": [part.copies for part in layout.parts],
         "serial": [part.serial for part in layout.parts if part.serial is not None],

@@ -92,19 +92,19 @@ class Row(NamedTuple):
     verdict: Verdict
 
 
-def rows(found: Findings) -> list[Row]:
+def rows(findings: Findings) -> list[Row]:
     """Compare every fact with each theory and simulation that has a number for it."""
-    listed = [*_stated(found)]
-    for theory in found.theories:
+    listed = [*_stated(findings)]
+    for theory in findings.theories:
         listed += _of_theory(theory)
-    for series in curves.series_of(found.tilts):
+    for series in curves.series_of(findings.tilts):
         listed += _of_tilts(series)
-    for series in curves.series_of(found.drives):
+    for series in curves.series_of(findings.drives):
         value = curves.proportionality(series)
         listed.append(_row("proportional", series[0].model, series[0].assumption, value, 100.0))
         if series[0].model == "space":
-            listed.append(_of_lively(series, found))
-    listed += [row for one in found.plane for row in _of_plane(one)]
+            listed.append(_of_lively(series, findings))
+    listed += [row for runs in findings.plane for row in _of_plane(runs)]
     order = list(FACTS)
     return sorted(listed, key=lambda row: order.index(row.fact))
 
@@ -115,21 +115,21 @@ def _row(fact: str, model: str, assumption: str, value: Value | None, scale: flo
     return Row(fact, model, assumption, ours, se, judge(FACTS[fact], ours, se))
 
 
-def _stated(found: Findings) -> Iterator[Row]:
+def _stated(findings: Findings) -> Iterator[Row]:
     """Rows of facts that need no model: the drive, and the friction that fitted best."""
-    for one in found.assumptions:
-        speed = one.scene.drive.peak_speed
-        yield _row("plate speed", "sinusoidal drive", one.name, Value(speed, 0.0))
-        if one.name == FITTED:
-            friction = one.scene.contact.friction
-            yield _row("friction", "the paper's best fit", one.name, Value(friction, 0.0))
-    if found.labels:
-        told = "space, measured friction"
+    for assumption in findings.assumptions:
+        speed = assumption.scene.drive.peak_speed
+        yield _row("plate speed", "sinusoidal drive", assumption.name, Value(speed, 0.0))
+        if assumption.name == FITTED:
+            friction = assumption.scene.contact.friction
+            yield _row("friction", "the paper's best fit", assumption.name, Value(friction, 0.0))
+    if findings.labels:
+        model = "space, measured friction"
         yield _row(
             "restitution",
-            told,
-            found.assumptions[0].name,
-            curves.restitution_of_peak(found.labels, FACTS["peak speed"].value),
+            model,
+            findings.assumptions[0].name,
+            curves.restitution_of_peak(findings.labels, FACTS["peak speed"].value),
         )
 
 
@@ -197,32 +197,34 @@ def _of_tilts(series: Sequence[Point]) -> Iterator[Row]:
     yield _row("impact speed", f"{model}, landings, over tilts", name, curves.impact_speed(series))
     speed = {point.tilt_deg: point.speed for point in series}.get(TEN)
     yield _row("speed at 10 deg", model, name, speed)
-    for told, counting, both, third in COUNTED:
+    for count_name, counting, both, third in COUNTED:
         if model == "space" and "rest" in third:
             continue  # elastic feet never land at exactly no slip
         for fact, kind in (("types II and III", both), ("mostly type III", third)):
             share = curves.smallest(series, counting, kind)
-            yield _row(fact, f"{model}, {told}", name, share, 100.0)
+            yield _row(fact, f"{model}, {count_name}", name, share, 100.0)
 
 
-def _of_lively(series: Sequence[Point], found: Findings) -> Row:
+def _of_lively(series: Sequence[Point], findings: Findings) -> Row:
     """Row on proportionality from the drive of figure 2 up, where a walker in space runs."""
     name = series[0].assumption
-    (drive,) = (one.scene.drive for one in found.assumptions if one.name == name)
+    (drive,) = (
+        assumption.scene.drive for assumption in findings.assumptions if assumption.name == name
+    )
     lively = curves.lively(series, drive.peak_speed)
-    told = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
-    return _row("proportional", told, name, curves.proportionality(lively), 100.0)
+    model = f"{series[0].model}, from {drive.peak_gamma:.2g} g"
+    return _row("proportional", model, name, curves.proportionality(lively), 100.0)
 
 
-def _of_plane(one: Runs) -> Iterator[Row]:
+def _of_plane(runs: Runs) -> Iterator[Row]:
     """Rows of figure 6's facts about a tilt."""
-    tilt, grown = f"{one.tilt_deg:g}", one.growth
-    about = {
-        f"ballistic at {tilt}": grown.smallest,
-        f"superdiffusive at {tilt}": grown.first,
-        f"diffusive at {tilt}": grown.late,
-        f"crossover at {tilt}": grown.crossover,
+    tilt, growth = f"{runs.tilt_deg:g}", runs.growth
+    values = {
+        f"ballistic at {tilt}": growth.smallest,
+        f"superdiffusive at {tilt}": growth.first,
+        f"diffusive at {tilt}": growth.late,
+        f"crossover at {tilt}": growth.crossover,
     }
-    for fact, value in about.items():
+    for fact, value in values.items():
         if fact in FACTS:
-            yield _row(fact, "space", one.assumption, value)
+            yield _row(fact, "space", runs.assumption, value)

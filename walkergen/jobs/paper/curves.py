@@ -90,7 +90,7 @@ def proportionality(series: Sequence[Point]) -> Value | None:
 
 def _driven(series: Sequence[Point]) -> tuple[Array, list[Value]]:
     """Speeds of the plate and of walkers, where these have one."""
-    pairs = [(one.plate_speed_mm_s, one.speed) for one in series if one.speed is not None]
+    pairs = [(point.plate_speed_mm_s, point.speed) for point in series if point.speed is not None]
     return np.array([plate for plate, _ in pairs]), [speed for _, speed in pairs]
 
 

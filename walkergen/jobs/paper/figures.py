@@ -8,7 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from walkergen.files.figures import PAGE, SMALLEST, style, wrapped
-from walkergen.jobs.paper import figure6 as motion
+from walkergen.jobs.paper import plane_figure
 from walkergen.jobs.paper.compare import FITTED, Findings, Theory
 from walkergen.jobs.paper.curves import lively, series_of, through_zero
 from walkergen.jobs.paper.sweeps import COUNTINGS, TYPES, Assumption, Point
@@ -36,21 +36,23 @@ ROOM = 1.15
 """Upper end of the axes over the largest simulated speed; the theory may exceed it."""
 
 
-def figure2(found: Findings) -> Figure:
+def figure2(findings: Findings) -> Figure:
     """Draw speed against tilt: a panel for each set of contact numbers."""
     with style():
         figure = Figure(figsize=(PAGE, 3.9), layout="constrained")
         figure.suptitle("Speed against tilt, as in the paper's figure 2")
-        panels = figure.subplots(1, len(found.assumptions), sharey=True)
-        for axes, one in zip(panels, found.assumptions, strict=True):
-            for theory in found.theories:
-                if theory.assumption == one.name:
+        panels = figure.subplots(1, len(findings.assumptions), sharey=True)
+        for axes, assumption in zip(panels, findings.assumptions, strict=True):
+            for theory in findings.theories:
+                if theory.assumption == assumption.name:
                     _draw_theory(axes, theory)
-            _draw_points(axes, [p for p in found.tilts if p.assumption == one.name], "tilt_deg")
+            _draw_points(
+                axes, [p for p in findings.tilts if p.assumption == assumption.name], "tilt_deg"
+            )
             _mark_facts(axes)
             axes.set_xlabel("tilt of the legs (deg)")
-            axes.set_title(wrapped(one.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
-        panels[0].set_ylim(-0.08 * _highest(found.tilts), _highest(found.tilts))
+            axes.set_title(wrapped(assumption.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
+        panels[0].set_ylim(-0.08 * _highest(findings.tilts), _highest(findings.tilts))
         panels[0].set_ylabel("mean speed (mm/s)")
         _legend(figure, panels[0])
     return figure
@@ -77,9 +79,9 @@ def _draw_points(axes: Axes, points: Sequence[Point], along: str, joined: bool =
     """Draw simulated speeds with bars of two standard errors, joined along the axis or alone."""
     for series in series_of(points):
         colour, line, marker, label = MODELS[series[0].model]
-        known = [(getattr(point, along), *point.speed) for point in series if point.speed]
-        if known:
-            x, speeds, errors = (np.array(column) for column in zip(*known, strict=True))
+        rows = [(getattr(point, along), *point.speed) for point in series if point.speed]
+        if rows:
+            x, speeds, errors = (np.array(column) for column in zip(*rows, strict=True))
             axes.errorbar(
                 x, speeds, 2.0 * errors, fmt=marker, linestyle=line if joined else "none",
                 color=colour, markerfacecolor="white", linewidth=0.8, capsize=2, label=label,
@@ -102,18 +104,18 @@ def _mark_facts(axes: Axes) -> None:
     )  # fmt: skip
 
 
-def figure3(found: Findings) -> Figure:
+def figure3(findings: Findings) -> Figure:
     """Draw types of impacts against tilt, fitted contact: models by rows, countings by columns.
 
     Types II and III lie at the bottom, so that their common edge meets the paper's 95 %.
     """
-    fitted = next(one for one in found.assumptions if one.name == FITTED)
+    fitted = next(assumption for assumption in findings.assumptions if assumption.name == FITTED)
     models = ("relaxed", "compliant", "space")
     with style():
         figure = Figure(figsize=(PAGE, 6.4), layout="constrained")
         grid = figure.subplots(len(models), len(COUNTINGS), sharex=True, sharey=True)
         for row, model in zip(grid, models, strict=True):
-            series = [p for p in found.tilts if (p.assumption, p.model) == (fitted.name, model)]
+            series = [p for p in findings.tilts if (p.assumption, p.model) == (fitted.name, model)]
             for axes, counting in zip(row, COUNTINGS, strict=True):
                 _stack(axes, [point for point in series if point.shares], counting)
                 name = f"{MODELS[model][3].removeprefix('simulated, ')}: {counting}"
@@ -142,75 +144,80 @@ def _stack(axes: Axes, series: Sequence[Point], counting: str) -> None:
     axes.set_xticks(places, [f"{point.tilt_deg:g}" for point in series], fontsize=SMALLEST)
 
 
-def figure5(found: Findings) -> Figure:
+def figure5(findings: Findings) -> Figure:
     """Draw speed against the plate's speed: points with errors, thin lines through zero."""
     with style():
         figure = Figure(figsize=(PAGE, 3.9), layout="constrained")
         figure.suptitle("Speed against the plate's speed, as in the paper's figure 5")
-        panels = figure.subplots(1, len(found.assumptions), sharey=True)
-        for axes, one in zip(panels, found.assumptions, strict=True):
-            points = [point for point in found.drives if point.assumption == one.name]
-            _draw_lines(axes, points, one)
-            for theory in found.theories:
-                if theory.assumption == one.name and theory.mode == "coulomb":
-                    _draw_theory_line(axes, theory, one, points)
+        panels = figure.subplots(1, len(findings.assumptions), sharey=True)
+        for axes, assumption in zip(panels, findings.assumptions, strict=True):
+            points = [point for point in findings.drives if point.assumption == assumption.name]
+            _draw_lines(axes, points, assumption)
+            for theory in findings.theories:
+                if theory.assumption == assumption.name and theory.mode == "coulomb":
+                    _draw_theory_line(axes, theory, assumption, points)
             _draw_points(axes, points, "plate_speed_mm_s", joined=False)
-            _mark_drive(axes, one)
+            _mark_drive(axes, assumption)
             axes.set_xlim(0.0, 1.05 * max(point.plate_speed_mm_s for point in points))
             axes.set_xlabel("peak speed of the plate (mm/s)")
-            axes.set_title(wrapped(one.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
-        panels[0].set_ylim(-0.08 * _highest(found.drives), _highest(found.drives))
-        panels[0].set_ylabel(f"mean speed at {found.drives[0].tilt_deg:g} deg (mm/s)")
+            axes.set_title(wrapped(assumption.label, PANEL_INCHES, SMALLEST), fontsize=SMALLEST)
+        panels[0].set_ylim(-0.08 * _highest(findings.drives), _highest(findings.drives))
+        panels[0].set_ylabel(f"mean speed at {findings.drives[0].tilt_deg:g} deg (mm/s)")
         _legend(figure, panels[0])
     return figure
 
 
-def _draw_lines(axes: Axes, points: Sequence[Point], one: Assumption) -> None:
+def _draw_lines(axes: Axes, points: Sequence[Point], assumption: Assumption) -> None:
     """Draw lines through zero, of walkers in space through the points from figure 2's drive up.
 
     A band shows two standard errors of the slope; lines say no more than their points.
     """
     end = 1.05 * max(point.plate_speed_mm_s for point in points)
-    told = False
+    labelled = False
     for series in series_of(points):
         colour, line, *_ = MODELS[series[0].model]
         fitted, start = series, 0.0
         if series[0].model == "space":
-            fitted, start = lively(series, one.scene.drive.peak_speed), one.scene.drive.peak_speed
+            fitted, start = (
+                lively(series, assumption.scene.drive.peak_speed),
+                assumption.scene.drive.peak_speed,
+            )
         slope = through_zero(fitted)
         if slope is None:
             continue
         x = np.array([start, end])
-        name = None if told else "through zero, ± 2 SE (in space: of those that run)"
+        name = None if labelled else "through zero, ± 2 SE (in space: of those that run)"
         axes.plot(x, slope.mean * x, line, color=colour, linewidth=0.7, zorder=2, label=name)
         low, high = ((slope.mean + sign * 2.0 * slope.se) * x for sign in (-1.0, 1.0))
         axes.fill_between(x, low, high, color=colour, alpha=0.15, linewidth=0, zorder=1)
-        told = True
+        labelled = True
 
 
-def _draw_theory_line(axes: Axes, theory: Theory, one: Assumption, points: Sequence[Point]) -> None:
+def _draw_theory_line(
+    axes: Axes, theory: Theory, assumption: Assumption, points: Sequence[Point]
+) -> None:
     """Draw the theory's line: proportional to the plate's speed by construction."""
     colour, line = THEORY[theory.mode]
     speed = np.interp(points[0].tilt_deg, theory.curve.tilt_deg, theory.curve.speed)
-    peak, end = one.scene.drive.peak_speed, 1.05 * max(p.plate_speed_mm_s for p in points)
+    peak, end = assumption.scene.drive.peak_speed, 1.05 * max(p.plate_speed_mm_s for p in points)
     axes.plot([0.0, end], [0.0, speed * end / peak], line, color=colour, linewidth=1.2,
               label=theory.label)  # fmt: skip
 
 
-def _mark_drive(axes: Axes, one: Assumption) -> None:
+def _mark_drive(axes: Axes, assumption: Assumption) -> None:
     """Mark the speed that the paper states for this drive, at its best tilt."""
     peak, tilt = FACTS["peak speed"], FACTS["peak tilt"]
     axes.plot(
-        [one.scene.drive.peak_speed], [peak.value], zorder=5,
+        [assumption.scene.drive.peak_speed], [peak.value], zorder=5,
         label=f"the paper's stated peak (at {tilt.value:g} deg)", **STAR,
     )  # fmt: skip
 
 
-def figure6(found: Findings) -> Figure:
+def figure6(findings: Findings) -> Figure:
     """Draw motion on a plane: squared displacements with exponents, tracks, densities."""
     with style():
         figure = Figure(figsize=(PAGE, 5.6), layout="constrained")
-        motion.draw(figure, found)
+        plane_figure.draw(figure, findings)
     return figure
 
 

@@ -84,31 +84,31 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     peaks = [maximum.tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
 
     tilts = sweeps.along_tilts(flexible + braced, job.tilts_deg, parts[0])
-    found = Findings(assumptions, theories, peaks, tilts, {}, (), ())
+    findings = Findings(assumptions, theories, peaks, tilts, {}, (), ())
     with Folder(folder, "") as target:
-        _write(found, target, "figure2", "figure3")
-        found = found._replace(labels=_labels(found, labelled, parts[1]))
-        _write_table(report.labels(found.labels), target)
-        found = found._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
-        _write(found, target, "figure5")
-        found = found._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
-        _write(found, target, "figure6")
-        found = found._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
-        _write(found, target, "mechanisms")
-        rows = compare.rows(found)
+        _write(findings, target, "figure2", "figure3")
+        findings = findings._replace(labels=_labels(findings, labelled, parts[1]))
+        _write_table(report.labels(findings.labels), target)
+        findings = findings._replace(drives=sweeps.along_drives(driven, job.gammas, parts[2]))
+        _write(findings, target, "figure5")
+        findings = findings._replace(plane=plane.along_tilts(assumptions, on_plane, parts[3]))
+        _write(findings, target, "figure6")
+        findings = findings._replace(mechanisms=mechanisms.measure(assumptions[0], ways, parts[4]))
+        _write(findings, target, "mechanisms")
+        rows = compare.rows(findings)
         _write_table(report.compared(rows), target)
-        target.write("reproduce.md", page.to_markdown(found, rows, job.design.name).encode())
-    return report.of(found, rows, page.TITLE, folder)
+        target.write("reproduce.md", page.to_markdown(findings, rows, job.design.name).encode())
+    return report.of(findings, rows, page.TITLE, folder)
 
 
 def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:
     """Progress of each of several parts, which have so many ensembles, within the whole."""
     steps = 100 * sum(counts)
 
-    def told(start: int, count: int) -> Progress:
+    def part(start: int, count: int) -> Progress:
         return lambda what, done, of: progress(what, 100 * start + 100 * count * done // of, steps)
 
-    return [told(sum(counts[:number]), count) for number, count in enumerate(counts)]
+    return [part(sum(counts[:number]), count) for number, count in enumerate(counts)]
 
 
 def _labelled(job: Job, assumptions: Sequence[Assumption]) -> list[Case]:
@@ -123,39 +123,42 @@ def _labelled(job: Job, assumptions: Sequence[Assumption]) -> list[Case]:
     return _cases(job, others, "flexible", ("space",))
 
 
-def _labels(found: Findings, cases: Sequence[Case], progress: Progress) -> dict[float, list[Point]]:
+def _labels(
+    findings: Findings, cases: Sequence[Case], progress: Progress
+) -> dict[float, list[Point]]:
     """Ensembles in space by restitution, those of the assumptions with this friction included."""
-    measured = found.assumptions[0].scene.contact.friction
-    ready = {
-        one.scene.contact.restitution: [
-            point for point in found.tilts if (point.assumption, point.model) == (one.name, "space")
+    measured = findings.assumptions[0].scene.contact.friction
+    by_restitution = {
+        assumption.scene.contact.restitution: [
+            point for point in findings.tilts
+            if (point.assumption, point.model) == (assumption.name, "space")
         ]
-        for one in found.assumptions if one.scene.contact.friction == measured
+        for assumption in findings.assumptions if assumption.scene.contact.friction == measured
     }  # fmt: skip
     points = sweeps.along_tilts(cases, TILTS_OF_LABELS, progress)
     for case in cases:
-        own = [point for point in points if point.assumption == case.assumption.name]
-        ready.setdefault(case.assumption.scene.contact.restitution, own)
-    return dict(sorted(ready.items()))
+        of_case = [point for point in points if point.assumption == case.assumption.name]
+        by_restitution.setdefault(case.assumption.scene.contact.restitution, of_case)
+    return dict(sorted(by_restitution.items()))
 
 
 def check(job: Job) -> None:
     """Refuse jobs that could not give error bars, peaks or lines. Raises InputError."""
     for scene in (job.measured, job.fitted):
         if scene.run.runs < FEWEST_RUNS:
-            told = f"at least {FEWEST_RUNS}, whose spread gives the error bars"
-            raise InputError(f"--runs {scene.run.runs}: {told}")
+            allowed = f"at least {FEWEST_RUNS}, whose spread gives the error bars"
+            raise InputError(f"--runs {scene.run.runs}: {allowed}")
         if scene.contact.law != "poisson":
-            told = "the paper's law is poisson, and so is eq. 15's; use a scene with it"
-            raise InputError(f"{scene.name}: contact.law = {scene.contact.law!r}: {told}")
+            allowed = "the paper's law is poisson, and so is eq. 15's; use a scene with it"
+            raise InputError(f"{scene.name}: contact.law = {scene.contact.law!r}: {allowed}")
         if scene.run.seconds < SHORTEST:
-            told = f"at least {SHORTEST:g}, for displacements over 40 ms"
-            raise InputError(f"--seconds {scene.run.seconds:g}: {told}")
+            allowed = f"at least {SHORTEST:g}, for displacements over 40 ms"
+            raise InputError(f"--seconds {scene.run.seconds:g}: {allowed}")
     for flag, values, fewest in (("--tilt", job.tilts_deg, 3), ("--gamma", job.gammas, 2)):
         if len(values) < fewest or list(values) != sorted(set(values)) or values[0] < 0.0:
-            seen = ",".join(f"{value:g}" for value in values)
-            told = "none negative, each above the last"
-            raise InputError(f"{flag} {seen[:60]}: give {fewest} or more, {told}")
+            listed = ",".join(f"{value:g}" for value in values)
+            allowed = "none negative, each above the last"
+            raise InputError(f"{flag} {listed[:60]}: give {fewest} or more, {allowed}")
     tilts = [*job.tilts_deg, TILT_OF_DRIVES, *plane.TILTS, *TILTS_OF_LABELS]
     job.design.members(tilts, ("flexible", "braced"))
     for case in _cases(job, assumptions_of(job), "flexible", ("space", "space, noisy plate")):
@@ -191,13 +194,13 @@ def _theories(job: Job, assumptions: Sequence[Assumption]) -> list[Theory]:
 
     return [
         Theory(
-            one.name,
+            assumption.name,
             mode,
-            theory.curve(flexible, one.scene, mode, low, high),
-            one.scene.prediction.impact_speed_factor,
-            compare.stationary_type_three(flexible, one.scene, job.tilts_deg, mode),
+            theory.curve(flexible, assumption.scene, mode, low, high),
+            assumption.scene.prediction.impact_speed_factor,
+            compare.stationary_type_three(flexible, assumption.scene, job.tilts_deg, mode),
         )
-        for one in assumptions
+        for assumption in assumptions
         for mode in MODES
     ]
 
@@ -206,17 +209,17 @@ def _cases(
     job: Job, assumptions: Sequence[Assumption], kind: Kind, models: Sequence[str]
 ) -> list[Case]:
     design = job.design.variant(kind=kind)
-    return [Case(one, model, design) for one in assumptions for model in models]
+    return [Case(assumption, model, design) for assumption in assumptions for model in models]
 
 
-def _write(found: Findings, target: Folder, *names: str) -> None:
+def _write(findings: Findings, target: Folder, *names: str) -> None:
     """Write figures and the tables behind them."""
     from walkergen.files import figures
 
     for name in names:
-        for table in report.TABLES[name](found):
+        for table in report.TABLES[name](findings):
             _write_table(table, target)
-        figure = report.draw(name, found)
+        figure = report.draw(name, findings)
         target.write(f"{name}.png", figures.png(figure))
         target.write(f"{name}.pdf", figures.pdf(figure))
 

@@ -21,15 +21,15 @@ RULER_MM = 10.0
 """Length of the scale bar."""
 
 
-def draw(found: Sequence[Mechanism]) -> Figure:
+def draw(mechanisms: Sequence[Mechanism]) -> Figure:
     """Draw a panel for each mechanism: its walker from the side above two bars, two errors long."""
     with style():
         figure = Figure(figsize=(PAGE, 3.8), layout="constrained")
-        grid = figure.subplots(2, len(found), height_ratios=(1.0, 2.4), squeeze=False)
-        for (above, below), one in zip(grid.T, found, strict=True):
-            _profile(above, one.design)
-            above.set_title(f"{one.what}\n({one.name})", fontsize=SMALLEST)
-            _bars(below, one)
+        grid = figure.subplots(2, len(mechanisms), height_ratios=(1.0, 2.4), squeeze=False)
+        for (above, below), mechanism in zip(grid.T, mechanisms, strict=True):
+            _profile(above, mechanism.design)
+            above.set_title(f"{mechanism.what}\n({mechanism.name})", fontsize=SMALLEST)
+            _bars(below, mechanism)
         grid[1, 0].set_ylabel("mean speed (mm/s)")
         figure.suptitle("Three ways to run, by theory and simulated; bars: 2 SE")
     return figure
@@ -61,13 +61,13 @@ def _profile(axes: Axes, design: Design) -> None:
     axes.set_axis_off()
 
 
-def _bars(axes: Axes, one: Mechanism) -> None:
-    colours = (THEORY["coulomb"][0], MODELS[one.simulated.model][0])
-    values = (one.theory, one.simulated.speed)
+def _bars(axes: Axes, mechanism: Mechanism) -> None:
+    colours = (THEORY["coulomb"][0], MODELS[mechanism.simulated.model][0])
+    values = (mechanism.theory, mechanism.simulated.speed)
     for place, (value, colour) in enumerate(zip(values, colours, strict=True)):
         if value is not None:
             axes.bar(place, value.mean, 0.6, color=colour, yerr=2.0 * value.se, capsize=4)
-    model = MODELS[one.simulated.model][3].replace(", ", ",\n")
+    model = MODELS[mechanism.simulated.model][3].replace(", ", ",\n")
     axes.set_xticks((0, 1), ("theory", model))
     axes.set_xlim(-0.7, 1.7)
     axes.axhline(0.0, color="black", linewidth=0.6)

@@ -19,9 +19,10 @@ from walkergen.theory.maximum import FRICTIONS, RESTITUTIONS
 TITLE = "The paper, side by side"
 
 
-def to_markdown(found: Findings, rows: Sequence[Row], design: str) -> str:
+def to_markdown(findings: Findings, rows: Sequence[Row], design: str) -> str:
     """Format the page: what comes out, the table, the statements, the figures."""
-    scene = found.assumptions[0].scene
+    measured = findings.assumptions[0]
+    scene = measured.scene
     run, drive, factor = scene.run, scene.drive, scene.prediction.impact_speed_factor
     return f"""# {TITLE}
 
@@ -41,11 +42,11 @@ along their heading: this stands for a lane without walls.
 
 Beside the table:
 
-{_listed(_notes(found))}
+{_listed(_notes(findings))}
 
 ## Table
 
-{_table(side_by_side(rows, found.assumptions, verdict))}
+{_table(side_by_side(rows, findings.assumptions, verdict))}
 
 ± is twice the standard error over the runs; for landings over the tilts; of the theory twice the
 standard deviation that those of restitution, friction and masses give, with impact speed
@@ -57,12 +58,12 @@ between. The bias of the time steps is not in ± (`walkergen accuracy` measures 
 ## Three mechanisms
 
 The paper names three ways to run: flexible tilted legs, its own; feet of different friction or
-restitution; rigid legs of unequal length. Here is a walker of each ({found.assumptions[0].label},
+restitution; rigid legs of unequal length. Here is a walker of each ({measured.label},
 but for the feet whose contact the template states), by the theory, the paper's mean of both feet or
 the balance of unlike feet (docs/physics.md section 4b), and simulated (model
-{found.mechanisms[0].simulated.model}).
+{findings.mechanisms[0].simulated.model}).
 
-{_table(mechanisms(found.mechanisms))}
+{_table(mechanisms(findings.mechanisms))}
 
 ± of the theory is twice the standard deviation by restitution, friction, masses and impact speed.
 Direction: of the simulation against the theory's, undecided within two standard errors.
@@ -98,12 +99,12 @@ upright walker slides either way.
 
 ![Figure 5](figure5.png)
 
-Figure 5. Speed against the plate's peak speed at {found.drives[0].tilt_deg:g} deg and
+Figure 5. Speed against the plate's peak speed at {findings.drives[0].tilt_deg:g} deg and
 {drive.frequency:g} Hz, with least-squares lines through zero; that of walkers in space is drawn for
 the points from figure 2's drive up. The theory is proportional by construction. The noisy plate has
 noise of {NOISE_RATIO:g} x the drive's speed (rms), from {scene.plate.noise_low_hz:g} to
 {scene.plate.noise_high_hz:g} Hz: chosen, for the paper does not state its plate's. Slopes over all
-points: {_slopes(found)}.
+points: {_slopes(findings)}.
 
 ![Figure 6](figure6.png)
 
@@ -134,59 +135,61 @@ def _statements() -> str:
 def _agreements(rows: Sequence[Row]) -> Iterator[str]:
     """Lines that list, for each fact, the assumptions under which it comes out."""
     for key, fact in FACTS.items():
-        about = [row for row in rows if row.fact == key]
-        well = [row for row in about if row.verdict.agrees]
-        told = f"{name(key)} ({fact.claim}): {len(well)} of {len(about)} agree"
-        if 0 < len(well) < len(about):
+        of_fact = [row for row in rows if row.fact == key]
+        agreeing = [row for row in of_fact if row.verdict.agrees]
+        line = f"{name(key)} ({fact.claim}): {len(agreeing)} of {len(of_fact)} agree"
+        if 0 < len(agreeing) < len(of_fact):
             by_model: dict[str, list[str]] = {}
-            for row in well:
+            for row in agreeing:
                 by_model.setdefault(row.model, []).append(row.assumption)
             models = (f"{model} ({', '.join(names)})" for model, names in by_model.items())
-            told += ": " + "; ".join(models)
-        yield told + "."
+            line += ": " + "; ".join(models)
+        yield line + "."
 
 
-def _notes(found: Findings) -> Iterator[str]:
-    for one in found.peaks:
-        mode = "eq. 15" if one.mode == "paper" else "feet that may stick"
-        verdict = judge(FACTS["maximum below"], one.high_deg, 0.0)
+def _notes(findings: Findings) -> Iterator[str]:
+    for peaks in findings.peaks:
+        mode = "eq. 15" if peaks.mode == "paper" else "feet that may stick"
+        verdict = judge(FACTS["maximum below"], peaks.high_deg, 0.0)
         yield (
             f"Theory with {mode}: over e = {RESTITUTIONS[0]:g} to {RESTITUTIONS[-1]:g} and "
-            f"μ = {FRICTIONS[0]:g} to {FRICTIONS[-1]:g} the maximum lies between {one.low_deg:g} "
-            f"and {one.high_deg:g} deg; below {FACTS['maximum below'].value:g} deg: {verdict}."
+            f"μ = {FRICTIONS[0]:g} to {FRICTIONS[-1]:g} the maximum lies between {peaks.low_deg:g} "
+            f"and {peaks.high_deg:g} deg; below {FACTS['maximum below'].value:g} deg: {verdict}."
         )
-    yield from _peaks(found)
-    for series in series_of(found.drives):
+    yield from _peaks(findings)
+    for series in series_of(findings.drives):
         yield from _onset(series)
-    for runs in found.plane:
+    for runs in findings.plane:
         yield _moved(runs)
-    for series in series_of((*found.tilts, *found.drives)):
+    for series in series_of((*findings.tilts, *findings.drives)):
         yield from _lost(series)
 
 
-def _peaks(found: Findings) -> Iterator[str]:
+def _peaks(findings: Findings) -> Iterator[str]:
     """Lines on the peak in space by restitution."""
     tops = [
         f"e = {label:g}: {number(*top.height)} mm/s at {number(*top.place)} deg"
-        for label, series in found.labels.items()
+        for label, series in findings.labels.items()
         if (top := peak(series)) is not None
     ]
     if tops:
-        friction = found.assumptions[0].scene.contact.friction
+        friction = findings.assumptions[0].scene.contact.friction
         yield f"Peak in space with μ = {friction:g}, by the feet's label: {'; '.join(tops)}."
 
 
 def _moved(runs: Runs) -> str:
     """Line on the displacements over 40 ms on a plane."""
-    told = []
+    displacements = []
     for way, axis in (("along", "parallel"), ("across", "orthogonal")):
         mean, sd = (runs.motion.estimates[f"{axis}_{of}"] for of in ("mean", "sd"))
         if mean.value is not None and sd.value is not None:
-            told.append(f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm")
+            displacements.append(
+                f"{way} {number(mean.value, mean.se)} mm, sd {number(sd.value, sd.se)} mm"
+            )
     lost = f"; {runs.lost} runs ended badly" if runs.lost else ""
     return (
         f"Figure 6, {runs.assumption}, {runs.tilt_deg:g} deg: {number(*runs.speed)} mm/s along the "
-        f"heading; displacements over 40 ms {', '.join(told) or 'too few to tell'}{lost}."
+        f"heading; displacements over 40 ms {', '.join(displacements) or 'too few to tell'}{lost}."
     )
 
 
@@ -195,18 +198,18 @@ def _lost(series: Sequence[Point]) -> Iterator[str]:
     lost = sum(point.lost for point in series)
     missing = [f"{point.tilt_deg:g} deg" for point in series if point.speed is None]
     if lost:
-        told = f"{series[0].assumption}, {series[0].model}: means leave out the runs that ended "
-        told += f"badly, {lost} in all (the CSVs say where and how)"
+        line = f"{series[0].assumption}, {series[0].model}: means leave out the runs that ended "
+        line += f"badly, {lost} in all (the CSVs say where and how)"
         if missing:
-            told += f"; none is given for {', '.join(missing)}, where they are most"
-        yield told + "."
+            line += f"; none is given for {', '.join(missing)}, where they are most"
+        yield line + "."
 
 
 def _onset(series: Sequence[Point]) -> Iterator[str]:
     """Lines on where speeds rise most steeply with the plate's speed."""
-    known = [(one.plate_speed_mm_s, one.speed) for one in series if one.speed is not None]
+    points = [(point.plate_speed_mm_s, point.speed) for point in series if point.speed is not None]
     rises: list[tuple[float, float, float, Value, Value]] = [
-        ((b.mean - a.mean) / (y - x), x, y, a, b) for (x, a), (y, b) in pairwise(known)
+        ((b.mean - a.mean) / (y - x), x, y, a, b) for (x, a), (y, b) in pairwise(points)
     ]
     if rises:
         _, x, y, a, b = max(rises)
@@ -217,9 +220,9 @@ def _onset(series: Sequence[Point]) -> Iterator[str]:
         )
 
 
-def _slopes(found: Findings) -> str:
+def _slopes(findings: Findings) -> str:
     return "; ".join(
         f"{series[0].assumption}, {series[0].model} {number(slope.mean, slope.se)}"
-        for series in series_of(found.drives)
+        for series in series_of(findings.drives)
         if (slope := through_zero(series)) is not None
     )

@@ -78,9 +78,13 @@ class Runs(NamedTuple):
 def along_tilts(
     assumptions: Sequence[Assumption], designs: Sequence[Design], progress: Progress
 ) -> list[Runs]:
-    """Simulate walkers on a plane under every assumption; ensembles without two good runs lack."""
-    cases = [(one.name, on_plane(one.scene), design) for one in assumptions for design in designs]
-    asked = [
+    """Simulate walkers on a plane under every assumption, but ensembles without two good runs."""
+    cases = [
+        (assumption.name, on_plane(assumption.scene), design)
+        for assumption in assumptions
+        for design in designs
+    ]
+    requests = [
         experiments.Experiment(
             _longer(scene), design, solids.mass_of(design), sample_interval=INTERVAL
         )
@@ -89,12 +93,12 @@ def along_tilts(
     tilts = [design.tilt_deg for *_, design in cases]
     names = [name for name, *_ in cases]
     titles = [f"{name}, on a plane, {tilt:g} deg" for name, tilt in zip(names, tilts, strict=True)]
-    simulated = experiments.each(asked, titles, progress, None)
-    found = [
+    simulated = experiments.each(requests, titles, progress, None)
+    ensembles = [
         measured(name, tilt, point.results)
         for name, tilt, point in zip(names, tilts, simulated, strict=True)
     ]
-    return [one for one in found if one is not None]
+    return [runs for runs in ensembles if runs is not None]
 
 
 def _longer(scene: Scene) -> Scene:
@@ -139,17 +143,19 @@ def growth(tracks: Tracks) -> Growth:
     if len(lags) < 3 or not (whole - sums > 0.0).all():
         none = np.zeros(0)
         return Growth(Curve(none, none, none), None, None, None, None)
-    grown = [np.log(squares / pairs) for squares, pairs in (whole, *(whole - sums))]
-    log = np.log(lags * tracks.interval)
-    slopes = np.array([(one[2:] - one[:-2]) / (log[2:] - log[:-2]) for one in grown])
+    log_sums = [np.log(squares / pairs) for squares, pairs in (whole, *(whole - sums))]
+    log_lags = np.log(lags * tracks.interval)
+    slopes = np.array(
+        [(logs[2:] - logs[:-2]) / (log_lags[2:] - log_lags[:-2]) for logs in log_sums]
+    )
     errors = np.asarray(statistics.jackknife_error(slopes[1:]))
     lowest = int(slopes[0].argmin())
     return Growth(
-        Curve(np.exp(log[1:-1]), slopes[0], errors),
+        Curve(np.exp(log_lags[1:-1]), slopes[0], errors),
         Value(float(slopes[0, 0]), float(errors[0])),
         Value(float(slopes[0, lowest]), float(errors[lowest])),
-        _value([_late(log, one) for one in grown]),
-        _value([_crossover(log[1:-1], one) for one in slopes]),
+        _value([_late(log_lags, logs) for logs in log_sums]),
+        _value([_crossover(log_lags[1:-1], exponents) for exponents in slopes]),
     )
 
 
@@ -161,12 +167,12 @@ def _value(replicates: Sequence[float]) -> Value | None:
     return Value(float(numbers[0]), float(statistics.jackknife_error(numbers[1:, None])[0]))
 
 
-def _late(log_lag: Array, grown: Array) -> float:
+def _late(log_lag: Array, log_squares: Array) -> float:
     """Slope of log MSD from LATE to the longest lag; NaN when that is shorter than 1.5 LATE."""
     first, last = math.log(LATE), float(log_lag[-1])
     if last < first + math.log(1.5):
         return math.nan
-    return float((grown[-1] - np.interp(first, log_lag, grown)) / (last - first))
+    return float((log_squares[-1] - np.interp(first, log_lag, log_squares)) / (last - first))
 
 
 def _crossover(log_lag: Array, slopes: Array) -> float:

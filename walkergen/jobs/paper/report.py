@@ -26,36 +26,36 @@ MARKS = {"agrees": "=", "agrees within": "=", "differs by": "!", "undecided": "?
 LEGEND = "± 2 standard errors; = agrees, ! differs, ? undecided: reproduce.md says by how much"
 
 
-def of(found: Findings, rows: Sequence[Row], title: str, folder: Path) -> Report:
+def of(findings: Findings, rows: Sequence[Row], title: str, folder: Path) -> Report:
     """Report of all that was found and compared, which lies in a folder."""
-    tables = [each for of_figure in TABLES.values() for each in of_figure(found)]
-    marked = side_by_side(rows, found.assumptions, _marked)
+    tables = [table for of_figure in TABLES.values() for table in of_figure(findings)]
+    marked = side_by_side(rows, findings.assumptions, _marked)
     return Report(
         name="reproduce", title=title,
-        tables=[marked, compared(rows), *tables, labels(found.labels)],
-        facts=_facts(found, rows), lines=[LEGEND],
-        figures={name: partial(draw, name, found) for name in TABLES}, folder=folder,
+        tables=[marked, compared(rows), *tables, labels(findings.labels)],
+        facts=_facts(findings, rows), lines=[LEGEND],
+        figures={name: partial(draw, name, findings) for name in TABLES}, folder=folder,
     )  # fmt: skip
 
 
-def _facts(found: Findings, rows: Sequence[Row]) -> dict[str, Any]:
+def _facts(findings: Findings, rows: Sequence[Row]) -> dict[str, Any]:
     listed = [row._asdict() | {"verdict": row.verdict._asdict()} for row in rows]
     ways = [
-        {"mechanism": one.what, "design": one.name, "theory": one.theory._asdict(),
-         "simulated": one.simulated.speed and one.simulated.speed._asdict(),
-         "direction": one.direction}
-        for one in found.mechanisms
+        {"mechanism": way.what, "design": way.name, "theory": way.theory._asdict(),
+         "simulated": way.simulated.speed and way.simulated.speed._asdict(),
+         "direction": way.direction}
+        for way in findings.mechanisms
     ]  # fmt: skip
     return {"rows": listed, "mechanisms": ways}
 
 
-def draw(name: str, found: Findings) -> "Figure":
+def draw(name: str, findings: Findings) -> "Figure":
     """Draw one of the figures, by its name in TABLES."""
     from walkergen.jobs.paper import figures, mechanisms_figure
 
     if name == "mechanisms":
-        return mechanisms_figure.draw(found.mechanisms)
-    return figures.FIGURES[name](found)
+        return mechanisms_figure.draw(findings.mechanisms)
+    return figures.FIGURES[name](findings)
 
 
 def speeds(name: str, points: Sequence[Point]) -> Table:
@@ -92,9 +92,9 @@ def _where(point: Point) -> tuple[str, str, float, float]:
 def theory(theories: Sequence[Theory]) -> Table:
     """Predicted curves, a row for each tilt."""
     rows = [
-        (one.assumption, one.mode, float(tilt), float(speed), float(sd), bool(sticks))
-        for one in theories
-        for tilt, speed, sd, sticks in zip(*one.curve, strict=True)
+        (drawn.assumption, drawn.mode, float(tilt), float(speed), float(sd), bool(sticks))
+        for drawn in theories
+        for tilt, speed, sd, sticks in zip(*drawn.curve, strict=True)
     ]
     keys = ("contact", "mode", "tilt_deg", "speed_mm_s", "speed_sd_mm_s", "a_foot_can_stick")
     return Table("figure2_theory", rows, keys)
@@ -112,13 +112,13 @@ def labels(series: Mapping[float, Sequence[Point]]) -> Table:
 
 def squares(plane: Sequence[Runs]) -> Table:
     """Mean squared displacement on a plane, a row for each tilt and lag."""
-    rows = _curves(plane, lambda one: {"": one.motion.msd})
+    rows = _curves(plane, lambda runs: {"": runs.motion.msd})
     return Table("figure6", rows, (*ON_PLANE, "lag_s", "msd_mm2", "msd_se_mm2"))
 
 
 def exponents(plane: Sequence[Runs]) -> Table:
     """Local exponent of the squared displacement, a row for each tilt and lag."""
-    rows = _curves(plane, lambda one: {"": one.growth.exponents})
+    rows = _curves(plane, lambda runs: {"": runs.growth.exponents})
     return Table("figure6_exponents", rows, (*ON_PLANE, "lag_s", "exponent", "exponent_se"))
 
 
@@ -126,8 +126,8 @@ def densities(plane: Sequence[Runs]) -> Table:
     """Densities of displacements along and across, a row for each bin."""
     keys = (*ON_PLANE, "direction", "displacement_mm", "density_per_mm", "density_se_per_mm")
 
-    def both(one: Runs) -> dict[str, Curve]:
-        return {"along": one.motion.parallel, "across": one.motion.orthogonal}
+    def both(runs: Runs) -> dict[str, Curve]:
+        return {"along": runs.motion.parallel, "across": runs.motion.orthogonal}
 
     return Table("figure6_densities", _curves(plane, both), keys)
 
@@ -135,9 +135,9 @@ def densities(plane: Sequence[Runs]) -> Table:
 def _curves(plane: Sequence[Runs], of: Callable[[Runs], dict[str, Curve]]) -> list[list[object]]:
     """Rows of curves, with the curve's name where it has one."""
     return [
-        [one.assumption, one.tilt_deg, *([name] if name else []), *map(float, numbers)]
-        for one in plane
-        for name, curve in of(one).items()
+        [runs.assumption, runs.tilt_deg, *([name] if name else []), *map(float, numbers)]
+        for runs in plane
+        for name, curve in of(runs).items()
         for numbers in zip(*curve, strict=True)
     ]
 
@@ -146,11 +146,11 @@ def tracks(plane: Sequence[Runs]) -> Table:
     """Tracks on a plane, every 40 ms: y to the left of x."""
     keys = (*ON_PLANE, "particle", "t_s", "x_mm", "y_mm", "theta_rad")
     rows = [
-        (one.assumption, one.tilt_deg, track.particle, float(at * one.tracks.interval),
+        (runs.assumption, runs.tilt_deg, track.particle, float(at * runs.tracks.interval),
          *map(float, track.position[at]), float(track.heading[at]))
-        for one in plane
-        for track in one.tracks.tracks if track.heading is not None
-        for at in range(0, len(track.position), round(one.motion.lag_s / one.tracks.interval))
+        for runs in plane
+        for track in runs.tracks.tracks if track.heading is not None
+        for at in range(0, len(track.position), round(runs.motion.lag_s / runs.tracks.interval))
     ]  # fmt: skip
     return Table("figure6_tracks", rows, keys)
 
@@ -172,12 +172,12 @@ class Way(NamedTuple):
     outcomes: str
 
 
-def mechanisms(found: Sequence[Mechanism]) -> Table:
+def mechanisms(measured: Sequence[Mechanism]) -> Table:
     """Theory and simulation of every mechanism."""
     rows = [
-        Way(one.what, one.name, *one.theory, one.used, one.simulated.model,
-            *_pair(one.simulated.speed), *_pair(one.ratio), one.direction, one.simulated.outcomes)
-        for one in found
+        Way(way.what, way.name, *way.theory, way.used, way.simulated.model,
+            *_pair(way.simulated.speed), *_pair(way.ratio), way.direction, way.simulated.outcomes)
+        for way in measured
     ]  # fmt: skip
     columns = (
         report.text("mechanism", "mechanism"),
@@ -193,13 +193,13 @@ def mechanisms(found: Sequence[Mechanism]) -> Table:
 
 
 TABLES: Mapping[str, Callable[[Findings], Sequence[Table]]] = {
-    "figure2": lambda found: [speeds("figure2", found.tilts), theory(found.theories)],
-    "figure3": lambda found: [types(found.tilts)],
-    "figure5": lambda found: [speeds("figure5", found.drives)],
-    "figure6": lambda found: [
-        squares(found.plane), exponents(found.plane), densities(found.plane), tracks(found.plane)
+    "figure2": lambda findings: [speeds("figure2", findings.tilts), theory(findings.theories)],
+    "figure3": lambda findings: [types(findings.tilts)],
+    "figure5": lambda findings: [speeds("figure5", findings.drives)],
+    "figure6": lambda findings: [
+        *(table(findings.plane) for table in (squares, exponents, densities, tracks)),
     ],
-    "mechanisms": lambda found: [mechanisms(found.mechanisms)],
+    "mechanisms": lambda findings: [mechanisms(findings.mechanisms)],
 }  # fmt: skip
 """Tables of the numbers that each figure shows."""
 
@@ -220,11 +220,14 @@ def side_by_side(
     rows: Sequence[Row], assumptions: Sequence[Assumption], cell: Callable[[Row], str]
 ) -> Table:  # fmt: skip
     """Table to read: a row for a fact and a model, a column for a set of contact numbers."""
-    keys = ("the paper", "our number from", *(one.label for one in assumptions))
+    keys = ("the paper", "our number from", *(assumption.label for assumption in assumptions))
     lines, last = [], ""
     for fact, model in dict.fromkeys((row.fact, row.model) for row in rows):
         same = {row.assumption: row for row in rows if (row.fact, row.model) == (fact, model)}
-        cells = [cell(same[one.name]) if one.name in same else "" for one in assumptions]
+        cells = [
+            cell(same[assumption.name]) if assumption.name in same else ""
+            for assumption in assumptions
+        ]
         lines.append((f"{name(fact)}: {FACTS[fact].claim}" if fact != last else "", model, *cells))
         last = fact
     return Table("comparison", lines, keys, report.every(keys, keys))

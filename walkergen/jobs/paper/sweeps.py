@@ -124,22 +124,24 @@ def along_tilts(
     cases: Sequence[Case], tilts_deg: Sequence[float], progress: Progress
 ) -> list[Point]:
     """Simulate every case at every tilt, on the drive of its scene."""
-    asked = [
+    tilted = [
         case._replace(design=case.design.variant(tilt_deg=tilt))
         for case in cases
         for tilt in tilts_deg
     ]
-    return list(measured(asked, progress))
+    return list(measured(tilted, progress))
 
 
 def along_drives(cases: Sequence[Case], gammas: Sequence[float], progress: Progress) -> list[Point]:
     """Simulate every case at every peak acceleration (over g), keeping its frequency."""
-    asked = [
-        case._replace(assumption=case.assumption._replace(scene=driven(case.assumption.scene, one)))
+    shaken = [
+        case._replace(
+            assumption=case.assumption._replace(scene=driven(case.assumption.scene, gamma))
+        )
         for case in cases
-        for one in gammas
+        for gamma in gammas
     ]
-    return list(measured(asked, progress))
+    return list(measured(shaken, progress))
 
 
 def driven(scene: Scene, gamma: float) -> Scene:
@@ -153,11 +155,11 @@ def driven(scene: Scene, gamma: float) -> Scene:
 
 def measured(cases: Sequence[Case], progress: Progress) -> Iterator[Point]:
     """Simulate every case as it is."""
-    asked = [experiments.Experiment(*_asked(case), impacts=True) for case in cases]
+    requests = [experiments.Experiment(*_asked(case), impacts=True) for case in cases]
     titles = [
         f"{case.assumption.name}, {case.model}, {case.design.tilt_deg:g} deg" for case in cases
     ]
-    for case, point in zip(cases, experiments.each(asked, titles, progress, None), strict=True):
+    for case, point in zip(cases, experiments.each(requests, titles, progress, None), strict=True):
         yield _point(case, point)
 
 
@@ -179,12 +181,14 @@ def check(case: Case) -> None:
 
 
 def _point(case: Case, point: experiments.Results) -> Point:
-    """What a simulated point says of a case, with its impacts."""
+    """Point of a case, from its simulated runs and their impacts."""
     results = point.results
     good = [result for result in results if result.outcome in ENDED_WELL]
     corners = 2 if point.model == "space" else 1
     impacts = [_impacts(result, corners) for result in good]
-    speeds = [float(one.speed[one.landing].mean()) for one in impacts if one.landing.any()]
+    speeds = [
+        float(of_run.speed[of_run.landing].mean()) for of_run in impacts if of_run.landing.any()
+    ]
     return Point(
         case.assumption.name,
         case.model,
@@ -210,9 +214,9 @@ class _Impacts(NamedTuple):
 
 def _impacts(result: RunResult, corners: int = 1) -> _Impacts:
     """Impacts of a run whose events count so many corners to a foot."""
-    rows = impacts_of(result)
-    landing = landings.of_feet(rows[:, 0], rows[:, 1].astype(np.int64) // corners)
-    return _Impacts(rows[:, 6].astype(np.int64), rows[:, 3], -rows[:, 5], landing)
+    impacts = landings.impacts_in(impacts_of(result))
+    landing = landings.of_feet(impacts.time, impacts.foot // corners)
+    return _Impacts(impacts.kind, impacts.F_y, -impacts.v_y, landing)
 
 
 def _shares(
@@ -220,10 +224,10 @@ def _shares(
 ) -> dict[tuple[str, str], Value]:
     """Mean shares over the runs that have impacts; empty if fewer than two have."""
     rows = [
-        (_of_counts(result.tally.counts), _of_events(one.kind, one.landing.astype(float)),
-         _of_events(one.kind, one.impulse))
-        for result, one in zip(results, impacts, strict=True)
-        if one.landing.any()
+        (_of_counts(result.tally.counts), _of_events(of_run.kind, of_run.landing.astype(float)),
+         _of_events(of_run.kind, of_run.impulse))
+        for result, of_run in zip(results, impacts, strict=True)
+        if of_run.landing.any()
     ]  # fmt: skip
     if len(rows) < 2:
         return {}

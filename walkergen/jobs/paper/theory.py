@@ -33,16 +33,18 @@ class Curve(NamedTuple):
 
 def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
     """Speeds of a design's kind of legs over a fine range of tilts (91 points)."""
-    known = uncertain.inputs(scene, design, uncertain.PREDICTION)
-    drawn = uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
+    inputs = uncertain.inputs(scene, design, uncertain.PREDICTION)
+    drawn = uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
     contact = scene.contact
     tilts = np.linspace(low_deg, high_deg, 91)
     speed, sd, sticks = [], [], []
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        each = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
-        speed.append(float(each.factor) * scene.impact_speed)
+        stationary_speeds = stationary(
+            variant, mass, contact.restitution, contact.friction, mode, contact.law
+        )
+        speed.append(float(stationary_speeds.factor) * scene.impact_speed)
         sd.append(float(prediction.theory_speeds(variant, mass, scene, mode, drawn).std()))
-        sticks.append(not all(each.reverses))
+        sticks.append(not all(stationary_speeds.reverses))
     return Curve(tilts, np.array(speed), np.array(sd), np.array(sticks))

@@ -60,12 +60,12 @@ def _images(model: str) -> Iterator[Check]:
         leg | {"along_mm": -leg["along_mm"], "tilt_deg": -leg["tilt_deg"]} for leg in THREE[::-1]
     ]
     mass = solids.mass_of(design)
-    one, image = _plan(design, mass), _plan(_design(turned), _mirrored_mass(mass))
-    state = thrown(one)
-    other = mirrored(one.world.walker, state)
-    advance(one, state, IMAGED)
-    advance(image, other, IMAGED)
-    off = apart(mirrored(one.world.walker, state), other)
+    plan, mirror_plan = _plan(design, mass), _plan(_design(turned), _mirrored_mass(mass))
+    state = thrown(plan)
+    other = mirrored(plan.world.walker, state)
+    advance(plan, state, IMAGED)
+    advance(mirror_plan, other, IMAGED)
+    off = apart(mirrored(plan.world.walker, state), other)
     yield Check(f"after {IMAGED:g} s, mm", off, 1e-9, GROWN)
 
 
@@ -122,11 +122,11 @@ def _disc(model: str) -> Iterator[Check]:
     wide = np.hypot(*plan.world.walker.corners[:, [0, 2]].T).max()
     yield Check("farthest point of its hull, over its radius", wide / 11.0, 1.01, "C is off O")
     yield exactly("its hull is as wide as long", abs(reach / wide - 1.0) < 0.02)
-    one = thrown(plan)
-    other = quarter_turned(one)
-    advance(plan, one, IMAGED)
-    advance(plan, other, IMAGED)
-    yield Check("quarter turn, mm", apart(quarter_turned(one), other), 1e-9, GROWN)
+    state = thrown(plan)
+    turned = quarter_turned(state)
+    advance(plan, state, IMAGED)
+    advance(plan, turned, IMAGED)
+    yield Check("quarter turn, mm", apart(quarter_turned(state), turned), 1e-9, GROWN)
 
 
 def _forty(model: str) -> Iterator[Check]:
@@ -144,7 +144,7 @@ def _forty(model: str) -> Iterator[Check]:
 
 
 def _mesh(model: str) -> Iterator[Check]:
-    """Check that a box from a file runs as the same box that was not."""
+    """Check that a box read from a file runs as the same box given by its lengths."""
     box = solids.build(Design()).body
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "box.stl"

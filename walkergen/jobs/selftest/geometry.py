@@ -29,8 +29,8 @@ def _name(design: Design) -> str:
     return f"{design.kind}, {design.limbs[0].foot} feet, tilt {design.tilt_deg:g} deg"
 
 
-def _relative(what: str, found: float, expected: float, limit: float, reason: str) -> Check:
-    return Check(what, abs(found - expected) / abs(expected), limit, reason)
+def _relative(what: str, value: float, expected: float, limit: float, reason: str) -> Check:
+    return Check(what, abs(value - expected) / abs(expected), limit, reason)
 
 
 def _defects(mesh: Mesh) -> int:
@@ -208,14 +208,14 @@ def _scaled(design: Design, scale: float) -> Design:
 
 def _any_size(model: str) -> Iterator[Check]:
     for kind, foot, scale in itertools.product(KINDS, FEET, (1e-3, 1e3)):
-        one = _design(kind=kind, foot=foot)
-        other = _scaled(one, scale)
-        yield from _sound(other)
-        expected, found = (solids.mass_of(each) for each in (one, other))
+        design = _design(kind=kind, foot=foot)
+        scaled = _scaled(design, scale)
+        yield from _sound(scaled)
+        mass, scaled_mass = (solids.mass_of(walker) for walker in (design, scaled))
         for what, power in (("M", 3), ("J", 5)):
-            value, reference = float(getattr(found, what)), float(getattr(expected, what))
+            value, reference = float(getattr(scaled_mass, what)), float(getattr(mass, what))
             yield _relative(
-                f"{_name(one)} x {scale:g}: {what}", value, reference * scale**power, 1e-12,
+                f"{_name(design)} x {scale:g}: {what}", value, reference * scale**power, 1e-12,
                 ROUNDING,
             )  # fmt: skip
 

@@ -32,15 +32,15 @@ def _random_impacts(
         yield H, (v_x, -float(rng.uniform(0.1, 1.0))), e, mu
 
 
-def _distance(found: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
+def _distance(impact: Impact, expected: tuple[Fraction, ...], speed_before: float) -> float:
     """Largest difference from the exact impact, relative to impulse and speed."""
     F_x, F_y, v_x, v_y = expected
     impulse = float(max(abs(F_x), F_y))
     return max(
-        float(abs(Fraction(found.F_x) - F_x)) / impulse,
-        float(abs(Fraction(found.F_y) - F_y)) / impulse,
-        float(abs(Fraction(found.v_x) - v_x)) / speed_before,
-        float(abs(Fraction(found.v_y) - v_y)) / speed_before,
+        float(abs(Fraction(impact.F_x) - F_x)) / impulse,
+        float(abs(Fraction(impact.F_y) - F_y)) / impulse,
+        float(abs(Fraction(impact.v_x) - v_x)) / speed_before,
+        float(abs(Fraction(impact.v_y) - v_y)) / speed_before,
     )
 
 
@@ -48,10 +48,10 @@ def _agrees_with_exact(model: str) -> Iterator[Check]:
     for law in (Law.POISSON, Law.NEWTON):
         worst, kinds = 0.0, set()
         for H, v, e, mu in _random_impacts(400, seed=int(law) + 1):
-            found = resolve(H, v, e, mu, law)
+            impact = resolve(H, v, e, mu, law)
             expected = exact.follow(H, v, e, mu, law)
-            worst = max(worst, _distance(found, expected, math.hypot(*v)))
-            kinds.add((found.kind, found.sticks))
+            worst = max(worst, _distance(impact, expected, math.hypot(*v)))
+            kinds.add((impact.kind, impact.sticks))
         yield Check(f"{law.name.lower()}: 400 impacts in exact fractions", worst, 1e-9, ROUNDING)
         yield exactly(
             f"{law.name.lower()}: every type of impact met, stuck and slipping",
@@ -197,9 +197,9 @@ def _light_and_heavy_legs(model: str) -> Iterator[Check]:
         least = min(least, determinant(float(H.xx), float(H.xy), float(H.yy)))
         if ratio <= 1e-6:
             m, M = float(loose.legs[0].m), float(loose.M)
-            found = np.array([H.xx, H.xy, H.yy]) * m / 3.0
+            scaled = np.array([H.xx, H.xy, H.yy]) * m / 3.0
             limit = np.array([reach[1] ** 2, -reach[0] * reach[1], reach[0] ** 2]) / LEG**2
-            worst = max(worst, float(abs(found - limit).max()) * M / m)
+            worst = max(worst, float(abs(scaled - limit).max()) * M / m)
     yield Check(
         "distance from the light leg's limit, over m/M",
         worst,

@@ -54,8 +54,8 @@ def choose(only: str | None) -> list[Job]:
     cases = [case for case in catalogue.CASES if only is None or _named(case, only)]
     if not cases:
         sections = list(dict.fromkeys(case.section for case in catalogue.CASES))
-        known = [case.name for case in catalogue.CASES]
-        near = difflib.get_close_matches(str(only)[:60], known, n=2, cutoff=0.4)
+        names = [case.name for case in catalogue.CASES]
+        near = difflib.get_close_matches(str(only)[:60], names, n=2, cutoff=0.4)
         hint = f"did you mean {' or '.join(near)}?" if near else f"sections: {', '.join(sections)}"
         raise InputError(
             f"--only {str(only)[:30]!r}: no hard case has this section or name; {hint[:120]}"
@@ -64,9 +64,9 @@ def choose(only: str | None) -> list[Job]:
 
 
 def _named(case: Case, only: str) -> bool:
-    wanted = only.strip().lower()
-    below = case.section == wanted or case.section.startswith(f"{wanted}.")
-    return bool(wanted) and (below or wanted in case.name.lower())
+    word = only.strip().lower()
+    below = case.section == word or case.section.startswith(f"{word}.")
+    return bool(word) and (below or word in case.name.lower())
 
 
 def run_job(job: Job) -> Result:
@@ -88,16 +88,16 @@ def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> 
 
 def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
     """Run jobs; results in their order, and whether all were run: Ctrl-C keeps those finished."""
-    done: dict[int, Result] = {}
+    results: dict[int, Result] = {}
     progress("compiling (slow the first time only)", 0, len(jobs))
     workers = min(os.cpu_count() or 1, len(jobs))
     try:
         for index, result in _in_process(jobs) if workers == 1 else _in_processes(jobs, workers):
-            done[index] = result
-            progress(f"{result.case}, {result.model}", len(done), len(jobs))
+            results[index] = result
+            progress(f"{result.case}, {result.model}", len(results), len(jobs))
     except KeyboardInterrupt:
         pass  # reported by the second value
-    return [done[index] for index in sorted(done)], len(done) == len(jobs)
+    return [results[index] for index in sorted(results)], len(results) == len(jobs)
 
 
 def _in_process(jobs: Sequence[Job]) -> Iterator[tuple[int, Result]]:
@@ -128,11 +128,11 @@ def _in_processes(jobs: Sequence[Job], workers: int) -> Iterator[tuple[int, Resu
 
 def _compilers_first(jobs: Sequence[Job]) -> list[int]:
     """Indices of jobs, the first of each model in front: no two compile the same."""
-    seen = set[str]()
+    compiled = set[str]()
     first, rest = list[int](), list[int]()
     for index, job in enumerate(jobs):
-        (rest if job.model in seen else first).append(index)
-        seen.add(job.model)
+        (rest if job.model in compiled else first).append(index)
+        compiled.add(job.model)
     return first + rest
 
 

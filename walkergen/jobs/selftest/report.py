@@ -18,11 +18,14 @@ def of(results: Sequence[Result], whole: bool) -> Report:
     rows = [row for result in results for row in _rows(result)]
     held = sum(result.holds for result in results)
     failed = len(results) - held
-    cases, checks = {one.case for one in results}, sum(len(one.checks) for one in results)
+    cases, checks = (
+        {result.case for result in results},
+        sum(len(result.checks) for result in results),
+    )
     return Report(
         name="selftest", title="Hard cases",
         tables=[Table("selftest", rows, KEYS, report.every(KEYS, WORDS))],
-        facts={"rows": [_facts(one) for one in results], "held": held, "failed": failed,
+        facts={"rows": [_facts(result) for result in results], "held": held, "failed": failed,
                "partial": not whole},
         lines=["sections: docs/physics.md",
                f"{len(cases)} hard cases in {len(results)} runs of a model, {checks} checks: "

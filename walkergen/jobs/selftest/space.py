@@ -6,8 +6,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from walkergen.jobs.selftest.case import SPACE, Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, scene_of, shaken
-from walkergen.jobs.selftest.scenes import masses as masses_of
+from walkergen.jobs.selftest.scenes import STILL, Array, advance, masses, plan_of, scene_of, shaken
 from walkergen.jobs.selftest.space_scenes import apart, in_space, quarter_turned, reflected, thrown
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -40,19 +39,19 @@ TALL = 1e8
 def _images(model: str) -> Iterator[Check]:
     for contact in CONTACTS:
         plan = in_space(drive=shaken(1.8), contact=contact)
-        about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         for name, image_of in (("mirror image", reflected), ("quarter turn", quarter_turned)):
-            one = thrown(plan)
-            other = image_of(one)
-            advance(plan, one, IMAGED)
-            advance(plan, other, IMAGED)
-            yield Check(f"{about}: {name}, mm", apart(image_of(one), other), 1e-9, GROWN)
+            state = thrown(plan)
+            image = image_of(state)
+            advance(plan, state, IMAGED)
+            advance(plan, image, IMAGED)
+            yield Check(f"{title}: {name}, mm", apart(image_of(state), image), 1e-9, GROWN)
 
 
 def _held(model: str) -> Iterator[Check]:
     """Check that roll and yaw come from rounding alone, and not at all when they are off."""
     for contact in CONTACTS:
-        about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         for free in (True, False):
             plan = in_space(drive=shaken(1.8), contact=contact, effects={"roll_and_yaw": free})
             state = plan.start(0.05, 4e-3, 1.0)
@@ -60,7 +59,7 @@ def _held(model: str) -> Iterator[Check]:
             advance(plan, state, LANDED if free else 0.2)
             out = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
             yield Check(
-                f"{about}: out of its plane, {'free' if free else 'held'}",
+                f"{title}: out of its plane, {'free' if free else 'held'}",
                 out,
                 1e-9 if free else 0.0,
                 GROWN if free else "exact: nothing moves it across",
@@ -77,15 +76,15 @@ def _tiny_roll(model: str) -> Iterator[Check]:
             state[W_X : W_Z + 1] = 0.0, 0.0, 0.7
             advance(plan, state, LANDED)
             ends.append(state)
-        about = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
         yield Check(
-            f"{about}: answer to a roll of 1e-9 rad, mm",
+            f"{title}: answer to a roll of 1e-9 rad, mm",
             apart(ends[0], ends[1]),
             1e-6,
             "4e-9 mm of a corner's height, grown six times by each landing of a corner",
         )
         yield Check(
-            f"{about}: twice the roll, twice the answer, relative",
+            f"{title}: twice the roll, twice the answer, relative",
             abs(apart(ends[0], ends[2]) / apart(ends[0], ends[1]) - 2.0),
             0.2,
             "modes of the contacts change a few steps earlier or later",
@@ -95,9 +94,8 @@ def _tiny_roll(model: str) -> Iterator[Check]:
 def _top(model: str) -> Iterator[Check]:
     """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
     design = Design.model_validate({"legs": {"kind": "braced"}})
-    plan = prepare(
-        scene_of("space", drive=STILL, arena={"kind": "plane"}), design, masses_of(design)
-    )
+    scene = scene_of("space", drive=STILL, arena={"kind": "plane"})
+    plan = prepare(scene, design, masses(design))
     state = plan.start(TALL, 0.0, 0.0)
     state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
     inertia = plan.world.walker.inertia
@@ -135,8 +133,8 @@ def _upright(model: str) -> Iterator[Check]:
         run=runs,
     )  # fmt: skip
     results = [simulate(plan, number) for number in range(8)]
-    yield exactly("all runs end well", all(one.outcome is Outcome.OK for one in results))
-    speeds = np.array([one.speed for one in results])
+    yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
+    speeds = np.array([result.speed for result in results])
     error = float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
     yield Check(
         f"mean speed of 8 runs, over its error of {error:.2g} mm/s",

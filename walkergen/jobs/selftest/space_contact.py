@@ -38,8 +38,8 @@ def _rough(model: str) -> Iterator[Check]:
             plan = in_space(
                 tilt, drive=shaken(1.8), contact={"friction": friction, "restitution": label}
             )
-            about = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
-            yield from endures(plan, thrown(plan), RUN, about, BALANCE)
+            title = f"{tilt:g} deg, mu = {friction:g}, e = {label:g}"
+            yield from endures(plan, thrown(plan), RUN, title, BALANCE)
 
 
 def _without_slip(model: str) -> Iterator[Check]:
@@ -73,7 +73,7 @@ def _lossless(model: str) -> Iterator[Check]:
         )  # fmt: skip
         # The mean over drops: each errs with a sign and size of its own
         drops = np.linspace(-1.0, 1.0, 12)
-        changes.append(float(np.sqrt(np.mean([_change(plan, one) ** 2 for one in drops]))))
+        changes.append(float(np.sqrt(np.mean([_change(plan, drop) ** 2 for drop in drops]))))
     yield Check("change at a quarter of the step, rms of 12 drops", changes[0], 1e-2, "h^2")
     yield Check(
         "change at a sixteenth over that at a quarter",
@@ -89,10 +89,10 @@ def _change(plan: Plan, place: float) -> float:
     Energies count from the walker that stands.
     """
     state = plan.start(0.5 + 0.1 * place, 4e-3 * place, 0.0, 3e-3 + 1e-3 * place)
-    rest = plan.energy(plan.start(0.0, 0.0, 0.0))
-    before = plan.energy(state) - rest
+    at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+    before = plan.energy(state) - at_rest
     advance(plan, state, 0.05)
-    return (plan.energy(state) - rest) / before - 1.0
+    return (plan.energy(state) - at_rest) / before - 1.0
 
 
 def _stiffness(model: str) -> Iterator[Check]:
@@ -102,9 +102,9 @@ def _stiffness(model: str) -> Iterator[Check]:
                 drive=shaken(1.8), contact={"restitution": 0.5},
                 feet={"stiffness_ratio": ratio, "damping": damping},
             )  # fmt: skip
-            about = f"{damping}, stiffness x {ratio:g}"
+            title = f"{damping}, stiffness x {ratio:g}"
             seconds = RUN if ratio <= 1e2 else 0.1 * RUN
-            yield from endures(plan, thrown(plan), seconds, about, BALANCE)
+            yield from endures(plan, thrown(plan), seconds, title, BALANCE)
 
 
 def _frozen(model: str) -> Iterator[Check]:
@@ -161,11 +161,11 @@ def _corner_of_lane(model: str) -> Iterator[Check]:
             f"e = {label:g}: wall and plate push at once",
             bool(touched[V_Z] < 30.0 and touched[V_Y] > -20.0),
         )
-        about = f"e = {label:g}: both walls, alike, mm"
-        one = state.copy()
-        advance(plan, one, 1e-3)
+        title = f"e = {label:g}: both walls, alike, mm"
+        direct = state.copy()
+        advance(plan, direct, 1e-3)
         advance(plan, other, 1e-3)
-        yield Check(about, apart(reflected(one), other), 1e-9, "rounding, grown by landings")
+        yield Check(title, apart(reflected(direct), other), 1e-9, "rounding, grown by landings")
         yield from endures(plan, state, RUN, f"e = {label:g}", BALANCE)
         half = 0.5 * plan.scene.arena.gap_mm if plan.scene.arena.gap_mm else math.inf
         yield Check(

@@ -56,28 +56,28 @@ def _spin(model: str) -> Iterator[Check]:
         advance(plan, state, 1.2 * stops)
         stopped = state.copy()
         advance(plan, state, 0.5)
-        about = f"{tilt:g} deg"
+        title = f"{tilt:g} deg"
         yield Check(
-            f"{about}: turn against that of Coulomb's torque, relative",
+            f"{title}: turn against that of Coulomb's torque, relative",
             abs((state[HEADING] - start[HEADING]) / turn - 1.0),
             5e-3,
             "corners of tilted legs are not on a circle about C; springs wind up first",
         )
         yield Check(
-            f"{about}: turn after 1.2 of Coulomb's time, rad",
+            f"{title}: turn after 1.2 of Coulomb's time, rad",
             abs(float(state[HEADING] - stopped[HEADING])),
             1e-6,
             "none: it has stopped",
         )
         yield Check(
-            f"{about}: rates half a second later, rad/s",
+            f"{title}: rates half a second later, rad/s",
             float(np.abs(state[W_X : W_Z + 1]).max()),
             1e-3,
             "ringing of the body on legs with a damping ratio of 0.05",
         )
         if tilt == 0.0:
             drift = float(np.abs(state - start)[[SHOWN_X, SHOWN_Y]].max())
-            yield Check(f"{about}: drift, mm", drift, 1e-9, "none by symmetry; rounding")
+            yield Check(f"{title}: drift, mm", drift, 1e-9, "none by symmetry; rounding")
 
 
 def _raised(plan: Plan, height: float) -> Plan:
@@ -123,16 +123,16 @@ def _long_rest(model: str) -> Iterator[Check]:
         state = settled(plan)
         before, energy, started = state.copy(), plan.energy(state), time.process_time()
         outcome, tally = advance(plan, state, LONG)
-        about = f"{gamma:g} g"
-        yield exactly(f"{about}: it ends well ({outcome.value})", outcome is Outcome.OK)
+        title = f"{gamma:g} g"
+        yield exactly(f"{title}: it ends well ({outcome.value})", outcome is Outcome.OK)
         moved = float(np.abs(state - before)[[SHOWN_X, SHOWN_Y, HEADING, PITCH, ROLL]].max())
-        yield Check(f"{about}: way in {LONG:g} s, mm or rad", moved, CREEP, "none: it is stuck")
+        yield Check(f"{title}: way in {LONG:g} s, mm or rad", moved, CREEP, "none: it is stuck")
         cost = time.process_time() - started
-        yield Check(f"{about}: time on the processor, s", cost, 1.0, "a few steps")
+        yield Check(f"{title}: time on the processor, s", cost, 1.0, "a few steps")
         gained = plan.energy(state) - energy - float(tally.sums[record.PLATE_WORK])
         whole = plan.world.walker.mass * GRAVITY * float(state[C_Y])
         yield Check(
-            f"{about}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding"
+            f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding"
         )
 
 
@@ -146,11 +146,11 @@ def _rights_itself(model: str) -> Iterator[Check]:
             for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
                 state = plan.start(0.0, 0.0, 0.0, side * (edge + beyond))
                 outcome, _ = advance(plan, state, 1.0)
-                about = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
-                yield exactly(f"{about}: {outcome.value}", outcome is wanted)
+                title = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
+                yield exactly(f"{title}: {outcome.value}", outcome is wanted)
                 angle = 0.0 if wanted is Outcome.OK else 0.5 * math.pi
                 yield Check(
-                    f"{about}: roll at the end from {angle:.2g}, rad",
+                    f"{title}: roll at the end from {angle:.2g}, rad",
                     abs(side * float(state[ROLL]) - angle),
                     1e-3 if wanted is Outcome.OK else 0.02,
                     "ringing" if wanted is Outcome.OK else "feet in the air or pressed down",

@@ -77,9 +77,9 @@ def quarter_turned(state: Array) -> Array:
     return image
 
 
-def apart(one: Array, other: Array) -> float:
+def apart(a: Array, b: Array) -> float:
     """Largest difference of place (mm) and angles (rad)."""
-    return float(np.abs(one[PLACE] - other[PLACE]).max())
+    return float(np.abs(a[PLACE] - b[PLACE]).max())
 
 
 def deepest_of(plan: Plan, speed: float) -> float:

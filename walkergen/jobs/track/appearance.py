@@ -17,7 +17,7 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.errors import InputError
-from walkergen.jobs.track.film import Grey
+from walkergen.jobs.track.films import Grey
 
 Array = npt.NDArray[np.float32]
 Mask = npt.NDArray[np.bool_]
@@ -85,8 +85,8 @@ class Appearance(NamedTuple):
     def contrasts(self, frame: Grey) -> Array:
         """Contrasts of pixels with the ground, positive on walkers; lamps that flicker undone."""
         lamp, gain = self._light(frame)
-        found = (frame - lamp * self.ground) * (-gain if self.dark else gain)
-        return np.asarray(ndimage.gaussian_filter(found, self.blur), np.float32)
+        sharp = (frame - lamp * self.ground) * (-gain if self.dark else gain)
+        return np.asarray(ndimage.gaussian_filter(sharp, self.blur), np.float32)
 
     def slopes(self, frame: Grey) -> Array:
         """Change of the brightness from pixel to pixel, in the unit of contrasts."""
@@ -107,7 +107,7 @@ class Appearance(NamedTuple):
 def learn(
     samples: Sequence[Grey], dark: bool | None, threshold: float | None, width: float | None
 ) -> Appearance:
-    """Appearance of a film from some of its frames; None: what the film tells.
+    """Appearance of a film from some of its frames, which also decide what is None here.
 
     Raises InputError when nothing stands out, with what was seen.
     """
@@ -115,8 +115,8 @@ def learn(
     widest = WIDEST * min(picture.shape)
     sides = (True, False) if dark is None else (dark,)
     few = samples[:: max(1, len(samples) // 2)]
-    tries = [_tried(few, picture, one, threshold) for one in sides]
-    look = max(tries, key=lambda one: one.width)
+    tries = [_tried(few, picture, side, threshold) for side in sides]
+    look = max(tries, key=lambda tried: tried.width)
     if look.width < (THINNEST if width is None else min(width, THINNEST)):
         what = "light or dark" if dark is None else "dark" if dark else "light"
         raise InputError(
@@ -128,19 +128,19 @@ def learn(
     look = _seen(few, look._replace(ground=local), threshold)
     look = look._replace(threshold=0.5 * look.contrast if threshold is None else threshold)
     blurs = [blur for blur in BLURS if blur <= SOFTEST * look.width]
-    fields = [[look._replace(blur=blur).contrasts(one) for one in samples] for blur in blurs]
-    noises = [_noise(one) for one in fields]
+    fields = [[look._replace(blur=blur).contrasts(sample) for sample in samples] for blur in blurs]
+    noises = [_noise(field) for field in fields]
     enough = [at for at, noise in enumerate(noises) if NOISY * noise <= 0.5 * look.contrast]
     at = enough[0] if enough else -1
     look = look._replace(blur=blurs[at], noise=noises[0])
-    slopes = [look.slopes(one) for one in samples]
+    slopes = [look.slopes(sample) for sample in samples]
     return look._replace(width=width or next(_widest(fields[at], slopes, (look.threshold,)))[0])
 
 
 def _tried(
     samples: Sequence[Grey], picture: Array, dark: bool, threshold: float | None
 ) -> Appearance:
-    """Look by the widest window that may hold a walker; its width is 0 unless smaller ones agree.
+    """Appearance by the widest window that may hold a walker; width 0 unless smaller ones agree.
 
     What lies between walkers stands out as well, on their other side, but as wide as the window
     lets it.
@@ -151,12 +151,12 @@ def _tried(
         for share in WINDOWS
     ]
     whole = looks[0]
-    apart = [
-        abs(one.width - whole.width)
-        for one, share in zip(looks, WINDOWS, strict=True)
+    differences = [
+        abs(look.width - whole.width)
+        for look, share in zip(looks, WINDOWS, strict=True)
         if share * widest > AROUND * whole.width
     ]
-    agree = len(apart) > 1 and max(apart) <= SAME * whole.width
+    agree = len(differences) > 1 and max(differences) <= SAME * whole.width
     return whole if agree else whole._replace(width=0.0)
 
 
@@ -172,17 +172,17 @@ def ground(picture: Array, dark: bool, widest: float) -> Array:
 
 
 def _seen(samples: Sequence[Grey], look: Appearance, threshold: float | None) -> Appearance:
-    """Look with what stands out from its ground with a sharp edge; its width is 0 without any.
+    """Appearance with what stands out from its ground, sharp-edged; its width is 0 without any.
 
     Where the ground is not known well, shades of the light that are fainter than walkers run into
     them: of several thresholds the one counts that shows the widest thing.
     """
-    fields = [look.contrasts(one) for one in samples]
-    slopes = [look.slopes(one) for one in samples]
+    fields = [look.contrasts(sample) for sample in samples]
+    slopes = [look.slopes(sample) for sample in samples]
     noise = _noise(fields)
     least = min(max(NOISY * noise, FAINTEST), STRONGEST) if threshold is None else threshold
     steps = [least * 2**n for n in range(STEPS) if threshold is None or n == 0]
-    width, level = max(_widest(fields, slopes, steps), key=lambda one: one[0])
+    width, level = max(_widest(fields, slopes, steps), key=lambda spot: spot[0])
     return look._replace(noise=noise, threshold=least, contrast=max(level, least), width=width)
 
 
@@ -197,13 +197,13 @@ def _widest(
 ) -> Iterator[tuple[float, float]]:
     """Median width of the widest things with a sharp edge, pixels, and their contrast, at each."""
     for threshold in thresholds:
-        things = [
-            thing
+        spots = [
+            spot
             for field, slope in zip(fields, slopes, strict=True)
-            for thing in _sharp(field, slope, threshold)
+            for spot in _sharp(field, slope, threshold)
         ]
-        widest = max((width for width, _ in things), default=0.0)
-        wide = [thing for thing in things if thing[0] > 0.5 * widest]  # marks and letters are not
+        widest = max((width for width, _ in spots), default=0.0)
+        wide = [spot for spot in spots if spot[0] > 0.5 * widest]  # marks and letters are not
         width, level = np.median(wide, axis=0) if wide else (0.0, 0.0)
         yield float(width), float(level)
 
@@ -228,9 +228,10 @@ def pieces(mask: Mask, width: float) -> Iterator[tuple[tuple[slice, slice], Mask
     """
     labels, _ = ndimage.label(mask, EIGHT)
     for number, box in enumerate(ndimage.find_objects(labels), start=1):
-        sizes = [one.stop - one.start for one in box]
+        sizes = [side.stop - side.start for side in box]
         inside = all(
-            one.start > 0 and one.stop < whole for one, whole in zip(box, mask.shape, strict=True)
+            side.start > 0 and side.stop < whole
+            for side, whole in zip(box, mask.shape, strict=True)
         )
         if inside and min(sizes) >= width:
             yield box, np.pad(labels[box] == number, 1)

@@ -14,8 +14,8 @@ import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.jobs.track.appearance import Appearance
-from walkergen.jobs.track.film import Grey
-from walkergen.jobs.track.find import Blob
+from walkergen.jobs.track.blobs import Blob
+from walkergen.jobs.track.films import Grey
 
 Array = npt.NDArray[np.float64]
 
@@ -69,8 +69,8 @@ def fixed(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) ->
     steep[:, : int(2 * SOFT)] = steep[:, -int(2 * SOFT) :] = 0.0
     # A blurred slope has the noise of a blurred pixel over the blur's width
     rows, columns = np.nonzero(steep > max(STEEP * noise / SOFT, LEAST_STEEP))
-    apart = _apart(np.stack([columns, rows]), walkers)
-    rows, columns = rows[apart], columns[apart]
+    free = _apart(np.stack([columns, rows]), walkers)
+    rows, columns = rows[free], columns[free]
     chosen = np.argsort(-steep[rows, columns], kind="stable")[:MOST_POINTS]
     rows, columns = rows[chosen], columns[chosen]
     if len(rows) < FEWEST_POINTS:
@@ -80,46 +80,49 @@ def fixed(samples: Sequence[Grey], look: Appearance, walkers: Sequence[Blob]) ->
 
 
 def shift(points: Fixed, frame: Grey, walkers: Sequence[Blob]) -> Array:
-    """Way of what stands still since the first frames, pixels, x to the right, y down.
+    """Displacement of what stands still since the first frames, pixels, x to the right, y down.
 
     NaN where too few points are free of walkers, or where they leave it open.
     """
-    apart = _apart(points.places, walkers)
-    places, values, slopes = points.places[:, apart], points.values[apart], points.slopes[:, apart]
+    free = _apart(points.places, walkers)
+    places, values, slopes = points.places[:, free], points.values[free], points.slopes[:, free]
     unknown = np.full(2, np.nan)
     if len(values) < FEWEST_POINTS:
         return unknown
     soft = ndimage.gaussian_filter(frame, SOFT, output=float)
     terms = np.stack([*slopes, np.ones_like(values), values], axis=1)
-    way, kept = np.zeros(2), np.ones(len(values), dtype=bool)
+    moved_by, steady = np.zeros(2), np.ones(len(values), dtype=bool)
     for _ in range(ROUNDS):
-        moved = (places + way[:, None])[::-1]
-        rest = ndimage.map_coordinates(soft, moved, order=1, mode="nearest") - values
-        fit, _, rank, _ = np.linalg.lstsq(terms[kept], rest[kept])
+        moved = (places + moved_by[:, None])[::-1]
+        change = ndimage.map_coordinates(soft, moved, order=1, mode="nearest") - values
+        fit, _, rank, _ = np.linalg.lstsq(terms[steady], change[steady])
         if rank < 4:
             return unknown
-        off = rest - terms @ fit
-        scatter = 1.4826 * float(np.median(np.abs(off[kept])))
-        kept = np.abs(off) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
-        way = way - fit[:2]
-    spread = scatter**2 * np.linalg.pinv(terms[kept].T @ terms[kept])
-    return way if np.sqrt(np.diag(spread)[:2]).max() < UNSURE else unknown
+        off = change - terms @ fit
+        scatter = 1.4826 * float(np.median(np.abs(off[steady])))
+        steady = np.abs(off) <= 3.0 * scatter + 1e-9  # what moves, or shines, does not count
+        moved_by = moved_by - fit[:2]
+    spread = scatter**2 * np.linalg.pinv(terms[steady].T @ terms[steady])
+    return moved_by if np.sqrt(np.diag(spread)[:2]).max() < UNSURE else unknown
 
 
 def shake(shifts: Sequence[Array]) -> Shake:
     """Size of the shifts of many frames about their middle."""
-    ways = np.array(shifts).reshape(-1, 2)
-    ways = ways[~np.isnan(ways).any(axis=1)]
-    if len(ways) < 2:
+    known_shifts = np.array(shifts).reshape(-1, 2)
+    known_shifts = known_shifts[~np.isnan(known_shifts).any(axis=1)]
+    if len(known_shifts) < 2:
         return Shake(math.nan, math.nan)
-    off = ways - ways.mean(axis=0)
+    off = known_shifts - known_shifts.mean(axis=0)
     return Shake(float(np.sqrt(np.mean(off**2))), float(np.hypot(*off.T).max()))
 
 
 def _apart(places: npt.NDArray[np.generic], walkers: Sequence[Blob]) -> npt.NDArray[np.bool_]:
     """True for places, shape (2, n), that lie away from all walkers."""
-    apart = np.ones(places.shape[1], dtype=bool)
-    for one in walkers:
-        near = np.hypot(places[0] - one.x, places[1] - one.y) < BESIDE * one.length + 2.0 * SOFT
-        apart &= ~near
-    return apart
+    free = np.ones(places.shape[1], dtype=bool)
+    for walker in walkers:
+        near = (
+            np.hypot(places[0] - walker.x, places[1] - walker.y)
+            < BESIDE * walker.length + 2.0 * SOFT
+        )
+        free &= ~near
+    return free

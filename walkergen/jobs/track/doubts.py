@@ -7,7 +7,8 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.track.link import Seen
+from walkergen.jobs.track.blobs import Blobs
+from walkergen.jobs.track.linking import Seen
 
 Array = npt.NDArray[np.float64]
 
@@ -25,7 +26,7 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
     """Error of a place that changes from frame to frame, along an axis.
 
     `tracks` are times, shape (n,), and places in neighbouring frames, shape (n, 2), NaN in others.
-    From how far a place lies off the line between those before and after, so that uneven motion
+    It follows from how far a place lies off the line between those before and after: uneven motion
     adds to it, and what stays, or changes slowly, is not in it. NaN for too few frames.
     """
     squares = []
@@ -35,9 +36,9 @@ def jitter(tracks: Sequence[tuple[Array, Array]]) -> float:
         share = ((times[1:-1] - times[:-2]) / (times[2:] - times[:-2]))[:, None]
         bend = places[1:-1] - (1.0 - share) * places[:-2] - share * places[2:]
         squares.append(bend**2 / (1.0 + (1.0 - share) ** 2 + share**2))
-    every = np.concatenate(squares) if squares else np.zeros(0)
-    every = every[~np.isnan(every)]
-    return float(np.sqrt(np.mean(every))) if len(every) else math.nan
+    known_squares = np.concatenate(squares) if squares else np.zeros(0)
+    known_squares = known_squares[~np.isnan(known_squares)]
+    return float(np.sqrt(np.mean(known_squares))) if len(known_squares) else math.nan
 
 
 def path(places: Array, noise: float) -> float:
@@ -46,12 +47,12 @@ def path(places: Array, noise: float) -> float:
     In legs of ten times the noise, or of a frame where that is longer: a sum over all frames would
     grow with their number even for a walker that stands.
     """
-    least, way, last = LEGS * noise, 0.0, places[0]
+    least, total, last = LEGS * noise, 0.0, places[0]
     for place in places[1:]:
         leg = math.dist(place, last)
         if leg >= least:
-            way, last = way + leg, place
-    return way
+            total, last = total + leg, place
+    return total
 
 
 def shadow(walkers: Sequence[Seen]) -> float:
@@ -60,16 +61,12 @@ def shadow(walkers: Sequence[Seen]) -> float:
     A shadow lies on one side in the picture; what turns with walkers is their own shades. Of those
     that never turn the two cannot be told apart.
     """
-    rows = np.concatenate([one.blobs for one in walkers])
-    c, s, ones, none = (
-        np.cos(rows[:, 3]),
-        np.sin(rows[:, 3]),
-        np.ones(len(rows)),
-        np.zeros(len(rows)),
-    )
+    blobs = _together(walkers)
+    c, s = np.cos(blobs.axis), np.sin(blobs.axis)
+    ones, none = np.ones_like(c), np.zeros_like(c)
     right = np.column_stack([ones, none, c, s])  # of shadow (2 columns) and shades (2 columns)
     down = np.column_stack([none, ones, -s, c])
-    terms, pulls = np.concatenate([right, down]), np.concatenate([rows[:, 7], rows[:, 8]])
+    terms, pulls = np.concatenate([right, down]), np.concatenate([blobs.pull_x, blobs.pull_y])
     fit, _, rank, _ = np.linalg.lstsq(terms, pulls)
     if rank < terms.shape[1]:
         return 0.0
@@ -93,23 +90,25 @@ def sizes(walkers: Sequence[Seen]) -> Sizes:
 
     Its logarithm is fitted with a plane and a bowl, each walker with a size of its own.
     """
-    rows = np.concatenate([one.blobs[:, :3] for one in walkers])
-    owner = np.repeat(np.arange(len(walkers)), [len(one.blobs) for one in walkers])
-    place = rows[:, :2] - rows[:, :2].mean(axis=0)
+    blobs = _together(walkers)
+    owner = np.repeat(np.arange(len(walkers)), [len(walker.frames) for walker in walkers])
+    place = np.column_stack([blobs.x, blobs.y])
+    place -= place.mean(axis=0)
     place /= np.abs(place).max() or 1.0
     terms = np.column_stack([place, (place**2).sum(axis=1)])
-    size = 0.5 * np.log(rows[:, 2])
-    own = np.array([_centred(column, owner) for column in (*terms.T, size)])
-    fit, _, rank, _ = np.linalg.lstsq(own[:3].T, own[3])
+    size = 0.5 * np.log(blobs.area)
+    slopes = np.array([_centred(term, owner) for term in terms.T])
+    changes = _centred(size, owner)
+    fit, _, rank, _ = np.linalg.lstsq(slopes.T, changes)
     if rank < 3:
-        return Sizes(0.0, math.inf, float(own[3].std()))
-    rest = own[3] - fit @ own[:3]
+        return Sizes(0.0, math.inf, float(changes.std()))
+    rest = changes - fit @ slopes
     fitted = terms @ fit
     ends = terms[[fitted.argmax(), fitted.argmin()]]
-    apart = ends[0] - ends[1]
-    spread = np.linalg.pinv(own[:3] @ own[:3].T) * float(np.mean(rest**2)) * INDEPENDENT
+    span = ends[0] - ends[1]
+    spread = np.linalg.pinv(slopes @ slopes.T) * float(np.mean(rest**2)) * INDEPENDENT
     return Sizes(
-        math.expm1(float(apart @ fit)), math.sqrt(float(apart @ spread @ apart)), float(rest.std())
+        math.expm1(float(span @ fit)), math.sqrt(float(span @ spread @ span)), float(rest.std())
     )
 
 
@@ -119,6 +118,11 @@ def _centred(values: Array, owner: npt.NDArray[np.int64]) -> Array:
     return np.asarray(values - means[owner])
 
 
+def _together(walkers: Sequence[Seen]) -> Blobs:
+    """Blobs of all walkers, one walker after the other."""
+    return Blobs(*np.hstack([np.array(walker.blobs) for walker in walkers]))
+
+
 def at_once(walkers: Sequence[Seen]) -> int:
     """Largest number of walkers that are seen in one frame."""
-    return int(np.bincount(np.concatenate([one.frames for one in walkers])).max())
+    return int(np.bincount(np.concatenate([walker.frames for walker in walkers])).max())

@@ -12,7 +12,7 @@ from typing import Literal, NamedTuple, get_args
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.jobs.track.link import Seen
+from walkergen.jobs.track.linking import Seen
 
 Array = npt.NDArray[np.float64]
 
@@ -46,18 +46,17 @@ class Headed(NamedTuple):
 
 def of(walker: Seen, by: By) -> Headed:
     """Headings of one walker, by its mark or by its motion."""
-    axis, length, width, mark = walker.blobs.T[3:7]
-    long = bool(np.median(length / width) >= LONG)
+    axis, mark = walker.blobs.axis, walker.blobs.mark
+    elongation = float(np.median(walker.blobs.length / walker.blobs.width))
     seen = ~np.isnan(mark)
     if by == "mark" and not seen.any():
         return _unknown(walker, "no mark was seen")
-    if not long and by == "mark":
-        told = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
-        return Headed(_unwrapped(np.where(seen, mark, np.nan)), told)
-    if not long:
-        ratio = float(np.median(length / width))
+    if elongation < LONG and by == "mark":
+        how = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
+        return Headed(_unwrapped(np.where(seen, mark, np.nan)), how)
+    if elongation < LONG:
         return _unknown(
-            walker, f"{ratio:.2f} times as long as wide: mark the front, --heading mark"
+            walker, f"{elongation:.2f} times as long as wide: mark the front, --heading mark"
         )
     theta = np.full(len(axis), np.nan)
     for part in _parts(walker.frames, axis):
@@ -65,12 +64,14 @@ def of(walker: Seen, by: By) -> Headed:
         votes = _marked(followed, mark[part]) if by == "mark" else _ran(followed, walker, part)
         if votes:
             theta[part] = followed + (math.pi if votes < 0 else 0.0)
-    known = int((~np.isnan(theta)).sum())
-    if not known:
+    headed = int((~np.isnan(theta)).sum())
+    if not headed:
         why = f"it ran less than {MOVED:g} of its length" if by == "motion" else "marks disagree"
         return _unknown(walker, f"{why}, so that front and back are alike")
     front = "the mark" if by == "mark" else "the way it runs"
-    return Headed(_unwrapped(theta), f"the long axis and {front}, in {known} of {len(axis)} frames")
+    return Headed(
+        _unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames"
+    )
 
 
 def _unknown(walker: Seen, why: str) -> Headed:
@@ -92,16 +93,16 @@ def _marked(axis: Array, mark: Array) -> float:
 
 def _ran(axis: Array, walker: Seen, part: slice) -> float:
     """Way run along an axis, pixels; 0 where it is too short to tell."""
-    x, y = walker.blobs[part, 0], -walker.blobs[part, 1]
+    x, y = walker.blobs.x[part], -walker.blobs.y[part]
     middle = 0.5 * (axis[1:] + axis[:-1])
-    way = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))
-    return way if abs(way) > MOVED * float(np.median(walker.blobs[:, 4])) else 0.0
+    run = float(np.diff(x) @ np.cos(middle) + np.diff(y) @ np.sin(middle))
+    return run if abs(run) > MOVED * float(np.median(walker.blobs.length)) else 0.0
 
 
 def _unwrapped(theta: Array) -> Array:
     """Angles with whole turns counted, each from the one before that is known."""
-    found, known = theta.copy(), ~np.isnan(theta)
-    found[known] = np.unwrap(theta[known])
-    if known.any():
-        found -= 2.0 * math.pi * round(float(found[known][0]) / (2.0 * math.pi))
-    return found
+    unwrapped, certain = theta.copy(), ~np.isnan(theta)
+    unwrapped[certain] = np.unwrap(theta[certain])
+    if certain.any():
+        unwrapped -= 2.0 * math.pi * round(float(unwrapped[certain][0]) / (2.0 * math.pi))
+    return unwrapped

@@ -11,13 +11,12 @@ import numpy as np
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.track import appearance, camera, heading, link, report
-from walkergen.jobs.track import film as films
+from walkergen.jobs.track import appearance, camera, films, heading, linking, report
 from walkergen.jobs.track.appearance import Appearance
+from walkergen.jobs.track.blobs import Blob, find
 from walkergen.jobs.track.camera import Shake
-from walkergen.jobs.track.film import Clock, Film, Grey
-from walkergen.jobs.track.find import Blob, find
-from walkergen.jobs.track.link import Linked, Seen
+from walkergen.jobs.track.films import Clock, Film, Grey
+from walkergen.jobs.track.linking import Linked, Seen
 from walkergen.jobs.track.report import TrackReport
 from walkergen.jobs.track.result import Array, Options, Tracked, Walker
 
@@ -57,8 +56,8 @@ def check(options: Options) -> None:
     if options.walkers is not None and options.walkers not in SIDES:
         raise InputError(f"--walkers {options.walkers[:30]!r}: must be one of {', '.join(SIDES)}")
     if options.heading not in heading.BY:
-        known = ", ".join(heading.BY)
-        raise InputError(f"--heading {options.heading[:30]!r}: must be one of {known}")
+        ways = ", ".join(heading.BY)
+        raise InputError(f"--heading {options.heading[:30]!r}: must be one of {ways}")
     first, last = options.frames
     if first < 0 or (last is not None and last <= first):
         raise InputError(
@@ -78,27 +77,28 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     film = films.about(path)
     part = _part(film, options.region)
     try:
-        found = _found(film, part, options, progress)
-        linked = link.link(found.blobs, options.frames[0], found.clock.fps)
+        frames = _looked_at(film, part, options, progress)
+        linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
     scale, scale_se = _scale(options, linked)
     by: heading.By = "mark" if options.heading == "mark" else "motion"
     walkers = [
-        Walker(one, _places(one, film, part, scale), heading.of(one, by)) for one in linked.walkers
+        Walker(seen, _places(seen, film, part, scale), heading.of(seen, by))
+        for seen in linked.walkers
     ]
     tracked = Tracked(
-        film, options, found.look, linked, walkers, len(found.blobs), _still(found.blobs),
-        found.clock, scale, scale_se, found.shake, found.picture, part,
+        film, options, frames.look, linked, walkers, len(frames.blobs), _still(frames.blobs),
+        frames.clock, scale, scale_se, frames.shake, frames.picture, part,
     )  # fmt: skip
-    made = report.of(tracked, folder)
+    tracks = report.of(tracked, folder)
     from walkergen.files import figures  # brings matplotlib
 
     with Folder(folder) as target:
-        target.write(report.TRACKS, made.table.csv().encode())
-        target.write(report.PICTURE, figures.png(made.figures["check"]()))
-        target.finish(dict(made.facts))
-    return made
+        target.write(report.TRACKS, tracks.table.csv().encode())
+        target.write(report.PICTURE, figures.png(tracks.figures["check"]()))
+        target.finish(dict(tracks.facts))
+    return tracks
 
 
 def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
@@ -113,7 +113,7 @@ def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, in
     return left, top, left + width, top + height
 
 
-class _Found(NamedTuple):
+class _Frames(NamedTuple):
     """What was found in a film, frame by frame."""
 
     picture: Grey
@@ -124,9 +124,9 @@ class _Found(NamedTuple):
     shake: Shake
 
 
-def _found(
+def _looked_at(
     film: Film, part: tuple[int, int, int, int], options: Options, progress: Progress
-) -> _Found:
+) -> _Frames:
     left, top, right, bottom = part
     first, last = options.frames
     total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
@@ -143,27 +143,27 @@ def _found(
         look = appearance.learn(samples, dark, options.threshold, options.width_px)
         near = [blob for grey in samples for blob in find(grey, look, marked=False)]
         points = camera.fixed(samples, look, near)
-        found: list[list[Blob]] = []
+        blobs: list[list[Blob]] = []
         shifts: list[Array] = []
         for number, grey in enumerate(chain(samples, frames)):
-            found.append(find(grey, look, marked))
+            blobs.append(find(grey, look, marked))
             if points is not None and number % max(1, total // SHIFTS) == 0:
-                shifts.append(camera.shift(points, grey, found[-1]))
-            progress("frames", len(found), max(total, len(found)))
+                shifts.append(camera.shift(points, grey, blobs[-1]))
+            progress("frames", len(blobs), max(total, len(blobs)))
         clock = films.clock(film, reel.stamps, options.fps)
-    return _Found(samples[0], look, found, clock, camera.shake(shifts))
+    return _Frames(samples[0], look, blobs, clock, camera.shake(shifts))
 
 
-def _still(found: Sequence[Sequence[Blob]]) -> int:
+def _still(frames: Sequence[Sequence[Blob]]) -> int:
     """Number of frames in which something is seen and nothing moves."""
 
     def still(before: Sequence[Blob], now: Sequence[Blob]) -> bool:
         if not now or len(now) != len(before):
             return False
-        moved = zip(now, before, strict=True)
-        return all(math.hypot(one.x - two.x, one.y - two.y) < STILL for one, two in moved)
+        pairs = zip(before, now, strict=True)
+        return all(math.hypot(b.x - a.x, b.y - a.y) < STILL for a, b in pairs)
 
-    return sum(still(before, now) for before, now in pairwise(found))
+    return sum(still(before, now) for before, now in pairwise(frames))
 
 
 def _scale(options: Options, linked: Linked) -> tuple[float, float | None]:
@@ -172,12 +172,12 @@ def _scale(options: Options, linked: Linked) -> tuple[float, float | None]:
         return options.mm_per_px, options.mm_per_px_se
     assert options.length_mm is not None
     scale = options.length_mm / linked.length
-    own = (options.length_se_mm or 0.0) / options.length_mm
-    return scale, scale * math.hypot(EDGES / linked.length, own)
+    share_se = (options.length_se_mm or 0.0) / options.length_mm
+    return scale, scale * math.hypot(EDGES / linked.length, share_se)
 
 
 def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:
     """Places in mm from the lower left corner of the whole frame, y up, shape (n, 2)."""
     left, top, _, _ = part
-    x, y = seen.blobs[:, 0] + left + 0.5, film.height - (seen.blobs[:, 1] + top + 0.5)
+    x, y = seen.blobs.x + left + 0.5, film.height - (seen.blobs.y + top + 0.5)
     return scale * np.column_stack([x, y])

@@ -76,169 +76,176 @@ WALKERS = (
 )
 
 
-def of(made: Tracked, folder: Path) -> TrackReport:
+def of(tracked: Tracked, folder: Path) -> TrackReport:
     """Report of a tracked film, to be written into a folder."""
-    walkers, title = _walkers(made), made.film.path.name
-    warned, picture = warnings(made), folder / PICTURE
+    walkers, title = _walkers(tracked), tracked.film.path.name
+    warned, picture = warnings(tracked), folder / PICTURE
 
     def draw() -> "Figure":
         from walkergen.jobs.track import figures
 
-        return figures.check_figure(made)
+        return figures.check_figure(tracked)
 
     return TrackReport(
         name="track", title=title,
-        tables=[Table("tracks", rows(made), COLUMNS, title=title),
+        tables=[Table("tracks", rows(tracked), COLUMNS, title=title),
                 report.table("walkers", walkers, WALKERS, title)],
-        facts=facts(made, walkers) | {"warnings": warned},
-        lines=[*notes(made), f"{picture}: look at it before you believe the numbers"],
-        figures={"check": draw}, folder=folder, tracked=made, picture=picture, warnings=warned,
+        facts=facts(tracked, walkers) | {"warnings": warned},
+        lines=[*notes(tracked), f"{picture}: look at it before you believe the numbers"],
+        figures={"check": draw}, folder=folder, tracked=tracked, picture=picture, warnings=warned,
     )  # fmt: skip
 
 
-def rows(made: Tracked) -> list[tuple[Any, ...]]:
+def rows(tracked: Tracked) -> list[tuple[Any, ...]]:
     """Rows of tracks.csv, frame by frame."""
     rows = []
-    for number, walker in enumerate(made.walkers):
+    for number, walker in enumerate(tracked.walkers):
         for frame, (x, y), theta in zip(
             walker.seen.frames.tolist(), walker.position.tolist(), walker.headed.theta.tolist(),
             strict=True,
         ):  # fmt: skip
             angle = None if math.isnan(theta) else theta
             place = (x, y, angle)
-            scale = (made.mm_per_px, made.mm_per_px_se)
-            rows.append((frame, number, *place, float(made.clock.times[frame]), *place, *scale))
+            scale = (tracked.mm_per_px, tracked.mm_per_px_se)
+            rows.append((frame, number, *place, float(tracked.clock.times[frame]), *place, *scale))
     return sorted(rows, key=lambda row: row[:2])
 
 
-def _walkers(made: Tracked) -> list[Row]:
+def _walkers(tracked: Tracked) -> list[Row]:
     return [
-        Row(number, int(one.seen.frames[0]), int(one.seen.frames[-1]), one.net_mm,
-            made.path_mm(one), _lost(one.seen.frames), one.headed.how,
-            int((~np.isnan(one.headed.theta)).sum()))
-        for number, one in enumerate(made.walkers)
+        Row(number, int(walker.seen.frames[0]), int(walker.seen.frames[-1]), walker.net_mm,
+            tracked.path_mm(walker), _lost(walker.seen.frames), walker.headed.how,
+            int((~np.isnan(walker.headed.theta)).sum()))
+        for number, walker in enumerate(tracked.walkers)
     ]  # fmt: skip
 
 
-def notes(made: Tracked) -> list[str]:
+def notes(tracked: Tracked) -> list[str]:
     """What was looked for, in words, and the scale with its error."""
-    look, linked = made.look, made.linked
+    look, linked = tracked.look, tracked.linked
     side = "darker" if look.dark else "lighter"
     error = " (its error is not known: give it as 0.05+-0.001)"
-    if made.mm_per_px_se is not None:
-        error = f" ± {words.number(100.0 * made.mm_per_px_se / made.mm_per_px, 2)} %"
-    rate = f"{words.number(made.clock.fps, 4)} frames a second"
-    if not made.clock.regular:
-        steps = 1e3 * np.diff(made.clock.times)
-        apart = words.span(steps.min(), steps.max(), 3)
-        rate += f" in the mean, {apart} ms apart by the film's times"
-    found = [
+    if tracked.mm_per_px_se is not None:
+        error = f" ± {words.number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
+    rate = f"{words.number(tracked.clock.fps, 4)} frames a second"
+    if not tracked.clock.regular:
+        steps = 1e3 * np.diff(tracked.clock.times)
+        intervals = words.span(steps.min(), steps.max(), 3)
+        rate += f" in the mean, {intervals} ms apart by the film's times"
+    lines = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
-        f"{words.number(made.mm_per_px, 4)} mm a pixel{error}; {rate}."
+        f"{words.number(tracked.mm_per_px, 4)} mm a pixel{error}; {rate}."
     ]
-    if not math.isnan(made.jitter_mm):
-        found.append(
-            f"Places jitter by {words.number(made.jitter_mm, 2)} mm between neighbouring frames. "
-            "It is no bound: what stays or changes slowly, as a shadow or the lens, is not in it."
+    if not math.isnan(tracked.jitter_mm):
+        lines.append(
+            f"Places jitter by {words.number(tracked.jitter_mm, 2)} mm between neighbouring "
+            "frames. It is no bound: what stays or changes slowly, as a shadow or the lens, is not "
+            "in it."
         )
-    if math.isnan(made.shake.rms):
-        found.append("Nothing that stands still tells whether the camera shakes.")
-    return found
+    if math.isnan(tracked.shake.rms):
+        lines.append("Nothing that stands still tells whether the camera shakes.")
+    return lines
 
 
-def warnings(made: Tracked) -> list[str]:
+def warnings(tracked: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
-    linked, count, seen = made.linked, made.looked, [one.seen for one in made.walkers]
-    told = []
-    end, announced = made.clock.played_s, made.film.seconds
-    if made.options.frames[1] is None and end < READ * announced - LEAST_S:
-        told.append(f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read")
+    linked, count, seen = (
+        tracked.linked,
+        tracked.looked,
+        [walker.seen for walker in tracked.walkers],
+    )
+    lines = []
+    end, announced = tracked.clock.played_s, tracked.film.seconds
+    if tracked.options.frames[1] is None and end < READ * announced - LEAST_S:
+        lines.append(f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read")
     if linked.empty:
-        told.append(f"nothing was found in {linked.empty} of {count} frames")
+        lines.append(f"nothing was found in {linked.empty} of {count} frames")
     if linked.merged:
-        told.append(
+        lines.append(
             f"walkers touch, and are left out, in {linked.merged} of {count} frames; afterwards "
             "they may have changed their numbers: look at check.png"
         )
-    for number, one in enumerate(made.walkers):
-        if (lost := _lost(one.seen.frames)) > LOST * (lost + len(one.seen.frames)):
-            told.append(f"walker {number} is lost in {lost} frames between its first and last")
+    for number, walker in enumerate(tracked.walkers):
+        if (lost := _lost(walker.seen.frames)) > LOST * (lost + len(walker.seen.frames)):
+            lines.append(f"walker {number} is lost in {lost} frames between its first and last")
     if linked.short:
-        told.append(f"{linked.short} tracks were too short and are left out")
+        lines.append(f"{linked.short} tracks were too short and are left out")
     unknown = [
-        str(number) for number, one in enumerate(made.walkers) if np.isnan(one.headed.theta).all()
+        str(number)
+        for number, walker in enumerate(tracked.walkers)
+        if np.isnan(walker.headed.theta).all()
     ]
     if unknown:
-        told.append(f"no heading of walker {', '.join(unknown[:10])}: see the table")
+        lines.append(f"no heading of walker {', '.join(unknown[:10])}: see the table")
     if (most := doubts.at_once(seen)) < len(seen):
-        told.append(
+        lines.append(
             f"{len(seen)} tracks, but never more than {most} walkers at once: one that was lost "
             "may go on under another number, so that tracks are not independent samples"
         )
-    told += _camera(made)
-    if made.still:
-        told.append(
-            f"nothing moves in {made.still} of {count} frames: if the film holds its last picture, "
-            "leave it out with --frames"
+    lines += _camera(tracked)
+    if tracked.still:
+        lines.append(
+            f"nothing moves in {tracked.still} of {count} frames: if the film holds its last "
+            "picture, leave it out with --frames"
         )
-    return told
+    return lines
 
 
-def _camera(made: Tracked) -> list[str]:
+def _camera(tracked: Tracked) -> list[str]:
     """What light and camera do to the places, each with its size."""
-    seen, look = [one.seen for one in made.walkers], made.look
-    told = []
+    seen, look = [walker.seen for walker in tracked.walkers], tracked.look
+    lines = []
     if look.blur:
-        told.append(
+        lines.append(
             f"little contrast: walkers differ from the ground by {look.contrast:.3g} of 255 steps, "
             f"{look.contrast / look.noise:.2g} times the noise of a pixel: give more light"
         )
-    if made.shake.rms > SHAKY:
-        told.append(
-            f"the camera shakes: what stands still moves by {_length(made.shake.rms, made)} "
-            f"r.m.s., {_length(made.shake.largest, made)} at most, and places with it: fix the "
-            "camera"
+    if tracked.shake.rms > SHAKY:
+        lines.append(
+            f"the camera shakes: what stands still moves by {_length(tracked.shake.rms, tracked)} "
+            f"r.m.s., {_length(tracked.shake.largest, tracked)} at most, and places with it: fix "
+            "the camera"
         )
     if (pull := doubts.shadow(seen)) > PULLED:
-        told.append(
-            f"shadows are taken for walkers, and pull at their centres by {_length(pull, made)}: "
-            "light from all sides, or give a higher --threshold"
+        lines.append(
+            "shadows are taken for walkers, and pull at their centres by "
+            f"{_length(pull, tracked)}: light from all sides, or give a higher --threshold"
         )
     size = doubts.sizes(seen)
     if size.change > max(LARGER, doubts.SURE * size.error):
-        told.append(
+        lines.append(
             f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
             "lengths with them: the camera does not look straight down, or its lens bends"
         )
     if size.scatter > UNSTEADY:
-        told.append(
+        lines.append(
             f"walkers change their size by {100 * size.scatter:.2g} % as they run: shadows, light "
             "or noise are taken for a part of them"
         )
-    return told
+    return lines
 
 
-def _length(pixels: float, made: Tracked) -> str:
-    return f"{words.number(pixels, 2)} pixels ({words.number(pixels * made.mm_per_px, 2)} mm)"
+def _length(pixels: float, tracked: Tracked) -> str:
+    return f"{words.number(pixels, 2)} pixels ({words.number(pixels * tracked.mm_per_px, 2)} mm)"
 
 
-def facts(made: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
+def facts(tracked: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
     """Everything but warnings for JSON and the manifest, with units in the names."""
-    linked, look = made.linked, made.look
-    size = doubts.sizes([one.seen for one in made.walkers])
+    linked, look = tracked.linked, tracked.look
+    size = doubts.sizes([walker.seen for walker in tracked.walkers])
     return {
-        "film": made.film.path.name, **made.options._asdict(),
-        "fps": made.clock.fps, "regular_rate": made.clock.regular,
-        "mm_per_px": made.mm_per_px, "mm_per_px_se": made.mm_per_px_se,
-        "frames_looked_at": made.looked, "frames_without_walkers": linked.empty,
-        "frames_with_touching_walkers": linked.merged, "frames_without_motion": made.still,
+        "film": tracked.film.path.name, **tracked.options._asdict(),
+        "fps": tracked.clock.fps, "regular_rate": tracked.clock.regular,
+        "mm_per_px": tracked.mm_per_px, "mm_per_px_se": tracked.mm_per_px_se,
+        "frames_looked_at": tracked.looked, "frames_without_walkers": linked.empty,
+        "frames_with_touching_walkers": linked.merged, "frames_without_motion": tracked.still,
         "short_tracks": linked.short,
         "walkers_are": "dark" if look.dark else "light", "threshold": look.threshold,
         "width_px": look.width, "length_px": linked.length, "area_px": linked.area,
-        "jitter_mm": _known(made.jitter_mm), "contrast": look.contrast, "noise": look.noise,
-        "shake_px": _known(made.shake.rms), "shake_most_px": _known(made.shake.largest),
-        "shadow_px": doubts.shadow([one.seen for one in made.walkers]),
+        "jitter_mm": _known(tracked.jitter_mm), "contrast": look.contrast, "noise": look.noise,
+        "shake_px": _known(tracked.shake.rms), "shake_most_px": _known(tracked.shake.largest),
+        "shadow_px": doubts.shadow([walker.seen for walker in tracked.walkers]),
         "size_change_share": size.change, "size_change_se_share": _known(size.error),
         "size_scatter_share": size.scatter,
         "tracks": [row._asdict() for row in walkers],

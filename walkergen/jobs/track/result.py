@@ -10,9 +10,9 @@ import numpy.typing as npt
 from walkergen.jobs.track import doubts
 from walkergen.jobs.track.appearance import Appearance
 from walkergen.jobs.track.camera import Shake
-from walkergen.jobs.track.film import Clock, Film, Grey
+from walkergen.jobs.track.films import Clock, Film, Grey
 from walkergen.jobs.track.heading import Headed
-from walkergen.jobs.track.link import Linked, Seen
+from walkergen.jobs.track.linking import Linked, Seen
 
 Array = npt.NDArray[np.float64]
 
@@ -82,7 +82,7 @@ class Tracked(NamedTuple):
     @property
     def jitter_mm(self) -> float:
         """Error of a place that changes from frame to frame, mm; NaN for too few frames."""
-        return doubts.jitter([self._unbroken(one) for one in self.walkers])
+        return doubts.jitter([self._unbroken(walker) for walker in self.walkers])
 
     def path_mm(self, walker: Walker) -> float:
         """Length of a walker's path, mm, its jitter left out."""

@@ -121,10 +121,17 @@ def period_doubling(effort: Effort) -> Iterator[Claim]:
     """Claim on the end of the orbit of one impact a period."""
     for e in (0.0, 0.25, 0.5, 0.8):
         theirs = math.hypot(math.pi * (1 - e) / (1 + e), 2.0 * (1 + e * e) / (1 + e) ** 2)
-        told = f"period doubling, e = {e:g}"
+        quantity = f"period doubling, e = {e:g}"
         source = MEHTA if e == 0.0 else TUFILLARO
         yield exact(
-            GROUP, told, "g", doubling(e), theirs, 1e-5, "central differences over 1e-6 mm", source
+            GROUP,
+            quantity,
+            "g",
+            doubling(e),
+            theirs,
+            1e-5,
+            "central differences over 1e-6 mm",
+            source,
         )
 
 
@@ -186,11 +193,11 @@ def elastic(effort: Effort) -> Iterator[Claim]:
     plan, gap, bounces = bodies.plan(AT_REST, 1.0), 0.1, 10_000
     state = plan.start(gap, 0.0, 0.0)
     state[V_Y] = 0.0
-    rest = plan.energy(plan.start(0.0, 0.0, 0.0))
-    before = plan.energy(state) - rest
+    at_rest = plan.energy(plan.start(0.0, 0.0, 0.0))
+    before = plan.energy(state) - at_rest
     advance(plan, state, (2.0 * bounces + 1.0) * math.sqrt(2.0 * gap / GRAVITY))
     yield exact(
-        GROUP, "energy kept in 10 000 elastic bounces", "", (plan.energy(state) - rest) / before,
+        GROUP, "energy kept in 10 000 elastic bounces", "", (plan.energy(state) - at_rest) / before,
         1.0, 1e-9, "rounding of a height, 1e-15 mm of 0.1 mm, in each bounce",
         "conservation of energy",
     )  # fmt: skip
@@ -226,14 +233,14 @@ def rocking_blocks(effort: Effort) -> Iterator[Claim]:
     for slenderness, share, base in ((3.0, 0.97, "concrete"), (5.0, 0.95, "concrete"),
                                      (5.0, 0.67, "rubber")):  # fmt: skip
         block = f"rocking block {slenderness:g} times as high as wide on {base}"
-        told = f"{block}: spin kept, over Housner's"
+        quantity = f"{block}: spin kept, over Housner's"
         ours = rocking(slenderness) / housner(slenderness)
         why = (
             "A rigid block on two corners, plastic, loses only what changing corners costs; a real "
             "base takes more, rubber most. Others found more kept than by Housner's formula "
             "(Kalliontzis, Sritharan, Schultz, J. Struct. Eng. 142, 06016002, 2016)."
         )
-        yield Claim(GROUP, told, "", ours, None, share, None, 0.02, "our reading of 'about'",
+        yield Claim(GROUP, quantity, "", ours, None, share, None, 0.02, "our reading of 'about'",
                     ELGAWADY.format(share, base), why)  # fmt: skip
 
 

@@ -13,10 +13,9 @@ from walkergen.scene import AT_REST, GRAVITY
 from walkergen.simulation.effects import compliance
 from walkergen.simulation.world import V_X, X
 from walkergen.theory import impact, speed, tensors
-from walkergen.walker import mass as masses
 from walkergen.walker import solids
 from walkergen.walker.design import Design
-from walkergen.walker.mass import LegMass, MassProperties
+from walkergen.walker.mass import LegMass, MassProperties, weigh
 
 GROUP = "closed"
 
@@ -29,11 +28,11 @@ def box(effort: Effort) -> Iterator[Claim]:
     design = Design()
     size, density = design.body, 1e-3 * design.material.density_g_cm3
     length, depth, height = size.length_mm, size.depth_mm, size.thickness_mm
-    found = masses.weigh(solids.build(design.unmarked).body, density)
+    meshed = weigh(solids.build(design.unmarked).body, density)
     M = density * length * depth * height
     for name, ours, theirs in (
-        ("mass of the body, a box", found.mass, M),
-        ("its moment of inertia", found.inertia, M * (length**2 + height**2) / 12.0),
+        ("mass of the body, a box", meshed.mass, M),
+        ("its moment of inertia", meshed.inertia, M * (length**2 + height**2) / 12.0),
     ):
         unit = "g" if "mass" in name else "g mm²"
         yield exact(GROUP, name, unit, ours, theirs, 1e-12, ROUNDING, "closed form of a box")
@@ -50,10 +49,10 @@ def published_tensor(mass: MassProperties, leg: LegMass) -> Array:
     def spin(lever: Array) -> Array:
         return np.outer(perpendicular(lever), perpendicular(lever))
 
-    one = np.eye(2)
-    K = one / mass.M + spin(leg.anchor) / mass.J + one / leg.m + spin(leg.c_A) / leg.j
-    R = one / leg.m - np.outer(perpendicular(leg.c_A), perpendicular(leg.c_T)) / leg.j
-    return np.asarray(one / leg.m + spin(leg.c_T) / leg.j - R.T @ np.linalg.solve(K, R))
+    identity = np.eye(2)
+    K = identity / mass.M + spin(leg.anchor) / mass.J + identity / leg.m + spin(leg.c_A) / leg.j
+    R = identity / leg.m - np.outer(perpendicular(leg.c_A), perpendicular(leg.c_T)) / leg.j
+    return np.asarray(identity / leg.m + spin(leg.c_T) / leg.j - R.T @ np.linalg.solve(K, R))
 
 
 def tensor(effort: Effort) -> Iterator[Claim]:
@@ -76,8 +75,8 @@ def stationary(effort: Effort) -> Iterator[Claim]:
     for tilt in (10.0, 20.0, 35.0):
         mass = solids.mass_of(Design().variant(tilt_deg=tilt))
         ours = speed.factors(mass, e, mu)
-        each = zip(("back", "front"), (ours.feet[0], ours.feet[1]), mass.legs, strict=True)
-        for name, value, leg in each:
+        feet = zip(("back", "front"), (ours.feet[0], ours.feet[1]), mass.legs, strict=True)
+        for name, value, leg in feet:
             H = published_tensor(mass, leg)
             theirs = 0.5 * (1 + e) * (mu * H[0, 0] - H[0, 1]) / (H[1, 1] - e * mu * H[0, 1])
             yield exact(
@@ -95,18 +94,18 @@ def energy_of_impacts(effort: Effort) -> Iterator[Claim]:
         velocity = float(rng.normal()), -float(rng.uniform(0.1, 1.0))
         for law in gains:
             entries = float(H[0, 0]), float(H[0, 1]), float(H[1, 1])
-            found = impact.resolve(entries, velocity, 0.9, 0.3, law)
-            gain = impact.energy_change(velocity, found) / (math.hypot(*velocity) * found.F_y)
+            outcome = impact.resolve(entries, velocity, 0.9, 0.3, law)
+            gain = impact.energy_change(velocity, outcome) / (math.hypot(*velocity) * outcome.F_y)
             gains[law] = max(gains[law], gain)
     source = (
         "W. J. Stronge, Unraveling paradoxical theories for rigid body collisions, J. Appl. Mech. "
         "58, 1049 (1991)"
     )
-    told = "largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {}'s law"
+    quantity = "largest gain of energy in 400 impacts, e = 0.9, over impulse × speed: {}'s law"
     sides: dict[impact.Law, Bound] = {impact.Law.STRONGE: "<", impact.Law.NEWTON: ">"}
     for law, bound in sides.items():
         yield Claim(
-            GROUP, told.format(law.name.capitalize()), "", gains[law], None, 0.0, None, 1e-12,
+            GROUP, quantity.format(law.name.capitalize()), "", gains[law], None, 0.0, None, 1e-12,
             ROUNDING, source, "", bound,
         )  # fmt: skip
 

@@ -65,13 +65,13 @@ QUANTITIES = {
 
 
 def _of_fact(
-    key: str, told: str, ours: float, se: float | None, why: str = "", fitted: bool = False
+    key: str, circumstances: str, ours: float, se: float | None, why: str = "", fitted: bool = False
 ) -> Claim:
     """Claim on one of the paper's facts."""
     fact = FACTS[key]
     bound: Bound = "" if not fact.bound else "<" if math.isinf(fact.low) else ">"
     margin = 0.0 if fact.bound else fact.high - fact.value
-    quantity = f"{QUANTITIES.get(key, fact.quantity)}: {told}"
+    quantity = f"{QUANTITIES.get(key, fact.quantity)}: {circumstances}"
     return Claim(
         GROUP, quantity, fact.unit, ours, se, fact.value, None, margin,
         fact.margin, f"{PAPER}, {fact.where}", why, bound, fitted, fact,
@@ -97,11 +97,11 @@ def predicted(effort: Effort) -> Iterator[Claim]:
     for name in ("lane-90hz", "plane-90hz"):
         scene = templates.load(name, "scenes", Scene)
         design = paper_design(10.0)
-        found = prediction.predict(design, solids.mass_of(design), scene)
-        half = 0.5 * (found.speed_high_68_mm_s - found.speed_low_68_mm_s)
-        told = f"predicted, with half of its 68 % bounds, {name}"
+        row = prediction.predict(design, solids.mass_of(design), scene)
+        half = 0.5 * (row.speed_high_68_mm_s - row.speed_low_68_mm_s)
+        circumstances = f"predicted, with half of its 68 % bounds, {name}"
         yield _of_fact(
-            "speed at 10 deg", told, found.speed_mm_s, half,
+            "speed at 10 deg", circumstances, row.speed_mm_s, half,
             "The contact was inferred from the paper's speeds.", fitted=True,
         )  # fmt: skip
 
@@ -114,20 +114,20 @@ def theory_maximum(effort: Effort) -> Iterator[Claim]:
 
 def speeds(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed at 10 deg, by contact."""
-    for restitution, told in CONTACTS:
-        found, fitted = in_space(10.0, effort, restitution), restitution == LABEL
+    for restitution, contact in CONTACTS:
+        ensemble, fitted = in_space(10.0, effort, restitution), restitution == LABEL
         why = "The label was inferred from the paper's speeds." if fitted else BOUNCE
-        yield _of_fact("speed at 10 deg", f"in space, {told}", *found.speed, why, fitted)
+        yield _of_fact("speed at 10 deg", f"in space, {contact}", *ensemble.speed, why, fitted)
 
 
 def bounces(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on the bounce of a whole structure, which the paper measured."""
     fact = FACTS["restitution"]
-    for label, told in CONTACTS:
+    for label, contact in CONTACTS:
         for tilt in (10.0, 35.0):
             ours = rebound(tilt, label, effort.runs)
             yield Claim(
-                GROUP, f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {told}", "",
+                GROUP, f"rebound of a walker dropped level by 1 mm at {tilt:g} deg, {contact}", "",
                 *ours, fact.value, fact.high - fact.value, 0.0, "",
                 f"{PAPER}, {fact.where}",
                 "What a whole walker keeps depends on its tilt more than on the label: legs that "
@@ -137,29 +137,29 @@ def bounces(effort: Effort) -> Iterator[Claim]:
 
 def shape(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on the shape of the curve of speed against tilt."""
-    for restitution, told in CONTACTS:
+    for restitution, contact in CONTACTS:
         curve = [in_space(tilt, effort, restitution).speed for tilt in TILTS]
         high, middle = curve[TILTS.index(10.0)], curve[-1]
         low = in_space(35.0, effort, restitution).speed
-        yield _of_fact("peak tilt", told, *values.top(np.array(TILTS), curve).place)
-        yield _of_fact("15 below 10", told, *values.ratio(middle, high))
-        yield _of_fact("35 below 15", told, *values.ratio(low, middle))
+        yield _of_fact("peak tilt", contact, *values.top(np.array(TILTS), curve).place)
+        yield _of_fact("15 below 10", contact, *values.ratio(middle, high))
+        yield _of_fact("35 below 15", contact, *values.ratio(low, middle))
 
 
 def braced(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on braced walkers."""
     for tilt in (10.0, 20.0):
-        found = in_space(tilt, effort, MEASURED, kind="braced")
-        yield _of_fact("braced", f"in space at {tilt:g} deg, e = 0.8", *found.speed)
+        ensemble = in_space(tilt, effort, MEASURED, kind="braced")
+        yield _of_fact("braced", f"in space at {tilt:g} deg, e = 0.8", *ensemble.speed)
 
 
 def proportional(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on speed against the plate's speed at 15 deg."""
     series = [in_space(15.0, effort, LABEL, gamma).speed for gamma in GAMMAS]
     for start, why in ((0, THRESHOLD), (GAMMAS.index(LIVELY), "")):
-        told = f"in space, label {LABEL:g}, from {GAMMAS[start]:g} g"
+        circumstances = f"in space, label {LABEL:g}, from {GAMMAS[start]:g} g"
         off = values.off_line(np.array(GAMMAS[start:]), series[start:])
-        yield _of_fact("proportional", told, *_percent(off), why)
+        yield _of_fact("proportional", circumstances, *_percent(off), why)
 
 
 def types(effort: Effort) -> Iterator[Claim]:
@@ -169,12 +169,12 @@ def types(effort: Effort) -> Iterator[Claim]:
         "types II and III", "the paper's model at 10 deg", *_percent(relaxed.types),
         "At 35 deg landings of that model start from rest, the limit of type III for slow slip.",
     )  # fmt: skip
-    for restitution, told in CONTACTS:
+    for restitution, contact in CONTACTS:
         for tilt in (10.0, 35.0):
-            found = in_space(tilt, effort, restitution)
+            ensemble = in_space(tilt, effort, restitution)
             yield _of_fact(
-                "types II and III", f"in space at {tilt:g} deg, {told}",
-                *_percent(found.types),
+                "types II and III", f"in space at {tilt:g} deg, {contact}",
+                *_percent(ensemble.types),
                 "Others of our landings slide forward throughout (type I, at 10 deg) or backward "
                 "(IV, at 35 deg): corners on springs land slowly and one after another. The paper "
                 "counted impacts of its own model, in which legs relax at once.",
@@ -189,13 +189,13 @@ def types(effort: Effort) -> Iterator[Claim]:
 
 def motion(effort: Effort) -> Iterator[Claim]:
     """Claim of the model in space on how walkers wander: local exponents of their displacement."""
-    told = f"in space, label {LABEL:g}, {{}}"
-    late = told.format("0.5 to 1 s")
+    circumstances = f"in space, label {LABEL:g}, {{}}"
+    late = circumstances.format("0.5 to 1 s")
     for tilt in (10.0, 15.0):
-        found = exponent(tilt, effort, LABEL, LATE_S)
-        yield _of_fact(f"ballistic at {tilt:g}", late, *found)
+        late_exponent = exponent(tilt, effort, LABEL, LATE_S)
+        yield _of_fact(f"ballistic at {tilt:g}", late, *late_exponent)
     early = exponent(35.0, effort, LABEL, 0.04)
-    yield _of_fact("superdiffusive at 35", told.format("40 to 80 ms"), *early)
+    yield _of_fact("superdiffusive at 35", circumstances.format("40 to 80 ms"), *early)
     yield _of_fact(
         "diffusive at 35", late, *exponent(35.0, effort, LABEL, LATE_S),
         "The paper has this beyond 1 s, where runs of some seconds say too little.",

@@ -39,11 +39,11 @@ TIMEOUT_S = 120.0
 def displacement(effort: Effort) -> Iterator[Claim]:
     """Claim on the mean square displacement of one simulated track, against trackpy's."""
     source = f"trackpy{version('trackpy')}, its imsd"
-    told = "mean square displacement at 35 deg over {:g} s"
+    quantity = "mean square displacement at 35 deg over {:g} s"
     if not (installed("trackpy") and installed("pandas")):
         for lag in LAGS:
             yield missing(
-                GROUP, told.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy")
+                GROUP, quantity.format(lag * INTERVAL), "mm²", source, EXTRA.format("trackpy")
             )
         return
     import pandas as pd
@@ -64,8 +64,8 @@ def displacement(effort: Effort) -> Iterator[Claim]:
         theirs = trackpy.imsd(film, mpp=1.0, fps=1.0, max_lagtime=max(LAGS))[0]
     for lag, ours in zip(LAGS, total / pairs, strict=True):
         yield exact(
-            GROUP, told.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]), 1e-9,
-            "rounding of transforms", source,
+            GROUP, quantity.format(lag * INTERVAL), "mm²", float(ours), float(theirs.loc[lag]),
+            1e-9, "rounding of transforms", source,
         )  # fmt: skip
 
 
@@ -73,9 +73,9 @@ def plastic(effort: Effort) -> Iterator[Claim]:
     """Claim on the plastic of a printed walker, against what PrusaSlicer would lay down."""
     program = shutil.which("prusa-slicer")
     for tilt, kind in ((10.0, "flexible"), (35.0, "flexible"), (10.0, "braced")):
-        told = f"plastic of a walker at {tilt:g} deg, {kind}"
+        quantity = f"plastic of a walker at {tilt:g} deg, {kind}"
         if program is None:
-            yield missing(GROUP, told, "g", PRUSASLICER, "prusa-slicer is not on the PATH")
+            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer is not on the PATH")
             continue
         design = paper_design(tilt, "braced" if kind == "braced" else "flexible").unmarked
         built = solids.build(design)
@@ -84,11 +84,11 @@ def plastic(effort: Effort) -> Iterator[Claim]:
         mesh = export.stl_bytes(built.walker, "walker")
         volume = sliced(program, mesh, slicer.prusaslicer_ini(printer))
         if volume is None:
-            yield missing(GROUP, told, "g", PRUSASLICER, "prusa-slicer ended without G-code")
+            yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer ended without G-code")
             continue
         theirs = 1e-3 * design.material.density_g_cm3 * volume
         yield exact(
-            GROUP, told, "g", weight.whole_g, theirs, 0.01,
+            GROUP, quantity, "g", weight.whole_g, theirs, 0.01,
             "one per cent, for which the settings' infill overlap was chosen", PRUSASLICER,
             "The slicer plans; a balance says what a printer lays down.",
         )  # fmt: skip
@@ -108,8 +108,8 @@ def sliced(program: str, mesh: bytes, settings: bytes) -> float | None:
             text = (folder / "walker.gcode").read_text(encoding="utf-8", errors="replace")
         except (OSError, subprocess.SubprocessError):
             return None
-    found = re.search(r"; filament used \[mm\] = ([0-9.]+)", text)
-    return None if found is None else float(found[1]) * math.pi * slicer.FILAMENT_MM**2 / 4.0
+    used = re.search(r"; filament used \[mm\] = ([0-9.]+)", text)
+    return None if used is None else float(used[1]) * math.pi * slicer.FILAMENT_MM**2 / 4.0
 
 
 TESTS = (displacement, plastic)

@@ -98,18 +98,18 @@ def inverse_mass(effort: Effort) -> Iterator[Claim]:
 def plastic_speeds(effort: Effort) -> Iterator[Claim]:
     """Claim on speeds of the walker in space on nearly plastic feet, against rigid corners."""
     tilts = (10.0, 15.0, 20.0)
-    told = "speed at {:g} deg, nearly plastic feet"
+    quantity = "speed at {:g} deg, nearly plastic feet"
     if not installed("mujoco"):
         for tilt in tilts:
-            yield missing(GROUP, told.format(tilt), "mm/s", _mujoco(), EXTRA.format("MuJoCo"))
+            yield missing(GROUP, quantity.format(tilt), "mm/s", _mujoco(), EXTRA.format("MuJoCo"))
         return
     from walkergen.jobs.validate import mujoco_walker
 
     for tilt in tilts:
         plan = _plan(tilt, effort)
         case, walker = plan.case, plan.world.walker
-        asked = experiments.Experiment(plan.scene, case.design, case.mass)
-        point = simulated(asked)
+        experiment = experiments.Experiment(plan.scene, case.design, case.mass)
+        point = simulated(experiment)
         ours = mean([result.speed for result in point.results])
         hinge = float(walker.stiffness[0]), float(walker.damping[0])
         count = 3 if effort.quick else 6
@@ -119,7 +119,7 @@ def plastic_speeds(effort: Effort) -> Iterator[Claim]:
         )  # fmt: skip
         theirs = float(runs.mean()), float(runs.std(ddof=1) / math.sqrt(count))
         yield Claim(
-            GROUP, told.format(tilt), "mm/s", *ours, *theirs, SAME_FEET * theirs[0],
+            GROUP, quantity.format(tilt), "mm/s", *ours, *theirs, SAME_FEET * theirs[0],
             "10 %: engines judge friction by the slip at the end of a step", _mujoco(),
             "Friction as in the row above is worth 5 to 8 % in a plane. The rest we take for the "
             "feet, of which the slightest rebound counts: ours, ten times as stiff as a printed "
@@ -135,8 +135,8 @@ def impacts(effort: Effort) -> Iterator[Claim]:
         ("without friction", 20.0, 0.0), ("sliding on", 80.0, 0.1),
         ("stopped and stuck", 20.0, 2.0), ("stopped and slid back", 5.0, 0.1),
     )  # fmt: skip
-    for told, sliding, friction in cases:
-        quantity = f"spin after an impact, foot {told}"
+    for slip, sliding, friction in cases:
+        quantity = f"spin after an impact, foot {slip}"
         if not installed("pymunk"):
             yield missing(GROUP, quantity, "rad/s", _pymunk(), EXTRA.format("pymunk"))
             continue
@@ -148,7 +148,7 @@ def impacts(effort: Effort) -> Iterator[Claim]:
             _pymunk(),
             "Within an impact our friction turns round with the slip (Routh, Keller); an engine "
             "judges it once, by the slip at the end. Speeds of walkers differ by it: 168 and "
-            "223 mm/s at 15 deg (docs/physics.md section 5)." if "back" in told else "",
+            "223 mm/s at 15 deg (docs/physics.md section 5)." if "back" in slip else "",
         )  # fmt: skip
 
 
@@ -156,8 +156,8 @@ def _spin(lever: Pair, velocity: Pair, friction: float) -> float:
     M, J = BLOCK
     H = tensors.rigid(M, J, np.array(lever))
     entries = float(H.xx), float(H.xy), float(H.yy)
-    found = impact.resolve(entries, velocity, RESTITUTION, friction, impact.Law.NEWTON)
-    return (lever[0] * found.F_y - lever[1] * found.F_x) / J
+    outcome = impact.resolve(entries, velocity, RESTITUTION, friction, impact.Law.NEWTON)
+    return (lever[0] * outcome.F_y - lever[1] * outcome.F_x) / J
 
 
 def _pymunks_spin(lever: Pair, velocity: Pair, friction: float) -> float:

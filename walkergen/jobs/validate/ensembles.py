@@ -7,8 +7,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
-from walkergen.analysis import lagged
-from walkergen.analysis.landings import of_feet
+from walkergen.analysis import lagged, landings
 from walkergen.analysis.values import Value, mean
 from walkergen.files import templates
 from walkergen.jobs.validate.claim import Effort
@@ -18,9 +17,8 @@ from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import impacts_of
 from walkergen.simulation.space.state import C_Y, SHOWN_X, SHOWN_Y
 from walkergen.theory.impact import Kind
-from walkergen.walker import solids
+from walkergen.walker import limbs, solids
 from walkergen.walker.design import Design
-from walkergen.walker.limbs import Kind as Legs
 
 Array = npt.NDArray[np.float64]
 
@@ -48,7 +46,7 @@ class Measured(NamedTuple):
     """Mean normal speed of landings over the plate's peak speed."""
 
 
-def paper_design(tilt_deg: float, kind: Legs = "flexible") -> Design:
+def paper_design(tilt_deg: float, kind: limbs.Kind = "flexible") -> Design:
     """Design of the paper's walker at a tilt."""
     design = templates.load("koumakis2016", "walkers", Design)
     return design.variant(tilt_deg=tilt_deg, kind=kind)
@@ -60,7 +58,7 @@ def in_space(
     effort: Effort,
     restitution: float | None = None,
     gamma: float = 1.8,
-    kind: Legs = "flexible",
+    kind: limbs.Kind = "flexible",
 ) -> Measured:
     """Walker on the plane of `plane-90hz`, in space; without a restitution at the scene's label."""
     scene = templates.load("plane-90hz", "scenes", Scene)
@@ -89,25 +87,20 @@ def paper_model(tilt_deg: float, effort: Effort) -> Measured:
 def _measured(scene: Scene, design: Design) -> Measured:
     point = simulated(experiments.Experiment(scene, design, solids.mass_of(design), impacts=True))
     corners = 2 if point.model == "space" else 1
-    landed = [landings(impacts_of(result), corners) for result in point.results]
-    shares = [float(np.isin(one[:, 6], (Kind.II, Kind.III)).mean()) for one in landed]
-    approach = float(-np.concatenate(landed)[:, 5].mean()) / scene.drive.peak_speed
+    impacts = [landings.impacts_in(impacts_of(result)) for result in point.results]
+    landing = [landings.of_feet(run.time, run.foot // corners) for run in impacts]
+    kinds = [run.kind[landed] for run, landed in zip(impacts, landing, strict=True)]
+    speeds = [run.v_y[landed] for run, landed in zip(impacts, landing, strict=True)]
+    shares = [float(np.isin(kind, (Kind.II, Kind.III)).mean()) for kind in kinds]
+    approach = float(-np.concatenate(speeds).mean()) / scene.drive.peak_speed
     speed = mean([result.speed for result in point.results])
     return Measured(speed, mean(shares), approach)
 
 
-def simulated(asked: experiments.Experiment) -> experiments.Results:
-    """Point with all of its runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
-    (point,) = experiments.each([asked], [""], lambda *progress: None, None)
+def simulated(experiment: experiments.Experiment) -> experiments.Results:
+    """Results of all runs. Raises KeyboardInterrupt when Ctrl-C left some out."""
+    (point,) = experiments.each([experiment], [""], lambda *progress: None, None)
     return point
-
-
-def landings(impacts: Array, corners: int) -> Array:
-    """Rows of a run's impacts that are landings.
-
-    `corners`: number of points by which a foot touches, counted one after another.
-    """
-    return impacts[of_feet(impacts[:, 0], impacts[:, 1].astype(np.int64) // corners)]
 
 
 def exponent(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) -> Value:
@@ -131,24 +124,23 @@ def _squares(tilt_deg: float, effort: Effort, restitution: float, lag_s: float) 
         "seconds": effort.seconds, "discard_seconds": STARTED_S, "runs": effort.runs
     }  # fmt: skip
     design = paper_design(tilt_deg)
-    asked = experiments.Experiment(
+    experiment = experiments.Experiment(
         Scene.model_validate(tables), design, solids.mass_of(design), sample_interval=FRAME_S
     )
-    point = simulated(asked)
+    point = simulated(experiment)
     lags = np.array([1, 2]) * round(lag_s / FRAME_S)
-    found = []
+    squares = []
     for result in point.results:
         places = trajectory.sampled(result)[:, [1 + SHOWN_X, 1 + SHOWN_Y]]
         total, pairs = lagged.squares(np.ascontiguousarray(places), lags)
-        found.append(total / pairs)
-    return np.array(found)
+        squares.append(total / pairs)
+    return np.array(squares)
 
 
 def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
-    """Height of the first bounce of walkers dropped level by 1 mm on a plate at rest, as a speed.
+    """Speed after over before the first bounce of walkers dropped level by 1 mm on a plate at rest.
 
-    Mean of the rebound's over the impact's speed, and its standard error over the drops, whose
-    pitch and roll differ by up to TOUCH.
+    Mean, and its standard error over the drops, whose pitch and roll differ by up to TOUCH.
     """
     tables = {
         "drive": at_rest(90.0),
@@ -158,7 +150,7 @@ def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
     }
     design = paper_design(tilt_deg)
     plan = prepare(Scene.model_validate(tables), design, solids.mass_of(design))
-    fall, found = math.sqrt(2.0 / GRAVITY), []
+    fall, rebounds = math.sqrt(2.0 / GRAVITY), []
     for number in range(drops):
         rng = np.random.default_rng([SEED, number])
         pitch, roll = rng.uniform(-TOUCH, TOUCH, 2)
@@ -169,5 +161,5 @@ def rebound(tilt_deg: float, restitution: float, drops: int) -> Value:
         for _ in range(100):
             plan.advance(state, fall / 50.0, record.new(len(state)))
             heights.append(float(state[C_Y]) - ground)
-        found.append(math.sqrt(max(*heights, 0.0)))
-    return mean(found)
+        rebounds.append(math.sqrt(max(*heights, 0.0)))
+    return mean(rebounds)

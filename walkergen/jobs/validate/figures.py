@@ -55,7 +55,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
 
     `titles`: of the groups, in order.
     """
-    groups = {title: [one for one in claims if one.group == group]
+    groups = {title: [claim for claim in claims if claim.group == group]
               for group, title in titles.items()}  # fmt: skip
     groups = {title: own for title, own in groups.items() if own}
     heights = {title: max(0.5 + PITCH * _tallest(own), 2.2) for title, own in groups.items()}
@@ -73,7 +73,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
         for row in rows[title]:
             ticks.append(top + 0.5)
             names.append(row.name)
-            places = [_place(one) for one in row.claims]
+            places = [_place(claim) for claim in row.claims]
             axes.plot([1.0, max(places)], [top + 0.5] * 2, color="0.85", linewidth=0.8, zorder=1)
             _mark(axes, "disagree", places, [top + 0.5] * len(places))
             top += 1.0
@@ -81,7 +81,7 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
     left = min((at for own in groups.values() for _, at, _ in _swarm(own)), default=0.0)
     _dress(axes, min(left, 0.0) - DOT, ticks, names, top)
     for word, colour in COLOURS.items():
-        number = sum(one.verdict == word for one in claims)
+        number = sum(claim.verdict == word for claim in claims)
         axes.plot([], [], MARKERS[word], color=colour, markersize=4, label=f"{number} {word}")
     figure.legend(loc="outside lower center", ncols=3)
     return figure
@@ -90,9 +90,9 @@ def deviations(claims: Sequence[Claim], titles: Mapping[str, str]) -> Figure:
 def _rows(claims: Sequence[Claim]) -> list[Row]:
     """Claims that disagree, a row for each reason, named by what they are about."""
     by_reason = dict[str, list[Claim]]()
-    for one in claims:
-        if one.verdict == "disagree":
-            by_reason.setdefault(one.why, []).append(one)
+    for claim in claims:
+        if claim.verdict == "disagree":
+            by_reason.setdefault(claim.why, []).append(claim)
     return [Row(_subject(own), own) for own in by_reason.values()]
 
 
@@ -103,7 +103,7 @@ def _subject(claims: Sequence[Claim]) -> str:
     """
     first = claims[0].quantity
     if len(claims) > 1:
-        words = zip(*(one.quantity.partition(":")[0].split() for one in claims), strict=False)
+        words = zip(*(claim.quantity.partition(":")[0].split() for claim in claims), strict=False)
         name = " ".join(own[0] if len({*own}) == 1 else "…" for own in words)
         return f"{name} ({len(claims)})"
     for name in (first, first.partition(":")[0]):
@@ -115,7 +115,7 @@ def _subject(claims: Sequence[Claim]) -> str:
 
 def _count(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict: "21 of 30 agree, 2 fitted"."""
-    number = {word: sum(one.verdict == word for one in claims)
+    number = {word: sum(claim.verdict == word for claim in claims)
               for word in ("agree", "undecided", "fitted", "not run")}  # fmt: skip
     more = [
         f", {number[word]} {word}" for word in ("undecided", "fitted", "not run") if number[word]
@@ -123,10 +123,10 @@ def _count(claims: Sequence[Claim]) -> str:
     return f"{number['agree']} of {len(claims)} agree" + "".join(more)
 
 
-def _place(one: Claim) -> float:
+def _place(claim: Claim) -> float:
     """Place on the axis: linear up to what is allowed, beyond logarithmic up to LARGEST."""
-    assert one.gap_over_allowed is not None
-    return _at(abs(one.gap_over_allowed))
+    assert claim.gap_over_allowed is not None
+    return _at(abs(claim.gap_over_allowed))
 
 
 def _at(size: float) -> float:
@@ -140,17 +140,18 @@ def _swarm(claims: Sequence[Claim]) -> list[tuple[Claim, float, int]]:
 
     Those without a gap fill a block left of the axis.
     """
-    shown = [one for one in claims if one.verdict in ("agree", "undecided", "fitted")]
-    exact = [one for one in shown if abs(one.gap_over_allowed or 0.0) < EXACT]
-    found = [
-        (one, -DOT * (1.5 + number // BLOCK), number % BLOCK) for number, one in enumerate(exact)
+    shown = [claim for claim in claims if claim.verdict in ("agree", "undecided", "fitted")]
+    exact = [claim for claim in shown if abs(claim.gap_over_allowed or 0.0) < EXACT]
+    places = [
+        (claim, -DOT * (1.5 + number // BLOCK), number % BLOCK)
+        for number, claim in enumerate(exact)
     ]
     below = dict[int, int]()
-    for one in sorted((one for one in shown if one not in exact), key=_place):
-        cell = round(_place(one) / DOT)
-        found.append((one, DOT * cell, below.get(cell, 0)))
+    for claim in sorted((claim for claim in shown if claim not in exact), key=_place):
+        cell = round(_place(claim) / DOT)
+        places.append((claim, DOT * cell, below.get(cell, 0)))
         below[cell] = below.get(cell, 0) + 1
-    return found
+    return places
 
 
 def _tallest(claims: Sequence[Claim]) -> int:
@@ -160,10 +161,10 @@ def _tallest(claims: Sequence[Claim]) -> int:
 def _draw_dots(axes: Axes, claims: Sequence[Claim], ground: float) -> None:
     """Draw the agreeing claims of a group, one above another, from a line upward."""
     for word in ("agree", "undecided", "fitted"):
-        own = [(at, ground - PITCH * level) for one, at, level in _swarm(claims)
-               if one.verdict == word]  # fmt: skip
-        if own:
-            _mark(axes, word, *np.array(own).T.tolist())
+        places = [(at, ground - PITCH * level) for claim, at, level in _swarm(claims)
+               if claim.verdict == word]  # fmt: skip
+        if places:
+            _mark(axes, word, *np.array(places).T.tolist())
 
 
 def _mark(axes: Axes, word: Word, x: Sequence[float], y: Sequence[float]) -> None:

@@ -52,12 +52,12 @@ def choose(only: str | None) -> list[str]:
 def run(groups: Sequence[str], effort: Effort, progress: Progress) -> list[Claim]:
     """Put the claims of some groups to the test, in order."""
     tests = [test for group in groups for test in GROUPS[group]]
-    found = list[Claim]()
+    claims = list[Claim]()
     for done, test in enumerate(tests):
         progress(test.__name__.replace("_", " "), done, len(tests))
-        found += test(effort)
+        claims += test(effort)
     progress("done", len(tests), len(tests))
-    return found
+    return claims
 
 
 def make(
@@ -70,9 +70,9 @@ def make(
     from walkergen.files import figures
 
     claims = run(groups, effort, progress)
-    made = report.of(claims, TITLES, folder)
+    validation = report.of(claims, TITLES, folder)
     with Folder(folder, "") as target:
-        target.write("validation.png", figures.png(made.plot()))
-        target.write("validation.csv", made.table.csv().encode())
+        target.write("validation.png", figures.png(validation.plot()))
+        target.write("validation.csv", validation.table.csv().encode())
         target.write("validation.md", page.as_markdown(claims, command, TITLES).encode())
-    return made
+    return validation

@@ -155,8 +155,8 @@ def speeds(
             w, x, y, z = state[4:8]
             heading = np.array([1.0 - 2.0 * (y * y + z * z), 2.0 * (x * z - w * y)])
             places.append([state[1], state[3], *heading / math.sqrt(heading @ heading)])
-        kept = np.array(places[round(0.5 / (EVERY * drive.period)) :])
-        along = 0.5 * (kept[1:, 2:] + kept[:-1, 2:])
-        run = np.sum(np.diff(kept[:, :2], axis=0) * along)
-        means.append(run / ((len(kept) - 1) * EVERY * drive.period))
+        settled = np.array(places[round(0.5 / (EVERY * drive.period)) :])
+        along = 0.5 * (settled[1:, 2:] + settled[:-1, 2:])
+        run = np.sum(np.diff(settled[:, :2], axis=0) * along)
+        means.append(run / ((len(settled) - 1) * EVERY * drive.period))
     return np.array(means)

@@ -19,18 +19,20 @@ SIGNS = {"<": "below ", ">": "above ", "": ""}
 
 def counted(claims: Sequence[Claim]) -> str:
     """Number of claims by verdict."""
-    return ", ".join(f"{sum(one.verdict == word for one in claims)} {word}" for word in VERDICTS)
+    return ", ".join(
+        f"{sum(claim.verdict == word for claim in claims)} {word}" for word in VERDICTS
+    )
 
 
 def as_markdown(claims: Sequence[Claim], command: str, titles: Mapping[str, str]) -> str:
     """Page of the claims under the titles of their groups."""
-    sources = list(dict.fromkeys(one.source for one in claims))
+    sources = list(dict.fromkeys(claim.source for claim in claims))
     parts = [_head(claims, command)]
     for group, title in titles.items():
-        own = [one for one in claims if one.group == group]
-        if own:
-            parts.append(f"## {title}\n\n{_table(own, sources)}")
-            parts += _reasons(own)
+        of_group = [claim for claim in claims if claim.group == group]
+        if of_group:
+            parts.append(f"## {title}\n\n{_table(of_group, sources)}")
+            parts += _reasons(of_group)
     listed = [f"{number}. {source}" for number, source in enumerate(sources, 1)]
     parts.append("## Sources\n\n" + "\n".join(listed))
     return "\n\n".join(parts) + "\n"
@@ -65,26 +67,30 @@ def _table(claims: Sequence[Claim], sources: Sequence[str]) -> str:
         "| quantity | walkergen | outside | gap | allowed | z | verdict | source |",
         "|---|--:|--:|--:|--:|--:|---|--:|",
     ]
-    for one in claims:
+    for claim in claims:
         cells = (
-            one.quantity, _number(one, one.ours, one.ours_se), _theirs(one),
-            "" if one.gap is None else f"{one.gap:.2g}",
-            "" if one.gap is None else f"{one.allowed:.2g}",
-            "" if one.z is None else f"{one.z:.1f}", f"**{one.verdict}**",
-            f"{sources.index(one.source) + 1}",
+            claim.quantity, _number(claim, claim.ours, claim.ours_se), _theirs(claim),
+            "" if claim.gap is None else f"{claim.gap:.2g}",
+            "" if claim.gap is None else f"{claim.allowed:.2g}",
+            "" if claim.z is None else f"{claim.z:.1f}", f"**{claim.verdict}**",
+            f"{sources.index(claim.source) + 1}",
         )  # fmt: skip
         lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 
 
-def _theirs(one: Claim) -> str:
-    return "" if one.theirs is None else SIGNS[one.bound] + _number(one, one.theirs, one.theirs_se)
+def _theirs(claim: Claim) -> str:
+    return (
+        ""
+        if claim.theirs is None
+        else SIGNS[claim.bound] + _number(claim, claim.theirs, claim.theirs_se)
+    )
 
 
-def _number(one: Claim, value: float | None, error: float | None) -> str:
+def _number(claim: Claim, value: float | None, error: float | None) -> str:
     if value is None:
         return ""
-    unit = f" {one.unit}" if one.unit else ""
+    unit = f" {claim.unit}" if claim.unit else ""
     if error is None or not error:
         return f"{value:.6g}{unit}"
     digits = min(max(-_exponent(error) + 1, 0), 9)
@@ -98,14 +104,14 @@ def _exponent(value: float) -> int:
 
 def _reasons(claims: Sequence[Claim]) -> list[str]:
     """Paragraphs on what disagrees and why, on what an agreement hides, on what was not run."""
-    found = []
+    paragraphs = []
     for word, title in TITLES.items():
         reasons = dict[str, list[str]]()
-        for one in claims:
-            told = one.missing if word == "not run" else one.why
-            if one.verdict == word and (told or word == "disagree"):
-                reasons.setdefault(told or "We know no reason.", []).append(one.quantity)
+        for claim in claims:
+            reason = claim.missing if word == "not run" else claim.why
+            if claim.verdict == word and (reason or word == "disagree"):
+                reasons.setdefault(reason or "We know no reason.", []).append(claim.quantity)
         lines = [f"- {'; '.join(names)}. {reason}" for reason, names in reasons.items()]
         if lines:
-            found.append(f"### {title}\n\n" + "\n".join(lines))
-    return found
+            paragraphs.append(f"### {title}\n\n" + "\n".join(lines))
+    return paragraphs

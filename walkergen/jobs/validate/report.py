@@ -19,11 +19,11 @@ FILES = ("validation.png", "validation.csv", "validation.md")
 
 def of(claims: Sequence[Claim], titles: Mapping[str, str], folder: Path) -> Report:
     """Report of the claims under the titles of their groups, for FILES in a folder."""
-    rows = [[getattr(one, key) for key in KEYS] for one in claims]
+    rows = [[getattr(claim, key) for key in KEYS] for claim in claims]
     lines = [
-        f"{one.verdict}: {one.quantity}: {one.missing or one.why}"
-        for one in claims
-        if one.verdict in ("disagree", "not run")
+        f"{claim.verdict}: {claim.quantity}: {claim.missing or claim.why}"
+        for claim in claims
+        if claim.verdict in ("disagree", "not run")
     ]
     counted = f"{len(claims)} claims: {page.counted(claims)}"
 
@@ -34,16 +34,16 @@ def of(claims: Sequence[Claim], titles: Mapping[str, str], folder: Path) -> Repo
 
     return Report(
         name="validation", title=page.TITLE, tables=[Table("validation", rows, KEYS)],
-        facts={"rows": [_facts(one) for one in claims],
+        facts={"rows": [_facts(claim) for claim in claims],
                "files": [str(folder / name) for name in FILES]},
         lines=[*lines, counted, f"in {folder}: {', '.join(FILES)}"],
         figures={"validation": draw},
     )  # fmt: skip
 
 
-def _facts(one: Claim) -> dict[str, Any]:
+def _facts(claim: Claim) -> dict[str, Any]:
     """Claim for JSON, which has no NaN and no infinity; the verdict tells of them."""
-    row = one._asdict() | {"z": one.z, "allowed": one.allowed, "verdict": one.verdict}
+    row = claim._asdict() | {"z": claim.z, "allowed": claim.allowed, "verdict": claim.verdict}
     del row["fact"]  # quantity, number, margin and source stand beside it
     return {
         name: None if isinstance(value, float) and not math.isfinite(value) else value

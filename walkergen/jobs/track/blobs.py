@@ -8,10 +8,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 from scipy import ndimage
 
 from walkergen.jobs.track.appearance import EIGHT, Appearance, Array, Mask, pieces
-from walkergen.jobs.track.film import Grey
+from walkergen.jobs.track.films import Grey
+
+Column = npt.NDArray[np.float64]
 
 RUBBED = 0.3
 """Radius of the disc that rubs out what is thin, over the walkers' width."""
@@ -59,10 +62,24 @@ class Blob(NamedTuple):
     pull_y: float = 0.0
 
 
+class Blobs(NamedTuple):
+    """Blobs of one walker in several frames: the fields of `Blob`, arrays of shape (n,)."""
+
+    x: Column
+    y: Column
+    area: Column
+    axis: Column
+    length: Column
+    width: Column
+    mark: Column
+    pull_x: Column
+    pull_y: Column
+
+
 def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
     """Things at least as thick as walkers in a frame, from the upper one down; marks if wanted."""
     field = look.contrasts(frame)
-    found = []
+    blobs = []
     for box, piece in pieces(field > look.threshold, 0.5 * look.width):
         whole = _filled(piece, look.width)
         if DIAGONAL * ndimage.distance_transform_cdt(whole).max() < THICK * look.width:
@@ -71,35 +88,35 @@ def find(frame: Grey, look: Appearance, marked: bool) -> list[Blob]:
         inside = field[top : box[0].stop + 1, left : box[1].stop + 1]
         labels, count = ndimage.label(_opened(whole, RUBBED * look.width), EIGHT)
         for number in range(1, count + 1):
-            own = labels == number
-            if ndimage.distance_transform_edt(own).max() < THICK * look.width:
+            mask = labels == number
+            if ndimage.distance_transform_edt(mask).max() < THICK * look.width:
                 continue
-            blob = _blob(_covered(own, inside), left, top)
-            pull_x, pull_y = _pull(own, inside)
+            blob = _blob(_covered(mask, inside), left, top)
+            pull_x, pull_y = _pull(mask, inside)
             blob = blob._replace(pull_x=pull_x, pull_y=pull_y)
             if marked:
-                blob = blob._replace(mark=_mark(own, inside, blob, left, top, look))
-            found.append(blob)
-    return found
+                blob = blob._replace(mark=_mark(mask, inside, blob, left, top, look))
+            blobs.append(blob)
+    return blobs
 
 
-def _covered(own: Mask, field: Array) -> Array:
+def _covered(mask: Mask, field: Array) -> Array:
     """Share of each pixel that a walker covers: at its edge what the contrast says, inside 1."""
-    near = ndimage.binary_dilation(own, EIGHT)
-    deep = ndimage.binary_erosion(own, EIGHT, iterations=2)
-    level = np.median(field[deep if deep.any() else own])  # light may differ from place to place
-    found = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
-    found[deep] = 1.0
-    return found
+    near = ndimage.binary_dilation(mask, EIGHT)
+    deep = ndimage.binary_erosion(mask, EIGHT, iterations=2)
+    level = np.median(field[deep if deep.any() else mask])  # light may differ from place to place
+    share = np.where(near, (field / level).clip(0.0, 1.0), 0.0)
+    share[deep] = 1.0
+    return share
 
 
-def _pull(own: Mask, field: Array) -> tuple[float, float]:
+def _pull(piece: Mask, field: Array) -> tuple[float, float]:
     """Way from the middle of a walker's own contrast to that of all that is taken for it, pixels.
 
     Marks within do not count.
     """
-    core = ndimage.binary_fill_holes(own & (field > FULL * np.quantile(field[own], MOSTLY)))
-    (row, col), (own_row, own_col) = (ndimage.center_of_mass(one) for one in (own, core))
+    core = ndimage.binary_fill_holes(piece & (field > FULL * np.quantile(field[piece], MOSTLY)))
+    (row, col), (own_row, own_col) = (ndimage.center_of_mass(mask) for mask in (piece, core))
     return float(col - own_col), float(row - own_row)
 
 
@@ -127,10 +144,10 @@ def _blob(covered: Array, left: int, top: int) -> Blob:
     rows, cols = np.nonzero(covered)
     weight = covered[rows, cols].astype(float)
     area = float(weight.sum())
-    middle_x, middle_y = (float((weight * one).sum()) / area for one in (cols, rows))
+    middle_x, middle_y = (float((weight * at).sum()) / area for at in (cols, rows))
     x, y = cols - middle_x, middle_y - rows  # y upward
     # No dot product: threads that share one cost more than it, and sum in another order.
-    xx, xy, yy = (float((weight * one * two).sum()) for one, two in ((x, x), (x, y), (y, y)))
+    xx, xy, yy = (float((weight * a * b).sum()) for a, b in ((x, x), (x, y), (y, y)))
     axis = 0.5 * math.atan2(2.0 * xy, xx - yy)
     c, s = math.cos(axis), math.sin(axis)
     along, across = c * x + s * y, c * y - s * x
@@ -154,17 +171,17 @@ def _mark(own: Mask, field: Array, blob: Blob, left: int, top: int, look: Appear
     deep = ndimage.distance_transform_edt(own) > max(1.5, DEEP * look.width)
     if not deep.any():
         return math.nan
-    apart = np.where(deep, field - np.median(field[deep]), 0.0)
-    strongest = apart.flat[np.abs(apart).argmax()]
+    contrast = np.where(deep, field - np.median(field[deep]), 0.0)
+    strongest = contrast.flat[np.abs(contrast).argmax()]
     if abs(strongest) < MARKED * look.contrast:
         return math.nan
-    spots, _ = ndimage.label(apart * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
+    spots, _ = ndimage.label(contrast * np.sign(strongest) > 0.5 * abs(strongest), EIGHT)
     areas = np.bincount(spots.ravel())
     areas[0] = 0
     spot = spots == areas.argmax()
     if areas.max() > SPOT * blob.area:
         return math.nan
-    row, col = ndimage.center_of_mass(np.abs(apart) * spot)
+    row, col = ndimage.center_of_mass(np.abs(contrast) * spot)
     x, y = left + col - blob.x, blob.y - top - row
     if math.hypot(x, y) < OFF_CENTRE * blob.length:
         return math.nan

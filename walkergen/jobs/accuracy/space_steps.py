@@ -112,27 +112,27 @@ def frames(survey: Survey, progress: Progress) -> Ladder:
     rungs = []
     for number, frame in enumerate(lengths):
         world = plan.world._replace(options=plan.world.options._replace(frame=frame))
-        told = part(progress, number, len(lengths))
-        found, _ = ensemble.measure(plan._replace(world=world), told)
-        if found.runs < runs.number:
+        frame_progress = part(progress, number, len(lengths))
+        summary, _ = ensemble.measure(plan._replace(world=world), frame_progress)
+        if summary.runs < runs.number:
             raise KeyboardInterrupt
-        survey.budget.pay_runs(runs, rate, discard, found.wall_s)
-        good = set(found.outcomes) <= {outcome.value for outcome in ENDED_WELL}
+        survey.budget.pay_runs(runs, rate, discard, summary.wall_s)
+        good = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
         error = se = None
-        if good and found.speed_mm_s is not None and found.speed_se_mm_s is not None:
-            error = abs(found.speed_mm_s - reference.value) / unit.size
-            own = widened(runs.number) * found.speed_se_mm_s
-            se = float(np.hypot(own, reference.se)) / unit.size
+        if good and summary.speed_mm_s is not None and summary.speed_se_mm_s is not None:
+            error = abs(summary.speed_mm_s - reference.value) / unit.size
+            speed_se = widened(runs.number) * summary.speed_se_mm_s
+            se = float(np.hypot(speed_se, reference.se)) / unit.size
         details: dict[str, float | str | None] = {
             "steps_in_a_frame": float(frame),
             "frame_us": 1e6 * frame * plan.world.options.step,
-            "speed_mm_s": found.speed_mm_s,
-            "speed_se_mm_s": found.speed_se_mm_s,
-            "energy_error": found.energy_error,
-            "outcomes": ensemble.listed(found.outcomes),
+            "speed_mm_s": summary.speed_mm_s,
+            "speed_se_mm_s": summary.speed_se_mm_s,
+            "energy_error": summary.energy_error,
+            "outcomes": ensemble.listed(summary.outcomes),
         }
         setting = f"{frame} steps of {survey.own.step_us:g} us"
-        cost = found.cpu_s / found.simulated_s
+        cost = summary.cpu_s / summary.simulated_s
         rungs.append(Rung("frozen frames", setting, error, se, cost, details))
     return Ladder(
         "frames",

@@ -50,36 +50,36 @@ def ladder(survey: Survey, progress: Progress) -> Ladder:
 
 
 def _reference(view: Survey, progress: Progress) -> Measured | None:
-    """What counts as true of an observable; None where it is rare, or not told from zero."""
-    (found,) = view.measure(view.steps[:1], progress)
-    if found.value is None or found.se is None or not abs(found.value) > TOLD * found.se:
+    """Measurement that counts as true; None of what is rare, or not told from zero."""
+    (finest,) = view.measure(view.steps[:1], progress)
+    if finest.value is None or finest.se is None or not abs(finest.value) > TOLD * finest.se:
         return None
     shares = (f"{observables.BY_IMPULSE}.", f"{observables.BY_NUMBER}.")
-    rare = view.of.startswith(shares) and found.value < RARE
-    return None if rare else found
+    rare = view.of.startswith(shares) and finest.value < RARE
+    return None if rare else finest
 
 
 def _rungs(view: Survey, reference: Measured, progress: Progress) -> Iterator[Rung]:
     """A rung for each step that is not the reference itself."""
     assert reference.value is not None
     size = abs(reference.value)
-    for found in view.measure(view.steps, progress):
-        if found.setting == reference.setting:
+    for measured in view.measure(view.steps, progress):
+        if measured.setting == reference.setting:
             continue
-        bias = view.bias(found, reference)
+        bias = view.bias(measured, reference)
         yield Rung(
             view.of,
-            f"{found.setting.step_us:g} us",
+            f"{measured.setting.step_us:g} us",
             None if bias is None else abs(bias.size) / size,
             None if bias is None else bias.se / size,
-            found.cpu_per_s,
+            measured.cpu_per_s,
             {
-                "step_us": found.setting.step_us,
-                "value": found.value,
-                "se": found.se,
+                "step_us": measured.setting.step_us,
+                "value": measured.value,
+                "se": measured.se,
                 "reference": reference.value,
                 "reference_se": reference.se,
-                "cpu_s_for_1_percent": found.cost_of(0.01 * size) if found.se else None,
+                "cpu_s_for_1_percent": measured.cost_of(0.01 * size) if measured.se else None,
             },
         )
 
@@ -92,20 +92,22 @@ def _note(view: Survey, rungs: list[Rung]) -> str:
         if rung.error is not None and rung.error_sd is not None and rung.error > 2 * rung.error_sd
         and float(rung.details["step_us"] or 0.0) < longest  # no order beyond the legs' swing
     ]  # fmt: skip
-    told = "no bias told from zero"
+    sentence = "no bias told from zero"
     if len(certain) >= 3:
         values = [float(rung.details["step_us"] or 0.0) for rung in certain]
         slope, se = order(values, [rung.error or 0.0 for rung in certain])
-        told = f"measured order {slope:.2f} ± {se:.2f} of the {len(certain)} biases told from zero"
+        sentence = (
+            f"measured order {slope:.2f} ± {se:.2f} of the {len(certain)} biases told from zero"
+        )
     elif certain:
-        told = f"biases told from zero at {len(certain)} steps, too few for an order"
+        sentence = f"biases told from zero at {len(certain)} steps, too few for an order"
     counted = view.of == observables.IMPACTS or view.of.startswith(f"{observables.BY_NUMBER}.")
     if counted and view.complete != "space":
-        return f"{view.of}: {told}; without limit, see below"
+        return f"{view.of}: {sentence}; without limit, see below"
     resolving = 0.0
     for rung in rungs:  # finest first
         if rung.error is None or rung.error + 2.0 * (rung.error_sd or 0.0) > WITHIN:
             break
         resolving = float(rung.details["step_us"] or 0.0)
     resolved = f"up to {resolving:g} us" if resolving else "by no step measured"
-    return f"{view.of}: {told}; within {100 * WITHIN:g} % (95 %) {resolved}"
+    return f"{view.of}: {sentence}; within {100 * WITHIN:g} % (95 %) {resolved}"

@@ -92,11 +92,11 @@ def about(path: Path) -> Film:
     with _playing(path) as (process, messages):
         assert process.stdout is not None
         first = process.stdout.readline(MOST_LETTERS)
-        found = {word[:1]: word[1:] for word in first.split()[1:]}
-        if b"W" not in found:
+        header = {word[:1]: word[1:] for word in first.split()[1:]}
+        if b"W" not in header:
             raise InputError(f"{path}: cannot be read as a film: {_reason(messages)}")
-        width, height = int(found[b"W"]), int(found[b"H"])
-        rate = found[b"F"].decode().split(":")
+        width, height = int(header[b"W"]), int(header[b"H"])
+        rate = header[b"F"].decode().split(":")
         fps = float(Fraction(int(rate[0]), int(rate[1]))) if int(rate[1]) else 0.0
         seconds = _duration(messages)
     if width * height > MOST_PIXELS:
@@ -194,7 +194,7 @@ def _playing(
             process.kill()
 
 
-def _told(messages: IO[bytes]) -> list[str]:
+def _lines(messages: IO[bytes]) -> list[str]:
     """Lines that ffmpeg has written so far."""
     messages.seek(0)
     return [line.strip() for line in messages.read().decode(errors="replace").splitlines()]
@@ -202,13 +202,13 @@ def _told(messages: IO[bytes]) -> list[str]:
 
 def _reason(messages: IO[bytes]) -> str:
     """Last of ffmpeg's lines."""
-    return next((line[:120] for line in reversed(_told(messages)) if line), "no reason is given")
+    return next((line[:120] for line in reversed(_lines(messages)) if line), "no reason is given")
 
 
 def _duration(messages: IO[bytes]) -> float:
     """Duration by the film's own account, s; 0 where it says nothing."""
-    found = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_told(messages)))
-    if found is None:
+    match = re.search(r"Duration: (\d+):(\d+):(\d+\.\d+)", " ".join(_lines(messages)))
+    if match is None:
         return 0.0
-    hours, minutes, seconds = map(float, found.groups())
+    hours, minutes, seconds = map(float, match.groups())
     return 3600.0 * hours + 60.0 * minutes + seconds

@@ -7,7 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.jobs.track.find import Blob
+from walkergen.jobs.track.blobs import Blob, Blobs
 
 Array = npt.NDArray[np.float64]
 
@@ -29,8 +29,8 @@ class Seen(NamedTuple):
 
     frames: npt.NDArray[np.int64]
     """Numbers of the frames, ascending, shape (n,)."""
-    blobs: Array
-    """Rows of `Blob`, shape (n, 9)."""
+    blobs: Blobs
+    """What was seen in each of them."""
 
 
 class Linked(NamedTuple):
@@ -50,38 +50,44 @@ class Linked(NamedTuple):
     """Tracks that were too short and were left out."""
 
 
-def link(found: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
+def link(frames: Sequence[Sequence[Blob]], first: int, fps: float) -> Linked:
     """Walkers in frames of numbers first, first + 1 ..., from the things found in each.
 
     Raises InputError when nothing was found for long enough, or too much to tell apart.
     """
-    blobs = np.array([blob for frame in found for blob in frame]).reshape(-1, len(Blob._fields))
-    if not len(blobs):
+    blobs = [blob for frame in frames for blob in frame]
+    if not blobs:
         raise InputError(
-            f"no walker found in {len(found)} frames: try --threshold, --width or --region"
+            f"no walker found in {len(frames)} frames: try --threshold, --width or --region"
         )
-    area = typical(blobs[:, 2])
-    length = float(np.median(blobs[np.abs(blobs[:, 2] - area) < 0.3 * area, 4]))
-    kept = [[one for one in frame if SMALL <= one.area / area <= MERGED] for frame in found]
-    names = _named(kept, REACH * length, max(1, round(MEMORY_S * fps)))
-    rows = [(at + first, *one) for at, frame in enumerate(kept) for one in frame]
-    table, owner = np.array(rows), np.array([name for frame in names for name in frame])
-    least = max(SHORTEST, PART * len(found))
-    groups = [table[owner == name] for name in np.unique(owner)]
+    areas = np.array([blob.area for blob in blobs])
+    area = typical(areas)
+    lengths = np.array([blob.length for blob in blobs])
+    length = float(np.median(lengths[np.abs(areas - area) < 0.3 * area]))
+    fitting = [[blob for blob in frame if SMALL <= blob.area / area <= MERGED] for frame in frames]
+    names = _named(fitting, REACH * length, max(1, round(MEMORY_S * fps)))
+    numbers = np.array([number for number, frame in enumerate(fitting, first) for _ in frame])
+    columns = np.array([blob for frame in fitting for blob in frame]).T
+    owner = np.array([name for frame in names for name in frame])
+    least = max(SHORTEST, PART * len(frames))
+    groups = [
+        Seen(numbers[owner == name], Blobs(*columns[:, owner == name])) for name in np.unique(owner)
+    ]
     good = sorted(
-        (rows for rows in groups if len(rows) >= least), key=lambda rows: (rows[0, 0], rows[0, 2])
+        (walker for walker in groups if len(walker.frames) >= least),
+        key=lambda walker: (walker.frames[0], walker.blobs.y[0]),
     )
     if not good:
         raise InputError(
-            f"no walker found for {least:.3g} frames in a row, of {len(found)}: what was found "
+            f"no walker found for {least:.3g} frames in a row, of {len(frames)}: what was found "
             f"jumps by more than {REACH * length:.3g} pixels a frame, or vanishes: film faster, or "
             "try --threshold, --width or --region"
         )
     return Linked(
-        [Seen(rows[:, 0].astype(np.int64), rows[:, 1:]) for rows in good],
+        good,
         area, length,
-        empty=sum(not frame for frame in found),
-        merged=sum(any(one.area > MERGED * area for one in frame) for frame in found),
+        empty=sum(not frame for frame in frames),
+        merged=sum(any(blob.area > MERGED * area for blob in frame) for frame in frames),
         short=len(groups) - len(good),
     )  # fmt: skip
 
@@ -95,13 +101,13 @@ def typical(areas: Array) -> float:
     return float(ordered[np.searchsorted(np.cumsum(ordered), 0.5 * ordered.sum())])
 
 
-def _named(kept: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
+def _named(frames: Sequence[Sequence[Blob]], reach: float, memory: int) -> list[list[int]]:
     """Number of the walker that each thing of each frame belongs to."""
     import trackpy
 
     trackpy.quiet()
-    places = ((at, np.array([(one.y, one.x) for one in frame]).reshape(-1, 2))
-              for at, frame in enumerate(kept))  # fmt: skip
+    places = ((at, np.array([(blob.y, blob.x) for blob in frame]).reshape(-1, 2))
+              for at, frame in enumerate(frames))  # fmt: skip
     try:
         # Strategies compiled by numba would take longer to compile than any film takes to link.
         linked = trackpy.link_iter(places, reach, memory=memory, link_strategy="nonrecursive")

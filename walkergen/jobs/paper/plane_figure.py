@@ -26,19 +26,19 @@ MOST_TRACKS = 8
 """Largest number of tracks drawn for a tilt."""
 
 
-def draw(figure: Figure, found: Findings) -> None:
+def draw(figure: Figure, findings: Findings) -> None:
     """Draw what is known of the walkers with the low restitution into an empty figure."""
-    shown = [one for one in found.plane if one.assumption == LOW]
-    (low,) = (one for one in found.assumptions if one.name == LOW)
+    plane = [runs for runs in findings.plane if runs.assumption == LOW]
+    (low,) = (assumption for assumption in findings.assumptions if assumption.name == LOW)
     grid = figure.add_gridspec(2, 4)
     squares, slopes = (figure.add_subplot(grid[0, 2 * n : 2 * n + 2]) for n in range(2))
     fast, slow, along, across = (figure.add_subplot(grid[1, n]) for n in range(4))
-    _squares(squares, shown)
-    _slopes(slopes, shown)
-    _tracks(fast, [one for one in shown if one.tilt_deg != TILTS[-1]])
-    _tracks(slow, [one for one in shown if one.tilt_deg == TILTS[-1]])
+    _squares(squares, plane)
+    _slopes(slopes, plane)
+    _tracks(fast, [runs for runs in plane if runs.tilt_deg != TILTS[-1]])
+    _tracks(slow, [runs for runs in plane if runs.tilt_deg == TILTS[-1]])
     for axes, name in ((along, "parallel"), (across, "orthogonal")):
-        _densities(axes, shown, name)
+        _densities(axes, plane, name)
     for axes, letter in zip((squares, fast, along), "abc", strict=True):
         axes.set_title(f"({letter})", loc="left")
     figure.suptitle(f"Motion on a plane, {low.label}")
@@ -58,10 +58,10 @@ def _curve(axes: Axes, curve: Curve, tilt: float, **more: Any) -> None:
 
 def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
     """Draw mean squared displacements, and guides of slopes 2 and 1 through one point."""
-    for one in shown:
-        known = one.motion.msd.value > 0.0
-        curve = Curve(*(column[known] for column in one.motion.msd))
-        _curve(axes, curve, one.tilt_deg, label=f"{one.tilt_deg:g} deg")
+    for runs in shown:
+        positive = runs.motion.msd.value > 0.0
+        curve = Curve(*(column[positive] for column in runs.motion.msd))
+        _curve(axes, curve, runs.tilt_deg, label=f"{runs.tilt_deg:g} deg")
     axes.set_xscale("log")
     axes.set_yscale("log")
     limits = axes.get_xlim(), axes.get_ylim()
@@ -82,8 +82,8 @@ def _squares(axes: Axes, shown: Sequence[Runs]) -> None:
 
 def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
     """Draw local exponents, and the paper's crossover of the slow walker."""
-    for one in shown:
-        _curve(axes, one.growth.exponents, one.tilt_deg)
+    for runs in shown:
+        _curve(axes, runs.growth.exponents, runs.tilt_deg)
     for power, line in ((2.0, "--"), (1.0, "-.")):
         axes.axhline(power, linestyle=line, **GREY)
     fact = FACTS["crossover at 35"]
@@ -103,37 +103,39 @@ def _slopes(axes: Axes, shown: Sequence[Runs]) -> None:
 
 def _tracks(axes: Axes, shown: Sequence[Runs]) -> None:
     """Draw tracks from one start, each turned by its own angle."""
-    for one in shown:
-        _star(axes, one)
+    for runs in shown:
+        _star(axes, runs)
     axes.plot(0.0, 0.0, "+", color="0.4", markersize=6)
     axes.set_aspect("equal", adjustable="datalim")
     axes.set_xlabel("x (mm)")
     axes.set_ylabel("y (mm)")
 
 
-def _star(axes: Axes, one: Runs) -> None:
-    colour, _, _ = STYLES[one.tilt_deg]
-    paths = [_path(one, number) for number in range(min(len(one.tracks.tracks), MOST_TRACKS))]
+def _star(axes: Axes, runs: Runs) -> None:
+    colour, _, _ = STYLES[runs.tilt_deg]
+    paths = [_path(runs, number) for number in range(min(len(runs.tracks.tracks), MOST_TRACKS))]
     for number, path in enumerate(paths):
-        turned = path * np.exp(2j * math.pi * (number + TILTS.index(one.tilt_deg) / 3) / len(paths))
+        turned = path * np.exp(
+            2j * math.pi * (number + TILTS.index(runs.tilt_deg) / 3) / len(paths)
+        )
         axes.plot(turned.real, turned.imag, color=colour, linewidth=0.9)
 
 
-def _path(one: Runs, number: int) -> npt.NDArray[np.complex128]:
+def _path(runs: Runs, number: int) -> npt.NDArray[np.complex128]:
     """Track x + i y (mm) from its start, its heading there along x, every 40 ms."""
-    track = one.tracks.tracks[number]
+    track = runs.tracks.tracks[number]
     assert track.heading is not None
     place = track.position @ np.array([1.0, 1.0j])
-    stride = round(one.motion.lag_s / one.tracks.interval)
+    stride = round(runs.motion.lag_s / runs.tracks.interval)
     path: npt.NDArray[np.complex128] = (place - place[0]) * np.exp(-1j * track.heading[0])
     return path[::stride]
 
 
 def _densities(axes: Axes, shown: Sequence[Runs], name: str) -> None:
     """Draw densities of displacements along or across the heading over 40 ms."""
-    for one in shown:
-        curve: Curve = getattr(one.motion, name)
-        colour, line, _ = STYLES[one.tilt_deg]
+    for runs in shown:
+        curve: Curve = getattr(runs.motion, name)
+        colour, line, _ = STYLES[runs.tilt_deg]
         axes.plot(curve.at, curve.value, line, color=colour, drawstyle="steps-mid", linewidth=1.1)
         errors = 2.0 * np.nan_to_num(curve.se)
         axes.fill_between(
