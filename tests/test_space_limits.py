@@ -19,11 +19,9 @@ from walkergen.simulation.space.pose import locate, place, point_velocity
 from walkergen.simulation.space.state import (
     C_X,
     C_Y,
-    GAP_OF,
     HEADING,
     HEIGHT,
     LEGS,
-    NUMBER,
     Q_0,
     Q_X,
     SHOWN_X,
@@ -238,7 +236,7 @@ def frozen(world, state, work):
 
     A frame of no length: its middle is the state, and no springs add to the legs' inertia.
     """
-    work.contacts[:, NUMBER] = np.arange(4)
+    work.near["number"] = np.arange(4)
     work.midway[:] = state
     stiffen(world.walker, work, 1e-12)
     load(world, work, 0.0, 1e-12, 1e-12, 4)
@@ -254,19 +252,19 @@ def test_corners_and_their_velocities_are_those_of_the_geometry(seed):
     state = anywhere(plan, np.random.default_rng(seed))
     work, _, corners = shown(plan, state)
     # 1e-12 mm: rounding
-    np.testing.assert_allclose(work.points[:, GAP_OF], corners[:, 1], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(work.points["gap"], corners[:, 1], rtol=0, atol=1e-12)
     step = 1e-6
     ahead, behind = (shown(plan, moved(plan, state, t))[2] for t in (step, -step))
     expected = (ahead - behind) / (2.0 * step)
     found = [
-        work.R @ point_velocity(state, work.body, work.points, walker.shift, walker.leg[k], 2, k)
+        work.R @ point_velocity(state, work.now, work.points, walker.shift, walker.leg[k], 2, k)
         for k in range(4)
     ]
     # 1e-6 mm/s: third order in the step of the differences, 1e-5 rad, and their rounding
     np.testing.assert_allclose(found, expected, rtol=0, atol=1e-6)
     # The same by the frozen rows through which contacts act
     frame = frozen(world, state, work)
-    motion = np.concatenate([work.body[1], state[LEGS + 4 : LEGS + 8]])
+    motion = np.concatenate([work.motion, state[LEGS + 4 : LEGS + 8]])
     np.testing.assert_allclose(
         (work.J @ motion).reshape(4, 3), expected @ frame.T, rtol=0, atol=1e-6
     )
@@ -297,7 +295,7 @@ def test_inverse_mass_and_energy_turn_with_the_walker(tilt):
     work, _, _ = shown(plan, state)
     # Rates of the rival: v_O by the velocity of O, w by the locked rate less what joints add
     rates = state[LEGS + 4 : LEGS + 8]
-    spin = work.body[0, 3:]
+    spin = work.now[3:]
     O = work.R @ (walker.centre - walker.shift @ state[LEGS : LEGS + 4])  # noqa: E741
     v_O = work.R.T @ state[V_X : V_X + 3] + np.cross(spin, work.R.T @ O) - walker.shift @ rates
     nu = np.concatenate([v_O, spin, rates])

@@ -10,20 +10,7 @@ from walkergen.numerics.kernels import kernel
 from walkergen.simulation.space.forces import guess, resist, solve
 from walkergen.simulation.space.landings import settle
 from walkergen.simulation.space.slider import dragged
-from walkergen.simulation.space.state import (
-    C_N,
-    COLUMNS_OF_CONTACT,
-    FORCE,
-    FREE,
-    FRICTION,
-    GAP,
-    IMPULSE,
-    K_N,
-    K_T,
-    MIDDLE,
-    ROW,
-    SPEED,
-)
+from walkergen.simulation.space.state import NEAR, ROW
 
 MOBILITY = np.array([[2.31, 0.9, 0.4], [0.9, 2.3, 0.3], [0.4, 0.3, 2.0]])
 """Inverse mass of a corner: normal, along, across, 1/g."""
@@ -33,21 +20,22 @@ STEP = 0.6 / math.sqrt(NORMAL * MOBILITY[0, 0])
 
 
 @kernel
-def _land(state, contacts, H, A, h, sums):
+def _land(state, near, H, A, h, sums):
     """Step one corner until it leaves, or for so many steps."""
+    contact = near[0]
     for step in range(100_000):
         for p in range(3):
-            contacts[0, MIDDLE + p] += contacts[0, SPEED + p] - contacts[0, FREE + p]
-            contacts[0, FREE + p] = contacts[0, SPEED + p]
-        if guess(state, contacts, H, 1, h, 1.0, 0) > 0:
-            solve(contacts, H, A, 1, h)
+            contact.middle[p] += contact.speed[p] - contact.free[p]
+            contact.free[p] = contact.speed[p]
+        if guess(state, near, H, 1, h, 1.0, 0) > 0:
+            solve(near, H, A, 1, h)
         else:
             for p in range(3):
-                contacts[0, FORCE + p], contacts[0, MIDDLE + p] = 0.0, contacts[0, FREE + p]
-        left = settle(state, contacts, 0, 0, 1.0, (step + 1) * h, h, sums)
+                contact.force[p], contact.middle[p] = 0.0, contact.free[p]
+        left = settle(state, near, 0, 0, 1.0, (step + 1) * h, h, sums)
         for p in range(3):
-            contacts[0, SPEED + p] = 2.0 * contacts[0, MIDDLE + p] - contacts[0, SPEED + p]
-            contacts[0, IMPULSE + p] += h * contacts[0, FORCE + p]
+            contact.speed[p] = 2.0 * contact.middle[p] - contact.speed[p]
+            contact.impulse[p] += h * contact.force[p]
         if left:
             return True
     return False
@@ -55,19 +43,17 @@ def _land(state, contacts, H, A, h, sums):
 
 def impulse(velocity, damper, h, part):
     """Impulse (normal, along, across) of a landing that begins at a part of a step, by steps."""
-    contacts, sums = np.zeros((1, COLUMNS_OF_CONTACT)), np.zeros(14)
-    contacts[0, [FRICTION, K_N, K_T, C_N]] = MU, NORMAL, TANGENTIAL, damper
-    contacts[0, SPEED : SPEED + 3] = contacts[0, FREE : FREE + 3] = velocity
-    contacts[0, MIDDLE : MIDDLE + 3] = velocity
-    contacts[0, GAP] = -velocity[0] * h * part
-    resist(contacts, 0, h, NORMAL)
-    assert _land(np.zeros(ROW), contacts, MOBILITY, np.zeros((3, 4)), h, sums)
-    gained = contacts[0, SPEED : SPEED + 3] - velocity
-    np.testing.assert_allclose(gained, MOBILITY @ contacts[0, IMPULSE : IMPULSE + 3], atol=1e-9)
+    near, sums = np.zeros(1, NEAR), np.zeros(14)
+    (contact,) = near
+    contact.friction, contact.k_n, contact.k_t, contact.c_n = MU, NORMAL, TANGENTIAL, damper
+    contact.speed[:] = contact.free[:] = contact.middle[:] = velocity
+    contact.gap[0] = -velocity[0] * h * part
+    resist(near, 0, h, NORMAL)
+    assert _land(np.zeros(ROW), near, MOBILITY, np.zeros((3, 4)), h, sums)
+    np.testing.assert_allclose(contact.speed - velocity, MOBILITY @ contact.impulse, atol=1e-9)
     inverse = np.linalg.inv(MOBILITY)
-    after = contacts[0, SPEED : SPEED + 3]
-    lost = 0.5 * (velocity @ inverse @ velocity - after @ inverse @ after)
-    return contacts[0, IMPULSE : IMPULSE + 3].copy(), sums, lost
+    lost = 0.5 * (velocity @ inverse @ velocity - contact.speed @ inverse @ contact.speed)
+    return contact.impulse.copy(), sums, lost
 
 
 class Corner:

@@ -20,7 +20,7 @@ from walkergen.simulation import record
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.run import Outcome, simulate
 from walkergen.simulation.space.pose import locate, place
-from walkergen.simulation.space.state import GAP_OF, LEGS, PHASE, V_X, W_X, work_for
+from walkergen.simulation.space.state import LEGS, PHASE, V_X, W_X, work_for
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -173,7 +173,7 @@ def gaps_of(world, state):
     work, copy = work_for(world.walker, state), state.copy()
     place(world, copy, work)
     locate(world, copy, work)
-    return work.points[:, GAP_OF]
+    return work.points["gap"]
 
 
 def liveliest(plan, rows):

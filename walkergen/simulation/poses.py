@@ -15,7 +15,6 @@ from walkergen.simulation.model import Plan
 from walkergen.simulation.space.pose import locate, place, plate_height
 from walkergen.simulation.space.state import (
     C_X,
-    GAP_OF,
     HEADING,
     HEIGHT,
     MODE,
@@ -126,6 +125,6 @@ def _points(world, states, points, plate):
             for axis in range(3):
                 total = state[C_X + axis]
                 for j in range(3):
-                    total += work.R[axis, j] * work.points[k, j]
+                    total += work.R[axis, j] * work.points[k].at[j]
                 points[i, k, axis] = total
-            points[i, k, 3] = work.points[k, GAP_OF]
+            points[i, k, 3] = work.points[k].gap

@@ -22,22 +22,15 @@ from walkergen.simulation.effects.acting import (
 )
 from walkergen.simulation.space.pose import plate_velocity, point_velocity, rotation, turn
 from walkergen.simulation.space.state import (
-    AFTER,
-    BEFORE,
     C_X,
     C_Y,
     C_Z,
-    CLEAR,
-    GAP_OF,
-    LEFT,
     LEGS,
     MODE,
     NOISE,
-    NOW,
     OPEN,
     PHASE,
     ROW,
-    TURNED,
     V_X,
     V_Y,
     V_Z,
@@ -68,8 +61,8 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
     for j in range(n):
         d, own = -(R[1, 0] * shift[0, j] + R[1, 1] * shift[1, j]), j - leg * f
         if leg >= 0 and 0 <= own < f:
-            c = TURNED + 3 * own
-            d += R[1, 0] * points[k, c] + R[1, 1] * points[k, c + 1] + R[1, 2] * points[k, c + 2]
+            turned = points[k].turned[own]
+            d += R[1, 0] * turned[0] + R[1, 1] * turned[1] + R[1, 2] * turned[2]
         angle, rate = state[LEGS + j], state[LEGS + n + j]
         speed += d * rate + abs(d) * math.sqrt(rate * rate + fast[j] * angle * angle)
     return speed
@@ -87,14 +80,14 @@ def _strongest_pull(world, state, work, fall):
     """Upper bounds of force and torque of effects by the pose in the longest flight."""
     if not placed(world.acting):
         return 0.0, 0.0
-    walker, body = world.walker, work.body
+    walker = world.walker
     span = world.options.step * 2.0 ** (len(walker.flights) - 1)
     speed, spin, arm = fall * span, 0.0, 0.0
     speed += math.sqrt(state[V_X] ** 2 + state[V_Y] ** 2 + state[V_Z] ** 2)
     for i in range(3):
-        spin = max(spin, abs(body[NOW, 3 + i]))
+        spin = max(spin, abs(work.now[3 + i]))
     for k in range(len(walker.leg)):
-        p = work.points[k]
+        p = work.points[k].at
         arm = max(arm, math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2]))
     return strongest(
         world.acting, state[C_X], state[C_Y], state[C_Z], work.R, span * (speed + 2.0 * spin * arm)
@@ -109,7 +102,7 @@ def _drawn(walker, points, k, force, torque):
     """
     if force == 0.0:
         return 0.0
-    p, largest = points[k], 0.0
+    p, largest = points[k].at, 0.0
     for i in range(3):
         row = 0.0
         for j in range(3):
@@ -123,7 +116,7 @@ def _drawn(walker, points, k, force, torque):
 def leave_behind(walker, work, t_x, t_y, t_z):
     """Fill the torques on the legs by which a torque on the body leaves them behind."""
     for j in range(len(walker.stiffness)):
-        work.legs[LEFT, j] = -(
+        work.left[j] = -(
             walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z
         )
 
@@ -147,24 +140,24 @@ def _pull(world, state, work, t):
     leave_behind(walker, work, t_x, t_y, t_z)
     for i in range(n):
         for j in range(n):
-            state[LEGS + n + i] += t * walker.hinge_mobility[i, j] * work.legs[LEFT, j]
+            state[LEGS + n + i] += t * walker.hinge_mobility[i, j] * work.left[j]
 
 
 @lean
 def clear_time(world, state, work, longest):
     """Time (s), at most `longest`, in which no contact can close; fills that of each contact."""
-    walker, R, points, body = world.walker, work.R, work.points, work.body
+    walker, R, points, now = world.walker, work.R, work.points, work.now
     shift, fast, f = walker.shift, walker.fast, walker.freedoms
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
     fall = across(world.acting) + strongest_throw(world)
     force, torque = _strongest_pull(world, state, work, fall)
     for k in range(len(leg)):
-        gap, points[k, CLEAR] = points[k, GAP_OF], 0.0
+        gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
             time = 0.0
             continue
-        v_x, v_y, v_z = point_velocity(state, body, points, shift, leg[k], f, k)
+        v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
             clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
         else:
@@ -175,7 +168,7 @@ def clear_time(world, state, work, longest):
             drawn = fall + _drawn(walker, points, k, force, torque)
             root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
-        points[k, CLEAR] = clear
+        points[k].clear = clear
         time = min(time, clear)
     return time
 
@@ -190,10 +183,10 @@ def _swing(walker, work, state, level):
         total = 0.0
         for j in range(2 * n):
             total += P[i, j] * state[LEGS + j]
-        work.legs[AFTER, i] = total
+        work.after[i] = total
     for i in range(2 * n):
-        work.legs[BEFORE, i] = state[LEGS + i]
-        state[LEGS + i] = work.legs[AFTER, i]
+        work.before[i] = state[LEGS + i]
+        state[LEGS + i] = work.after[i]
     return before - legs_energy(walker, state)
 
 
@@ -234,7 +227,7 @@ def _turned_back(x, y, z, t_x, t_y, t_z):
 def fly(world, state, work, t, level, sums):
     """Fly for t = Options.step 2^level seconds."""
     walker = world.walker
-    g_x, g_y, now = along(world.acting), -across(world.acting), work.body[NOW]
+    g_x, g_y, now = along(world.acting), -across(world.acting), work.now
     if placed(world.acting):
         _pull(world, state, work, 0.5 * t)
     f_x, f_y, f_z = force_in_space(world.acting, now)
@@ -252,7 +245,7 @@ def fly(world, state, work, t, level, sums):
     sums[record.DAMPING_LOSS] += _swing(walker, work, state, level)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
     for j in range(n):
-        moved = state[LEGS + j] - work.legs[BEFORE, j]
+        moved = state[LEGS + j] - work.before[j]
         d_x -= walker.lock[0, j] * moved
         d_y -= walker.lock[1, j] * moved
         d_z -= walker.lock[2, j] * moved

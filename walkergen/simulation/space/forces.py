@@ -38,9 +38,9 @@ friction presses a foot on faster than the step, and the foot is taken to stick.
 @lean
 def resist(near, i, h, k_n):
     """Set the normal stiffness of near contact i, and its resistances in a step of h seconds."""
-    near.stiff[i], near.offset[i], near.share[i] = k_n, 0.0, 1.0
-    near.b_n[i] = near.c_n[i] + 0.5 * h * k_n
-    near.b_t[i] = 0.5 * h * near.k_t[i]
+    near[i].stiff, near[i].offset, near[i].share = k_n, 0.0, 1.0
+    near[i].b_n = near[i].c_n + 0.5 * h * k_n
+    near[i].b_t = 0.5 * h * near[i].k_t
 
 
 @lean
@@ -49,10 +49,10 @@ def _touch(near, i, h, share):
 
     Its springs are relaxed at touch. Its force is the mean over the whole step.
     """
-    near.stiff[i], near.offset[i] = share * near.k_n[i], -near.gap[i, 0]
-    near.share[i] = share
-    near.b_n[i] = share * (near.c_n[i] + 0.5 * share * h * near.k_n[i])
-    near.b_t[i] = 0.5 * share * share * h * near.k_t[i]
+    near[i].stiff, near[i].offset = share * near[i].k_n, -near[i].gap[0]
+    near[i].share = share
+    near[i].b_n = share * (near[i].c_n + 0.5 * share * h * near[i].k_n)
+    near[i].b_t = 0.5 * share * share * h * near[i].k_t
 
 
 @lean
@@ -61,7 +61,7 @@ def _closed_share(near, i, u, h):
 
     It is open at its start and moves at the mean normal velocity u (mm/s) until it touches.
     """
-    gap = near.gap[i, 0]
+    gap = near[i].gap[0]
     end = gap + h * u
     return end / (end - gap) if end < 0.0 else 0.0
 
@@ -75,9 +75,9 @@ def guess(state, near, H, m, h, unloading, first):
     """
     closed = 0
     for i in range(m):
-        at = first + ROW * near.number[i]
+        at = first + ROW * near[i].number
         mode = _guess_of(state, near, H, i, h, unloading, at)
-        near.tried[i] = mode
+        near[i].tried = mode
         if mode != OPEN:
             closed += 1
     return closed
@@ -86,38 +86,38 @@ def guess(state, near, H, m, h, unloading, first):
 @lean
 def _guess_of(state, near, H, i, h, unloading, at):
     """First guess of the mode of contact i, whose row in the state is at `at`."""
-    gap = near.gap[i, 0]
+    gap = near[i].gap[0]
     if gap > 0.0:
         share = 0.0
-        if gap < NEAR * h * abs(near.speed[i, 0]):
-            share = _closed_share(near, i, near.middle[i, 0], h)
+        if gap < NEAR * h * abs(near[i].speed[0]):
+            share = _closed_share(near, i, near[i].middle[0], h)
         if share == 0.0:
             return OPEN
         _touch(near, i, h, share)
     else:
-        middle = gap + 0.5 * h * near.speed[i, 0]
+        middle = gap + 0.5 * h * near[i].speed[0]
         if middle >= 0.0:
             return OPEN
-        if near.share[i] != 1.0:
-            resist(near, i, h, near.k_n[i])
+        if near[i].share != 1.0:
+            resist(near, i, h, near[i].k_n)
         if unloading > 1.0:
-            stiff, offset = unloading * near.k_n[i], state[at + SET]
-            if stiff * (-middle - offset) < -near.k_n[i] * middle:
+            stiff, offset = unloading * near[i].k_n, state[at + SET]
+            if stiff * (-middle - offset) < -near[i].k_n * middle:
                 resist(near, i, h, stiff)
-                near.offset[i] = offset
+                near[i].offset = offset
             else:
-                resist(near, i, h, near.k_n[i])
-    press = -near.stiff[i] * (gap + near.offset[i])
-    press = max(press - near.b_n[i] * near.middle[i, 0], 0.0)
+                resist(near, i, h, near[i].k_n)
+    press = -near[i].stiff * (gap + near[i].offset)
+    press = max(press - near[i].b_n * near[i].middle[0], 0.0)
     mode = int(state[at + MODE])
     if mode == OPEN:
-        t_1 = near.k_t[i] * near.gap[i, 1] + near.b_t[i] * near.speed[i, 1]
-        t_2 = near.k_t[i] * near.gap[i, 2] + near.b_t[i] * near.speed[i, 2]
-        limit = near.friction[i] * press
+        t_1 = near[i].k_t * near[i].gap[1] + near[i].b_t * near[i].speed[1]
+        t_2 = near[i].k_t * near[i].gap[2] + near[i].b_t * near[i].speed[2]
+        limit = near[i].friction * press
         mode = SLIDE if t_1 * t_1 + t_2 * t_2 > limit * limit else STICK
     if mode == STICK:
         return STICK
-    aim(near, i, near.middle[i, 1], near.middle[i, 2], press, h)
+    aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
     return STICK if _jams(near, H, i, h) else SLIDE
 
 
@@ -128,14 +128,14 @@ def aim(near, i, u_1, u_2, press, h):
     It slips by (u_1, u_2), mm/s, under the normal force `press`. Returns how far the direction in
     the middle has changed.
     """
-    share = near.share[i]
-    radius = near.friction[i] * press / (share * near.k_t[i])
-    n_1, n_2, near.end[i, 0], near.end[i, 1] = dragged(
-        near.gap[i, 1], near.gap[i, 2], u_1, u_2, 0.5 * share * h, radius
+    share = near[i].share
+    radius = near[i].friction * press / (share * near[i].k_t)
+    n_1, n_2, near[i].end[0], near[i].end[1] = dragged(
+        near[i].gap[1], near[i].gap[2], u_1, u_2, 0.5 * share * h, radius
     )
-    turned = abs(n_1 - near.toward[i, 0]) + abs(n_2 - near.toward[i, 1])
-    near.toward[i, 0], near.toward[i, 1] = n_1, n_2
-    near.slip[i, 0], near.slip[i, 1] = u_1, u_2
+    turned = abs(n_1 - near[i].toward[0]) + abs(n_2 - near[i].toward[1])
+    near[i].toward[0], near[i].toward[1] = n_1, n_2
+    near[i].slip[0], near[i].slip[1] = u_1, u_2
     return turned
 
 
@@ -143,9 +143,9 @@ def aim(near, i, u_1, u_2, press, h):
 def _jams(near, H, i, h):
     """True when sliding in the contact's direction would press it on faster than the step."""
     b = 3 * i
-    turned = near.toward[i, 0] * H[b, b + 1] + near.toward[i, 1] * H[b, b + 2]
-    own = 1.0 / near.b_n[i]
-    return own + 0.5 * h * (H[b, b] - near.friction[i] * turned) < JAMMED * own
+    turned = near[i].toward[0] * H[b, b + 1] + near[i].toward[1] * H[b, b + 2]
+    own = 1.0 / near[i].b_n
+    return own + 0.5 * h * (H[b, b] - near[i].friction * turned) < JAMMED * own
 
 
 @lean
@@ -153,29 +153,29 @@ def _assemble(near, H, A, m, h):
     """Fill the equations of the forces for the modes tried; returns their number."""
     half, count = 0.5 * h, 0
     for i in range(m):
-        near.unknown[i] = count
-        if near.tried[i] != OPEN:
-            count += 3 if near.tried[i] == STICK else 1
+        near[i].unknown = count
+        if near[i].tried != OPEN:
+            count += 3 if near[i].tried == STICK else 1
     for i in range(m):
-        if near.tried[i] == OPEN:
+        if near[i].tried == OPEN:
             continue
-        for p in range(3 if near.tried[i] == STICK else 1):
-            r, a = 3 * i + p, near.unknown[i] + p
+        for p in range(3 if near[i].tried == STICK else 1):
+            r, a = 3 * i + p, near[i].unknown + p
             for j in range(m):
-                c, column = 3 * j, near.unknown[j]
-                if near.tried[j] == STICK:
+                c, column = 3 * j, near[j].unknown
+                if near[j].tried == STICK:
                     A[a, column] = half * H[r, c]
                     A[a, column + 1] = half * H[r, c + 1]
                     A[a, column + 2] = half * H[r, c + 2]
-                elif near.tried[j] == SLIDE:
-                    turned = near.toward[j, 0] * H[r, c + 1] + near.toward[j, 1] * H[r, c + 2]
-                    A[a, column] = half * (H[r, c] - near.friction[j] * turned)
+                elif near[j].tried == SLIDE:
+                    turned = near[j].toward[0] * H[r, c + 1] + near[j].toward[1] * H[r, c + 2]
+                    A[a, column] = half * (H[r, c] - near[j].friction * turned)
             if p == 0:
-                own, pull = (1.0 / near.b_n[i], near.stiff[i] * (near.gap[i, 0] + near.offset[i]))
+                own, pull = (1.0 / near[i].b_n, near[i].stiff * (near[i].gap[0] + near[i].offset))
             else:
-                own, pull = 1.0 / near.b_t[i], near.k_t[i] * near.gap[i, p]
+                own, pull = 1.0 / near[i].b_t, near[i].k_t * near[i].gap[p]
             A[a, a] += own
-            A[a, count] = -pull * own - near.free[i, p]
+            A[a, count] = -pull * own - near[i].free[p]
     return count
 
 
@@ -201,23 +201,23 @@ def _spread(near, A, m, count):
     """Set the forces from the unknowns; contacts that would pull are opened: their number."""
     pulling = 0
     for i in range(m):
-        near.force[i, 0] = near.force[i, 1] = near.force[i, 2] = 0.0
-        if near.tried[i] == OPEN:
+        near[i].force[0] = near[i].force[1] = near[i].force[2] = 0.0
+        if near[i].tried == OPEN:
             continue
-        c = near.unknown[i]
+        c = near[i].unknown
         press = A[c, count]
         if not press > 0.0:
-            near.tried[i] = OPEN
+            near[i].tried = OPEN
             pulling += 1
             continue
-        near.force[i, 0] = press
-        if near.tried[i] == STICK:
-            near.force[i, 1], near.force[i, 2] = A[c + 1, count], A[c + 2, count]
+        near[i].force[0] = press
+        if near[i].tried == STICK:
+            near[i].force[1], near[i].force[2] = A[c + 1, count], A[c + 2, count]
         else:
-            rub = near.friction[i] * press
-            near.force[i, 1], near.force[i, 2] = (
-                -rub * near.toward[i, 0],
-                -rub * near.toward[i, 1],
+            rub = near[i].friction * press
+            near[i].force[1], near[i].force[2] = (
+                -rub * near[i].toward[0],
+                -rub * near[i].toward[1],
             )
     return pulling
 
@@ -229,14 +229,14 @@ def _move(near, H, m, h):
         for p in range(3):
             total, r = 0.0, 3 * j + p
             for i in range(m):
-                if near.tried[i] != OPEN:
+                if near[i].tried != OPEN:
                     c = 3 * i
                     total += (
-                        H[r, c] * near.force[i, 0]
-                        + H[r, c + 1] * near.force[i, 1]
-                        + H[r, c + 2] * near.force[i, 2]
+                        H[r, c] * near[i].force[0]
+                        + H[r, c + 1] * near[i].force[1]
+                        + H[r, c + 2] * near[i].force[2]
                     )
-            near.middle[j, p] = near.free[j, p] + 0.5 * h * total
+            near[j].middle[p] = near[j].free[p] + 0.5 * h * total
 
 
 @lean
@@ -244,29 +244,29 @@ def _correct(near, H, m, h):
     """Change modes and directions that the forces contradict; returns how many."""
     changed = 0
     for i in range(m):
-        if near.gap[i, 0] > 0.0 and _landing_changes(near, H, i, h):
+        if near[i].gap[0] > 0.0 and _landing_changes(near, H, i, h):
             changed += 1
             continue
-        press = near.force[i, 0]
-        limit = near.friction[i] * press
-        if near.tried[i] == STICK:
-            size = math.sqrt(near.force[i, 1] ** 2 + near.force[i, 2] ** 2)
+        press = near[i].force[0]
+        limit = near[i].friction * press
+        if near[i].tried == STICK:
+            size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
             if size > limit:
-                aim(near, i, near.middle[i, 1], near.middle[i, 2], press, h)
+                aim(near, i, near[i].middle[1], near[i].middle[2], press, h)
                 if not _jams(near, H, i, h):
-                    near.tried[i] = SLIDE
+                    near[i].tried = SLIDE
                     changed += 1
-        elif near.tried[i] == SLIDE:
-            u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
+        elif near[i].tried == SLIDE:
+            u_1, u_2 = near[i].middle[1], near[i].middle[2]
             # where its own stretch, moved along, is short of the limit, it sticks
-            share = near.share[i]
-            t_1 = share * near.k_t[i] * near.gap[i, 1] + near.b_t[i] * u_1
-            t_2 = share * near.k_t[i] * near.gap[i, 2] + near.b_t[i] * u_2
+            share = near[i].share
+            t_1 = share * near[i].k_t * near[i].gap[1] + near[i].b_t * u_1
+            t_2 = share * near[i].k_t * near[i].gap[2] + near[i].b_t * u_2
             if t_1 * t_1 + t_2 * t_2 < limit * limit:
-                near.tried[i] = STICK
+                near[i].tried = STICK
                 changed += 1
             elif (
-                abs(u_1 - near.slip[i, 0]) + abs(u_2 - near.slip[i, 1])
+                abs(u_1 - near[i].slip[0]) + abs(u_2 - near[i].slip[1])
                 > TURNED * (abs(u_1) + abs(u_2))
                 and aim(near, i, u_1, u_2, press, h) > TURNED
             ):
@@ -277,22 +277,22 @@ def _correct(near, H, m, h):
 @lean
 def _landing_changes(near, H, i, h):
     """Locate the touch of contact i, open when the step began, anew; True if that changes it."""
-    r, u = 3 * i, near.middle[i, 0]
-    if near.tried[i] == OPEN:
+    r, u = 3 * i, near[i].middle[0]
+    if near[i].tried == OPEN:
         share = _closed_share(near, i, u, h)
         if share < SHORTEST:
             return False
         _touch(near, i, h, share)
-        near.tried[i] = STICK
+        near[i].tried = STICK
         return True
     # the velocity until it touches: without its own force
     for p in range(3):
-        u -= 0.5 * h * H[r, r + p] * near.force[i, p]
+        u -= 0.5 * h * H[r, r + p] * near[i].force[p]
     share = _closed_share(near, i, u, h)
     if share < SHORTEST:
-        near.tried[i] = OPEN
+        near[i].tried = OPEN
         return True
-    if abs(share - near.share[i]) < LOCATED:
+    if abs(share - near[i].share) < LOCATED:
         return False
     _touch(near, i, h, share)
     return True
@@ -303,16 +303,16 @@ def _cut(near, m, h):
     """Cut forces to the friction cone, where modes found no agreement or a foot jams."""
     cut = False
     for i in range(m):
-        limit = near.friction[i] * near.force[i, 0]
-        if near.tried[i] == STICK:
-            size = math.sqrt(near.force[i, 1] ** 2 + near.force[i, 2] ** 2)
+        limit = near[i].friction * near[i].force[0]
+        if near[i].tried == STICK:
+            size = math.sqrt(near[i].force[1] ** 2 + near[i].force[2] ** 2)
             if size > limit:
                 cut = True
-                near.tried[i] = SLIDE
-                u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
-                aim(near, i, u_1, u_2, near.force[i, 0], h)
-                near.force[i, 1] *= limit / size
-                near.force[i, 2] *= limit / size
+                near[i].tried = SLIDE
+                u_1, u_2 = near[i].middle[1], near[i].middle[2]
+                aim(near, i, u_1, u_2, near[i].force[0], h)
+                near[i].force[1] *= limit / size
+                near[i].force[2] *= limit / size
     return cut
 
 

@@ -13,20 +13,7 @@ from walkergen.simulation.effects.acting import across, along, force_in_space, p
 from walkergen.simulation.space.flight import leave_behind, pass_time
 from walkergen.simulation.space.forces import resist
 from walkergen.simulation.space.pose import locate, normal_of, place, turn
-from walkergen.simulation.space.state import (
-    ACTING,
-    C_X,
-    LEGS,
-    MOTION,
-    NOISE,
-    NOW,
-    PHASE,
-    STEP,
-    SWING,
-    TURNED,
-    V_X,
-    W_X,
-)
+from walkergen.simulation.space.state import C_X, LEGS, NOISE, PHASE, V_X, W_X
 
 _noise_acceleration = noises.acceleration
 
@@ -34,33 +21,33 @@ _noise_acceleration = noises.acceleration
 @lean
 def stiffen(walker, work, h):
     """Fill the legs' inverse inertia for steps of h seconds, by Gauss and Jordan."""
-    n, legs, A = len(walker.stiffness), work.legs, work.A
-    if legs[STEP, 0] == h:
+    n, swing, A = len(walker.stiffness), work.swing, work.A
+    if work.swung[0] == h:
         return
-    legs[STEP, 0] = h
+    work.swung[0] = h
     for i in range(n):
         for j in range(n):
             A[i, j] = walker.hinge_inertia[i, j]
-            legs[SWING + i, j] = 1.0 if i == j else 0.0
+            swing[i, j] = 1.0 if i == j else 0.0
         A[i, i] += 0.5 * h * walker.damping[i] + 0.25 * h * h * walker.stiffness[i]
     for i in range(n):
         pivot = 1.0 / A[i, i]
         for c in range(n):
             A[i, c] *= pivot
-            legs[SWING + i, c] *= pivot
+            swing[i, c] *= pivot
         for j in range(n):
             if j != i:
                 factor = A[j, i]
                 for c in range(n):
                     A[j, c] -= factor * A[i, c]
-                    legs[SWING + j, c] -= factor * legs[SWING + i, c]
+                    swing[j, c] -= factor * swing[i, c]
 
 
 @lean
 def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
     """Fill row m of the Jacobian: contact k of a leg along a direction in body axes."""
     n = J.shape[1] - 6
-    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     t_x, t_y, t_z = p_y * d_z - p_z * d_y, p_z * d_x - p_x * d_z, p_x * d_y - p_y * d_x
     J[m, 0], J[m, 1], J[m, 2] = d_x, d_y, d_z
     J[m, 3], J[m, 4], J[m, 5] = t_x, t_y, t_z
@@ -71,31 +58,31 @@ def _fill_row(J, points, shift, lock, leg, f, k, m, d_x, d_y, d_z):
         )  # fmt: skip
     if leg >= 0:
         for j in range(f):
-            c = TURNED + 3 * j
-            along = points[k, c] * d_x + points[k, c + 1] * d_y + points[k, c + 2] * d_z
+            turned = points[k].turned[j]
+            along = turned[0] * d_x + turned[1] * d_y + turned[2] * d_z
             J[m, 6 + leg * f + j] += along
 
 
 @lean
-def _bend(state, body, points, side, leg, f, n, k):
+def _bend(state, now, points, side, leg, f, n, k):
     """Acceleration of contact k by the rates alone (centripetal, Coriolis), body axes, mm/s^2.
 
     It is what changes velocities while Jacobians are frozen; `side` is the point's place across
     its leg.
     """
-    w_x, w_y, w_z = body[NOW, 3], body[NOW, 4], body[NOW, 5]
-    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    w_x, w_y, w_z = now[3], now[4], now[5]
+    p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     v_x, v_y, v_z = w_y * p_z - w_z * p_y, w_z * p_x - w_x * p_z, w_x * p_y - w_y * p_x
     a_x, a_y, a_z = 0.0, 0.0, 0.0
     if leg >= 0 and f > 0:
         rate = state[LEGS + n + leg * f]
-        t_x, t_y = points[k, TURNED], points[k, TURNED + 1]
+        t_x, t_y = points[k].turned[0, 0], points[k].turned[0, 1]
         v_x, v_y = v_x + 2.0 * rate * t_x, v_y + 2.0 * rate * t_y
         a_x, a_y = -rate * rate * t_y, rate * rate * t_x
         if f > 1:
             twist = state[LEGS + n + leg * f + 1]
-            c = TURNED + 3
-            t_x, t_y, t_z = points[k, c], points[k, c + 1], points[k, c + 2]
+            turned = points[k].turned[1]
+            t_x, t_y, t_z = turned[0], turned[1], turned[2]
             v_x, v_y, v_z = (
                 v_x + 2.0 * twist * t_x,
                 v_y + 2.0 * twist * t_y,
@@ -108,7 +95,7 @@ def _bend(state, body, points, side, leg, f, n, k):
 
 
 @lean
-def _move_by(J, MJ, legs, mass, inverse, rows):
+def _move_by(J, MJ, swing, mass, inverse, rows):
     """Fill M^-1 J^T, by rows: mass and inertia of the whole, then the legs' own block."""
     n = J.shape[1] - 6
     for r in range(rows):
@@ -119,7 +106,7 @@ def _move_by(J, MJ, legs, mass, inverse, rows):
         for i in range(n):
             total = 0.0
             for j in range(n):
-                total += legs[SWING + i, j] * J[r, 6 + j]
+                total += swing[i, j] * J[r, 6 + j]
             MJ[r, 6 + i] = total
 
 
@@ -136,7 +123,7 @@ def halfway(world, state, work, t):
         middle[C_X + i] += 0.5 * t * state[V_X + i]
     for j in range(n):
         middle[LEGS + j] += 0.5 * t * state[LEGS + n + j]
-    w = work.body[NOW]
+    w = work.now
     turn(middle, 0.5 * t * w[3], 0.5 * t * w[4], 0.5 * t * w[5])
     pass_time(world, middle, 0.5 * t)
     place(world, middle, work)
@@ -148,7 +135,7 @@ def _directions(world, state, work, near, lifted, h, t, m):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
     """
-    walker, R, J, points, body = world.walker, work.R, work.J, work.points, work.body
+    walker, R, J, points = world.walker, work.R, work.J, work.points
     lifting = plate_acceleration(world, state)
     spring, damper, friction, place = walker.spring, walker.damper, walker.friction, walker.place
     shift, lock, leg, f, upward = (
@@ -162,9 +149,9 @@ def _directions(world, state, work, near, lifted, h, t, m):
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
-        k = near.number[i]
+        k = near[i].number
         n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
-        a_x, a_y, a_z = _bend(state, body, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
+        a_x, a_y, a_z = _bend(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
         for p in range(3):
             if p == 0:
                 d_x, d_y, d_z = n_x, n_y, n_z
@@ -181,13 +168,13 @@ def _directions(world, state, work, near, lifted, h, t, m):
             upright = 1.0 if p == upward[k] else 0.0
             r = 3 * i + p
             bent = J[r, 0] * a_x + J[r, 1] * a_y + J[r, 2] * a_z
-            near.speed[i, p] = -upright * lifted - 0.5 * t * bent
-            near.drift[i, p] = bent - upright * lifting
-        near.friction[i] = friction[k]
-        near.k_n[i], near.k_t[i] = spring[k, 0], spring[k, 1]
-        near.c_n[i] = damper[k]
-        resist(near, i, h, near.k_n[i])
-    _move_by(J, work.MJ, work.legs, walker.inverse_mass, walker.inverse_inertia, 3 * m)
+            near[i].speed[p] = -upright * lifted - 0.5 * t * bent
+            near[i].drift[p] = bent - upright * lifting
+        near[i].friction = friction[k]
+        near[i].k_n, near[i].k_t = spring[k, 0], spring[k, 1]
+        near[i].c_n = damper[k]
+        resist(near, i, h, near[i].k_n)
+    _move_by(J, work.MJ, work.swing, walker.inverse_mass, walker.inverse_inertia, 3 * m)
 
 
 @lean
@@ -197,21 +184,21 @@ def load(world, work, lifted, h, t, m):
     It lasts t seconds in steps of h, and starts with the plate at the velocity `lifted` (mm/s).
     """
     state = work.midway
-    near, J, MJ, H, body = work.near, work.J, work.MJ, work.H, work.body
+    near, J, MJ, H = work.near, work.J, work.MJ, work.H
     n = J.shape[1] - 6
     _directions(world, state, work, near, lifted, h, t, m)
     for i in range(m):
         for p in range(3):
             r = 3 * i + p
-            u, drift = near.speed[i, p], near.drift[i, p]
+            u, drift = near[i].speed[p], near[i].drift[p]
             for j in range(6):
-                u += J[r, j] * body[MOTION, j]
-                drift += J[r, j] * body[ACTING, j]
+                u += J[r, j] * work.motion[j]
+                drift += J[r, j] * work.acting[j]
             for j in range(n):
                 u += J[r, 6 + j] * state[LEGS + n + j]
-            near.speed[i, p], near.drift[i, p] = u, drift
-            near.impulse[i, p] = near.carried[i, p] = 0.0
-            near.free[i, p] = near.middle[i, p] = 0.0
+            near[i].speed[p], near[i].drift[p] = u, drift
+            near[i].impulse[p] = near[i].carried[p] = 0.0
+            near[i].free[p] = near[i].middle[p] = 0.0
     for r in range(3 * m):
         for c in range(r + 1):
             total = 0.0
@@ -230,7 +217,7 @@ def plate_acceleration(world, state):
 @lean
 def accelerate(world, state, work):
     """Fill the accelerations of C and W without contact: gravity, effects, rotation."""
-    walker, R, now, acting = world.walker, work.R, work.body[NOW], work.body[ACTING]
+    walker, R, now, acting = world.walker, work.R, work.now, work.acting
     g_x, g_y = along(world.acting), -across(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     for row in range(3):

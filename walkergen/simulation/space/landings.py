@@ -61,9 +61,9 @@ def leave(state, at, k, on_plate, tally):
 @lean
 def _released(near, i, state, at, unloading):
     """Energies (normal, tangential) of the springs of near contact i, which its force leaves."""
-    depth = max(-near.gap[i, 0] - state[at + SET], 0.0)
+    depth = max(-near[i].gap[0] - state[at + SET], 0.0)
     stretch = state[at + ALONG] * state[at + ALONG] + state[at + ACROSS] * state[at + ACROSS]
-    return (0.5 * unloading * near.k_n[i] * depth * depth, 0.5 * near.k_t[i] * stretch)
+    return (0.5 * unloading * near[i].k_n * depth * depth, 0.5 * near[i].k_t * stretch)
 
 
 @lean
@@ -72,42 +72,42 @@ def settle(state, near, i, at, unloading, t, h, sums):
 
     Its row in the state starts at `at`. Returns True when a landing has ended.
     """
-    gap, u_n = near.gap[i, 0], near.middle[i, 0]
-    before, mode = int(state[at + MODE]), near.tried[i]
+    gap, u_n = near[i].gap[0], near[i].middle[0]
+    before, mode = int(state[at + MODE]), near[i].tried
     if mode == OPEN:
         if before != OPEN:
             normal, tangential = _released(near, i, state, at, unloading)
             sums[record.IMPACT_LOSS] += normal
             sums[record.FRICTION_LOSS] += tangential
             state[at + ALONG] = state[at + ACROSS] = 0.0
-            near.gap[i, 1] = near.gap[i, 2] = 0.0
-        near.gap[i, 0] = gap + h * u_n
-        if near.gap[i, 0] >= 0.0:
+            near[i].gap[1] = near[i].gap[2] = 0.0
+        near[i].gap[0] = gap + h * u_n
+        if near[i].gap[0] >= 0.0:
             state[at + SET] = 0.0
         return before != OPEN
-    share = near.share[i]
+    share = near[i].share
     if before == OPEN:
         _land(
             state, at, t - share * h,
-            near.speed[i, 0], near.speed[i, 1], near.speed[i, 2],
+            near[i].speed[0], near[i].speed[1], near[i].speed[2],
         )  # fmt: skip
         normal, _ = _released(near, i, state, at, unloading)
         sums[record.IMPACT_LOSS] -= normal
-    near.gap[i, 0] = gap + h * u_n
+    near[i].gap[0] = gap + h * u_n
     if share < 1.0:  # what its springs and damper took is not what the mean force gave
-        given = -h * near.force[i, 0] * u_n - share * h * near.c_n[i] * u_n * u_n
-        depth = min(near.gap[i, 0], 0.0)
-        sums[record.IMPACT_LOSS] += given - 0.5 * near.k_n[i] * depth * depth
+        given = -h * near[i].force[0] * u_n - share * h * near[i].c_n * u_n * u_n
+        depth = min(near[i].gap[0], 0.0)
+        sums[record.IMPACT_LOSS] += given - 0.5 * near[i].k_n * depth * depth
     for axis in range(3):
-        state[at + J_N + axis] += h * near.force[i, axis]
-    if state[at + STOP] == SLIDING and near.middle[i, 1] * state[at + U_A] <= 0.0:
+        state[at + J_N + axis] += h * near[i].force[axis]
+    if state[at + STOP] == SLIDING and near[i].middle[1] * state[at + U_A] <= 0.0:
         state[at + STOP] = IN_COMPRESSION if u_n < 0.0 else IN_RESTITUTION
-    sums[record.IMPACT_LOSS] += share * h * near.c_n[i] * u_n * u_n
+    sums[record.IMPACT_LOSS] += share * h * near[i].c_n * u_n * u_n
     if unloading > 1.0:
         state[at + SET], lost = _pressed(near, i, unloading, state[at + SET])
         sums[record.IMPACT_LOSS] += lost
     sums[record.FRICTION_LOSS] += _rub(near, i, h)
-    state[at + ALONG], state[at + ACROSS] = near.gap[i, 1], near.gap[i, 2]
+    state[at + ALONG], state[at + ACROSS] = near[i].gap[1], near[i].gap[2]
     state[at + MODE] = mode
     return False
 
@@ -115,35 +115,35 @@ def settle(state, near, i, at, unloading, t, h, sums):
 @lean
 def _pressed(near, i, unloading, lasting):
     """Lasting compression (mm) of a hysteretic foot after a step, and the energy that it took."""
-    lost, after = 1.0 - 1.0 / unloading, near.gap[i, 0]
-    if (near.offset[i] != 0.0 and near.share[i] == 1.0) or -after * lost <= lasting:
+    lost, after = 1.0 - 1.0 / unloading, near[i].gap[0]
+    if (near[i].offset != 0.0 and near[i].share == 1.0) or -after * lost <= lasting:
         return lasting, 0.0
     deepest = lasting / lost
-    return -after * lost, 0.5 * lost * near.k_n[i] * (after * after - deepest * deepest)
+    return -after * lost, 0.5 * lost * near[i].k_n * (after * after - deepest * deepest)
 
 
 @lean
 def _rub(near, i, h):
     """Move the tangential springs of a contact; returns the energy that the slider takes."""
-    share, k_t = near.share[i], near.k_t[i]
-    e_1, e_2 = near.gap[i, 1], near.gap[i, 2]
-    u_1, u_2 = near.middle[i, 1], near.middle[i, 2]
-    given = -h * (near.force[i, 1] * u_1 + near.force[i, 2] * u_2)
+    share, k_t = near[i].share, near[i].k_t
+    e_1, e_2 = near[i].gap[1], near[i].gap[2]
+    u_1, u_2 = near[i].middle[1], near[i].middle[2]
+    given = -h * (near[i].force[1] * u_1 + near[i].force[2] * u_2)
     before = e_1 * e_1 + e_2 * e_2
-    if near.tried[i] == STICK:
+    if near[i].tried == STICK:
         e_1, e_2 = e_1 + share * h * u_1, e_2 + share * h * u_2
     else:  # dragged along, the spring carries what friction allows at the end of the step
-        radius = near.friction[i] * _press_at_end(near, i) / k_t
-        e_1, e_2 = radius * near.end[i, 0], radius * near.end[i, 1]
-    near.gap[i, 1], near.gap[i, 2] = e_1, e_2
+        radius = near[i].friction * _press_at_end(near, i) / k_t
+        e_1, e_2 = radius * near[i].end[0], radius * near[i].end[1]
+    near[i].gap[1], near[i].gap[2] = e_1, e_2
     return given - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
 
 
 @lean
 def _press_at_end(near, i):
     """Normal force of a contact at the end of a step, g mm/s^2; its gap is that at the end."""
-    stiff, offset = near.stiff[i], near.offset[i]
-    if near.share[i] < 1.0:
-        stiff, offset = near.k_n[i], 0.0
-    u = 2.0 * near.middle[i, 0] - near.speed[i, 0]
-    return max(-stiff * (near.gap[i, 0] + offset) - near.c_n[i] * u, 0.0)
+    stiff, offset = near[i].stiff, near[i].offset
+    if near[i].share < 1.0:
+        stiff, offset = near[i].k_n, 0.0
+    u = 2.0 * near[i].middle[0] - near[i].speed[0]
+    return max(-stiff * (near[i].gap[0] + offset) - near[i].c_n * u, 0.0)

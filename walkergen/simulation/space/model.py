@@ -21,7 +21,6 @@ from walkergen.simulation.space.state import (
     C_X,
     C_Y,
     COLUMNS,
-    GAP_OF,
     HEADING,
     J_A,
     LEGS,
@@ -68,7 +67,7 @@ def start(
     work = work_for(world.walker, state)
     place(world, state, work)
     locate(world, state, work)
-    gaps = work.points[world.walker.place == 0.0, GAP_OF]
+    gaps = work.points["gap"][world.walker.place == 0.0]
     state[C_Y] += clearance - float(gaps.min())
     place(world, state, work)
     return state
@@ -94,7 +93,7 @@ def energy(world, state):
     for k in range(len(walker.leg)):
         at = row + ROW * k
         if state[at + MODE] != OPEN:
-            depth = max(-work.points[k, GAP_OF] - state[at + SET], 0.0)
+            depth = max(-work.points[k].gap - state[at + SET], 0.0)
             stiff = walker.unloading if state[at + SET] > 0.0 else 1.0
             total += 0.5 * stiff * walker.spring[k, 0] * depth * depth
             stretch = state[at + ALONG] ** 2 + state[at + ACROSS] ** 2
@@ -112,10 +111,10 @@ def feet(world: World, state: State) -> Array:
     rows = np.zeros((corners, 4))
     for k in range(corners):
         velocity = work.R @ np.array(
-            point_velocity(copy, work.body, work.points, walker.shift, walker.leg[k], f, k)
+            point_velocity(copy, work.now, work.points, walker.shift, walker.leg[k], f, k)
         )
-        x = state[C_X] + work.R[0] @ work.points[k, :3]
-        rows[k] = x, work.points[k, GAP_OF], velocity[0], velocity[1] - plate_velocity(world, copy)
+        x = state[C_X] + work.R[0] @ work.points["at"][k]
+        rows[k] = x, work.points["gap"][k], velocity[0], velocity[1] - plate_velocity(world, copy)
     return 0.5 * (rows[0::2] + rows[1::2])
 
 

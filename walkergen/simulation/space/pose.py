@@ -10,13 +10,10 @@ from walkergen.simulation.space.state import (
     C_X,
     C_Y,
     C_Z,
-    GAP_OF,
     HEADING,
     HEIGHT,
     LEGS,
-    MOTION,
     NOISE,
-    NOW,
     PHASE,
     PITCH,
     Q_0,
@@ -26,7 +23,6 @@ from walkergen.simulation.space.state import (
     ROLL,
     SHOWN_X,
     SHOWN_Y,
-    TURNED,
     V_X,
     W_X,
 )
@@ -77,7 +73,7 @@ def rotation(state, R):
 @lean
 def place(world, state, work):
     """Fill the pose in `work`, and what the state shows of it; returns the turn of the heading."""
-    walker, R, body = world.walker, work.R, work.body
+    walker, R, now, motion = world.walker, work.R, work.now, work.motion
     n, lock, shift = len(walker.stiffness), walker.lock, walker.shift
     rotation(state, R)
     for row in range(3):
@@ -85,8 +81,8 @@ def place(world, state, work):
         for j in range(n):
             spin -= lock[row, j] * state[LEGS + n + j]
         v = R[0, row] * state[V_X] + R[1, row] * state[V_X + 1] + R[2, row] * state[V_X + 2]
-        body[NOW, row] = body[MOTION, row] = v
-        body[NOW, 3 + row], body[MOTION, 3 + row] = spin, state[W_X + row]
+        now[row] = motion[row] = v
+        now[3 + row], motion[3 + row] = spin, state[W_X + row]
     c_x, c_y, c_z = walker.centre[0], walker.centre[1], walker.centre[2]
     for j in range(n):
         c_x -= shift[0, j] * state[LEGS + j]
@@ -128,17 +124,18 @@ def locate(world, state, work):
             n_y = c * walker.axis[k, 0] - s * walker.axis[k, 1]
             c, s = side * math.cos(twist), side * math.sin(twist)
             p_x, p_y, p_z = p_x + r_x + s * n_x, p_y + r_y + s * n_y, p_z + c
-            point[TURNED], point[TURNED + 1] = -(r_y + s * n_y), r_x + s * n_x
-            point[TURNED + 3], point[TURNED + 4], point[TURNED + 5] = c * n_x, c * n_y, -s
-        point[0], point[1], point[2] = p_x, p_y, p_z
+            bend, twisted = point.turned[0], point.turned[1]
+            bend[0], bend[1] = -(r_y + s * n_y), r_x + s * n_x
+            twisted[0], twisted[1], twisted[2] = c * n_x, c * n_y, -s
+        point.at[0], point.at[1], point.at[2] = p_x, p_y, p_z
         x = state[C_X] + R[0, 0] * p_x + R[0, 1] * p_y + R[0, 2] * p_z
         z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
         if walker.place[k] > 0.0:
-            point[GAP_OF] = walker.place[k] - abs(z)
+            point.gap = walker.place[k] - abs(z)
         else:
             bump, _, _ = _bumps(world.acting.roughness, x, z)
             y = state[C_Y] + R[1, 0] * p_x + R[1, 1] * p_y + R[1, 2] * p_z
-            point[GAP_OF] = y - plate - bump
+            point.gap = y - plate - bump
 
 
 @lean
@@ -147,7 +144,7 @@ def normal_of(roughness, place, state, R, points, k):
 
     `place` is that of its walls (0: none), as in `Walker`.
     """
-    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
+    p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
     z = state[C_Z] + R[2, 0] * p_x + R[2, 1] * p_y + R[2, 2] * p_z
     if place > 0.0:
         return 0.0, 0.0, -1.0 if z > 0.0 else 1.0
@@ -157,17 +154,17 @@ def normal_of(roughness, place, state, R, points, k):
 
 
 @lean
-def point_velocity(state, body, points, shift, leg, f, k):
+def point_velocity(state, now, points, shift, leg, f, k):
     """Velocity of contact point k, body axes, mm/s: of leg `leg` (-1: none), f coordinates each.
 
-    `body`, `points`: of `Work`; `shift`: of `Walker`.
+    `now`, `points`: of `Work`; `shift`: of `Walker`.
     """
     n = shift.shape[1]
-    p_x, p_y, p_z = points[k, 0], points[k, 1], points[k, 2]
-    w_x, w_y, w_z = body[NOW, 3], body[NOW, 4], body[NOW, 5]
-    v_x = body[NOW, 0] + w_y * p_z - w_z * p_y
-    v_y = body[NOW, 1] + w_z * p_x - w_x * p_z
-    v_z = body[NOW, 2] + w_x * p_y - w_y * p_x
+    p_x, p_y, p_z = points[k].at[0], points[k].at[1], points[k].at[2]
+    w_x, w_y, w_z = now[3], now[4], now[5]
+    v_x = now[0] + w_y * p_z - w_z * p_y
+    v_y = now[1] + w_z * p_x - w_x * p_z
+    v_z = now[2] + w_x * p_y - w_y * p_x
     for j in range(n):
         rate = state[LEGS + n + j]
         v_x -= shift[0, j] * rate
@@ -175,10 +172,10 @@ def point_velocity(state, body, points, shift, leg, f, k):
         v_z -= shift[2, j] * rate
     if leg >= 0:
         for j in range(f):
-            c, rate = TURNED + 3 * j, state[LEGS + n + leg * f + j]
-            v_x += points[k, c] * rate
-            v_y += points[k, c + 1] * rate
-            v_z += points[k, c + 2] * rate
+            turned, rate = points[k].turned[j], state[LEGS + n + leg * f + j]
+            v_x += turned[0] * rate
+            v_y += turned[1] * rate
+            v_z += turned[2] * rate
     return v_x, v_y, v_z
 
 

@@ -18,7 +18,6 @@ import numpy.typing as npt
 from walkergen.numerics.kernels import kernel
 
 Array = npt.NDArray[np.float64]
-Integers = npt.NDArray[np.int64]
 
 SHOWN_X, SHOWN_Y, HEADING, HEIGHT, PITCH, ROLL = range(6)
 C_X, C_Y, C_Z, V_X, V_Y, V_Z, W_X, W_Y, W_Z, Q_0, Q_X, Q_Y, Q_Z, PHASE, NOISE, QUIET = range(6, 22)
@@ -113,57 +112,36 @@ class Options(NamedTuple):
     """Steps for which pose and contact directions are frozen."""
 
 
-class Near(NamedTuple):
-    """Contacts near their surfaces in a frame, shape (k,) or (k, axes): the first of them count.
+# A point of contact: place from C (body axes, mm), derivatives by both coordinates of its leg, gap
+# (mm), time in which it cannot close (s).
+POINT = np.dtype((np.record, [
+    ("at", np.float64, 3), ("turned", np.float64, (2, 3)),
+    ("gap", np.float64), ("clear", np.float64),
+]))  # fmt: skip
 
-    Triples are normal, along, across; pairs along, across.
-    """
-
-    number: Integers
-    """Number among all points of contact."""
-    tried: Integers
-    """Mode."""
-    friction: Array
-    k_n: Array
-    """Normal stiffness, g/s^2."""
-    k_t: Array
-    """Tangential stiffness, g/s^2."""
-    c_n: Array
-    """Normal damping, g/s."""
-    stiff: Array
-    """Stiffness of the branch it is on (loading, unloading), g/s^2."""
-    offset: Array
-    """Lasting compression of that branch, mm."""
-    b_n: Array
-    """Normal resistance c + h k / 2, g/s."""
-    b_t: Array
-    """Tangential resistance, g/s."""
-    unknown: Integers
-    """First unknown in the equations."""
-    share: Array
-    """Share of the step, up to its end, in which it touches."""
-    toward: Array
-    """Direction of its stretch as it slides, in the middle of the step."""
-    end: Array
-    """The same at the end of the step."""
-    slip: Array
-    """Slip that both follow from, mm/s."""
-    gap: Array
-    """Gap, and the stretches, mm."""
-    speed: Array
-    """Velocity over the surface, mm/s."""
-    free: Array
-    """Velocity in the middle of a step without contact forces, mm/s."""
-    middle: Array
-    """Velocity in the middle of a step, mm/s."""
-    force: Array
-    """Forces, g mm/s^2."""
-    drift: Array
-    """Accelerations by all but contacts and legs, mm/s^2."""
-    impulse: Array
-    """Impulses since the frame began, g mm/s."""
-    carried: Array
-    """Integrals of the impulses, g mm."""
+# A contact near its surface in a frame; triples are normal, along, across, pairs along, across.
+NEAR = np.dtype((np.record, [
+    ("number", np.int64),  # among all points
+    ("tried", np.int64),  # its mode in the step
+    ("unknown", np.int64),  # its first unknown in the equations
+    # what does not change: friction coefficient, normal and tangential stiffness, normal damping
+    ("friction", np.float64), ("k_n", np.float64), ("k_t", np.float64), ("c_n", np.float64),
+    # stiffness and lasting compression of the branch it is on (loading, unloading), resistances
+    # c + h k / 2, and the share of the step, up to its end, in which it touches
+    ("stiff", np.float64), ("offset", np.float64), ("b_n", np.float64), ("b_t", np.float64),
+    ("share", np.float64),
+    # directions of its stretch as it slides, in the middle and at the end of the step, and the
+    # slip (mm/s) that they follow from
+    ("toward", np.float64, 2), ("end", np.float64, 2), ("slip", np.float64, 2),
+    ("gap", np.float64, 3),  # and stretches, mm
+    ("speed", np.float64, 3),  # over the surface, mm/s
+    ("free", np.float64, 3),  # in the middle of a step without contact forces
+    ("middle", np.float64, 3),  # the same with them
+    ("force", np.float64, 3),  # g mm/s^2
+    ("drift", np.float64, 3),  # accelerations by all but contacts and legs
+    ("impulse", np.float64, 3),  # since the frame began, g mm/s
+    ("carried", np.float64, 3),  # integrals of the impulses, g mm
+]))  # fmt: skip
 
 
 class Work(NamedTuple):
@@ -171,14 +149,20 @@ class Work(NamedTuple):
 
     R: Array
     """Body axes -> world, shape (3, 3)."""
-    body: Array
-    """Rows, shape (5, 6), body axes: velocity of C and turning rate; velocity of C and W;
-    accelerations of both without contact; what both gain in a frame; by how much both move."""
-    points: Array
-    """Points of contact from C, body axes, shape (k, 11): place, derivatives by both coordinates of
-    its leg, gap (mm), time in which it cannot close (s)."""
-    near: Near
-    """Contacts near their surfaces."""
+    now: Array
+    """Velocity of C and turning rate, body axes, shape (6,)."""
+    motion: Array
+    """Velocity of C and W, body axes, shape (6,)."""
+    acting: Array
+    """Accelerations of both without contact, shape (6,)."""
+    gained: Array
+    """What both gain in a frame, shape (6,)."""
+    moved: Array
+    """By how much both move in it, shape (6,)."""
+    points: npt.NDArray[np.record]
+    """Points of contact, shape (k,)."""
+    near: npt.NDArray[np.record]
+    """Contacts near a surface, shape (k,), the first m in use."""
     J: Array
     """Jacobian, three rows a near contact (normal, along, across), shape (3 k, 6 + n)."""
     MJ: Array
@@ -187,33 +171,20 @@ class Work(NamedTuple):
     """Inverse mass at the contacts, J M^-1 J^T, shape (3 k, 3 k), 1/g."""
     A: Array
     """Equations of the forces, shape (3 k, 3 k + 1)."""
-    legs: Array
-    """Rows, shape (5 + n, max(2 n, 1)): accelerations of the coordinates; coordinates at the start
-    of a frame; coordinates and rates after a flight; the step (s) of the last rows; torques by
-    which effects that turn the body leave legs behind; the inverse inertia of the coordinates in a
-    step, their springs included."""
+    pull: Array
+    """Accelerations of the legs' coordinates, shape (n,)."""
+    before: Array
+    """Coordinates at the start of a frame, and their rates in flight, shape (2 n,)."""
+    after: Array
+    """Coordinates and rates after a flight, shape (2 n,)."""
+    left: Array
+    """Torques by which effects that turn the body leave legs behind, shape (n,)."""
+    swing: Array
+    """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
+    swung: Array
+    """Step for which `swing` is, shape (1,), s."""
     midway: Array
     """State at the middle of a frame, as far as it is known at its start."""
-
-
-NOW, MOTION, ACTING, GAINED, MOVED = range(5)
-"""Rows of `Work.body`."""
-TURNED, GAP_OF, CLEAR = 3, 9, 10
-"""Columns of `Work.points` after the place."""
-PULL, BEFORE, AFTER, STEP, LEFT, SWING = range(6)
-"""Rows of `Work.legs`."""
-
-
-@kernel
-def near_for(k):
-    """Room for k contacts."""
-    return Near(
-        np.zeros(k, np.int64), np.zeros(k, np.int64), np.zeros(k), np.zeros(k), np.zeros(k),
-        np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k), np.zeros(k),
-        np.zeros(k, np.int64), np.zeros(k), np.zeros((k, 2)), np.zeros((k, 2)), np.zeros((k, 2)),
-        np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)),
-        np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)), np.zeros((k, 3)),
-    )  # fmt: skip
 
 
 @kernel
@@ -222,9 +193,11 @@ def work_for(walker, state):
     n, k = len(walker.stiffness), len(walker.leg)
     m = 3 * k
     return Work(
-        np.zeros((3, 3)), np.zeros((5, 6)), np.zeros((k, 11)), near_for(k),
+        np.zeros((3, 3)), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6), np.zeros(6),
+        np.zeros(k, POINT), np.zeros(k, NEAR),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
-        np.zeros((5 + n, max(2 * n, 1))), np.zeros_like(state),
+        np.zeros(n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(n), np.zeros((n, n)), np.zeros(1),
+        np.zeros_like(state),
     )  # fmt: skip
 
 

@@ -27,27 +27,17 @@ from walkergen.simulation.space.pose import (
 )
 from walkergen.simulation.space.state import (
     ACROSS,
-    ACTING,
     ALONG,
-    BEFORE,
     C_X,
-    CLEAR,
-    GAINED,
-    GAP_OF,
     LANDED,
-    LEFT,
     LEGS,
     MODE,
-    MOTION,
-    MOVED,
     OPEN,
     PITCH,
-    PULL,
     QUIET,
     ROW,
     SET,
     STICK,
-    SWING,
     V_X,
     W_X,
     first_row,
@@ -86,50 +76,50 @@ def _gather(walker, state, work, t):
     m, first = 0, first_row(walker)
     for k in range(len(walker.leg)):
         at = first + ROW * k
-        if state[at + MODE] == OPEN and work.points[k, CLEAR] > t:
+        if state[at + MODE] == OPEN and work.points[k].clear > t:
             state[at + SET] = 0.0
             continue
-        work.near.number[m], work.near.gap[m, 0] = k, work.points[k, GAP_OF]
-        work.near.gap[m, 1], work.near.gap[m, 2] = state[at + ALONG], state[at + ACROSS]
+        work.near[m].number, work.near[m].gap[0] = k, work.points[k].gap
+        work.near[m].gap[1], work.near[m].gap[2] = state[at + ALONG], state[at + ACROSS]
         m += 1
     return m
 
 
 @lean
-def _swing_freely(state, near, J, legs, springs, dampers, m, h):
+def _swing_freely(state, near, J, work, springs, dampers, m, h):
     """Fill the legs' accelerations and the mid-step velocities of m contacts without contact.
 
     Those with contact become the ones expected by the forces of the last step.
     """
-    n = len(springs)
+    n, pull, left, swing = len(springs), work.pull, work.left, work.swing
     for i in range(n):
-        legs[PULL, i] = 0.0
+        pull[i] = 0.0
     for j in range(n):
         angle, rate = state[LEGS + j], state[LEGS + n + j]
-        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate + legs[LEFT, j]
+        torque = -springs[j] * (angle + 0.5 * h * rate) - dampers[j] * rate + left[j]
         for i in range(n):
-            legs[PULL, i] += legs[SWING + i, j] * torque
+            pull[i] += swing[i, j] * torque
     for i in range(m):
         for p in range(3):
-            total = near.drift[i, p]
+            total = near[i].drift[p]
             for j in range(n):
-                total += J[3 * i + p, 6 + j] * legs[PULL, j]
-            free = near.speed[i, p] + 0.5 * h * total
-            near.middle[i, p] += free - near.free[i, p]
-            near.free[i, p] = free
+                total += J[3 * i + p, 6 + j] * pull[j]
+            free = near[i].speed[p] + 0.5 * h * total
+            near[i].middle[p] += free - near[i].free[p]
+            near[i].free[p] = free
 
 
 @lean
-def _move_legs(state, near, MJ, legs, dampers, m, h):
+def _move_legs(state, near, MJ, pull, dampers, m, h):
     """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
     n, taken = len(dampers), 0.0
     for i in range(m):
-        if near.tried[i] != OPEN:
+        if near[i].tried != OPEN:
             for p in range(3):
                 for j in range(n):
-                    legs[PULL, j] += MJ[3 * i + p, 6 + j] * near.force[i, p]
+                    pull[j] += MJ[3 * i + p, 6 + j] * near[i].force[p]
     for j in range(n):
-        change = h * legs[PULL, j]
+        change = h * pull[j]
         rate = state[LEGS + n + j] + 0.5 * change
         state[LEGS + j] += h * rate
         state[LEGS + n + j] += change
@@ -142,17 +132,17 @@ def _move_contacts(state, near, m, first, unloading, upward, t, h, lifted, tally
     """Move springs and velocities of m near contacts over a step of h seconds that ends at t."""
     sums = tally.sums
     for i in range(m):
-        k = near.number[i]
+        k = near[i].number
         at = first + ROW * k
         if settle(state, near, i, at, unloading, t, h, sums):
             leave(state, at, k, upward[k] == 0, tally)
-        sums[record.PLATE_WORK] += h * lifted * near.force[i, upward[k]]
-        span = 0.5 * h * near.share[i]
+        sums[record.PLATE_WORK] += h * lifted * near[i].force[upward[k]]
+        span = 0.5 * h * near[i].share
         for p in range(3):
-            near.speed[i, p] = 2.0 * near.middle[i, p] - near.speed[i, p]
-            push = h * near.force[i, p]
-            near.carried[i, p] += h * near.impulse[i, p] + span * push
-            near.impulse[i, p] += push
+            near[i].speed[p] = 2.0 * near[i].middle[p] - near[i].speed[p]
+            push = h * near[i].force[p]
+            near[i].carried[p] += h * near[i].impulse[p] + span * push
+            near[i].impulse[p] += push
 
 
 @lean
@@ -161,16 +151,16 @@ def _touched_late(state, near, H, MJ, n, m, h):
     within it: their force began later, and moved contacts and legs for a shorter time.
     """
     for i in range(m):
-        late = 0.5 * h * h * (1.0 - near.share[i])
-        if near.tried[i] == OPEN or late == 0.0:
+        late = 0.5 * h * h * (1.0 - near[i].share)
+        if near[i].tried == OPEN or late == 0.0:
             continue
         for p in range(3):
-            short, c = late * near.force[i, p], 3 * i + p
+            short, c = late * near[i].force[p], 3 * i + p
             for j in range(m):
-                near.gap[j, 0] -= short * H[3 * j, c]
-                if near.tried[j] != OPEN and near.share[j] == 1.0:
-                    near.gap[j, 1] -= short * H[3 * j + 1, c]
-                    near.gap[j, 2] -= short * H[3 * j + 2, c]
+                near[j].gap[0] -= short * H[3 * j, c]
+                if near[j].tried != OPEN and near[j].share == 1.0:
+                    near[j].gap[1] -= short * H[3 * j + 1, c]
+                    near[j].gap[2] -= short * H[3 * j + 2, c]
             for j in range(n):
                 state[LEGS + j] -= short * MJ[c, 6 + j]
 
@@ -184,12 +174,12 @@ def _closed_time(state, near, m, first, h):
     """
     begin, end = 1.0, -0.5
     for i in range(m):
-        if near.tried[i] != OPEN:
-            begin, end = min(begin, 1.0 - near.share[i]), 1.0
-        elif state[first + ROW * near.number[i] + MODE] != OPEN:
-            k, c = near.stiff[i], near.c_n[i]
-            now = -k * (near.gap[i, 0] + near.offset[i]) - c * near.speed[i, 0]
-            falls = k * near.speed[i, 0] + 2.0 * c * (near.middle[i, 0] - near.speed[i, 0]) / h
+        if near[i].tried != OPEN:
+            begin, end = min(begin, 1.0 - near[i].share), 1.0
+        elif state[first + ROW * near[i].number + MODE] != OPEN:
+            k, c = near[i].stiff, near[i].c_n
+            now = -k * (near[i].gap[0] + near[i].offset) - c * near[i].speed[0]
+            falls = k * near[i].speed[0] + 2.0 * c * (near[i].middle[0] - near[i].speed[0]) / h
             begin = 0.0
             end = max(end, min(max(now / (falls * h), -0.5), 1.0) if falls > 0.0 else 0.0)
     return h * (end - begin) if begin < 1.0 else 0.0
@@ -201,19 +191,19 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
 
     The plate starts at the velocity `lifted` (mm/s) and accelerates by `lifting` (mm/s^2).
     """
-    near, J, MJ, H, A, legs = work.near, work.J, work.MJ, work.H, work.A, work.legs
+    near, J, MJ, H, A = work.near, work.J, work.MJ, work.H, work.A
     springs, dampers, unloading = walker.stiffness, walker.damping, walker.unloading
     upward, sums, first = walker.upward, tally.sums, first_row(walker)
     for step in range(count):
-        _swing_freely(state, near, J, legs, springs, dampers, m, h)
+        _swing_freely(state, near, J, work, springs, dampers, m, h)
         if guess(state, near, H, m, h, unloading, first) > 0:
             solve(near, H, A, m, h)
         else:
             for i in range(m):
                 for p in range(3):
-                    near.force[i, p], near.middle[i, p] = 0.0, near.free[i, p]
+                    near[i].force[p], near[i].middle[p] = 0.0, near[i].free[p]
         sums[record.CONTACT_TIME] += _closed_time(state, near, m, first, h)
-        sums[record.DAMPING_LOSS] += _move_legs(state, near, MJ, legs, dampers, m, h)
+        sums[record.DAMPING_LOSS] += _move_legs(state, near, MJ, work.pull, dampers, m, h)
         t, speed = begin + (step + 1) * h, lifted + (step + 0.5) * h * lifting
         _move_contacts(state, near, m, first, unloading, upward, t, h, speed, tally)
         _touched_late(state, near, H, MJ, len(springs), m, h)
@@ -222,24 +212,24 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
 @lean
 def _move_body(walker, state, work, m, t):
     """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
-    body, near, MJ, R, legs = work.body, work.near, work.MJ, work.R, work.legs
+    near, MJ, R, acting, motion = work.near, work.MJ, work.R, work.acting, work.motion
     lock, n = walker.lock, len(walker.stiffness)
     for j in range(6):
-        gained = t * body[ACTING, j]
-        moved = t * (body[MOTION, j] + 0.5 * gained)
+        gained = t * acting[j]
+        moved = t * (motion[j] + 0.5 * gained)
         for i in range(m):
             for p in range(3):
-                gained += MJ[3 * i + p, j] * near.impulse[i, p]
-                moved += MJ[3 * i + p, j] * near.carried[i, p]
-        body[GAINED, j], body[MOVED, j] = gained, moved
+                gained += MJ[3 * i + p, j] * near[i].impulse[p]
+                moved += MJ[3 * i + p, j] * near[i].carried[p]
+        work.gained[j], work.moved[j] = gained, moved
     for i in range(3):
         for j in range(3):
-            state[C_X + i] += R[i, j] * body[MOVED, j]
-            state[V_X + i] += R[i, j] * body[GAINED, j]
-        state[W_X + i] += body[GAINED, 3 + i]
+            state[C_X + i] += R[i, j] * work.moved[j]
+            state[V_X + i] += R[i, j] * work.gained[j]
+        state[W_X + i] += work.gained[3 + i]
         for j in range(n):
-            body[MOVED, 3 + i] -= lock[i, j] * (state[LEGS + j] - legs[BEFORE, j])
-    turn(state, body[MOVED, 3], body[MOVED, 4], body[MOVED, 5])
+            work.moved[3 + i] -= lock[i, j] * (state[LEGS + j] - work.before[j])
+    turn(state, work.moved[3], work.moved[4], work.moved[5])
 
 
 @lean
@@ -248,7 +238,7 @@ def _frame(world, state, work, begin, h, count, tally):
     walker, t = world.walker, count * h
     m = _gather(walker, state, work, t)
     for j in range(len(walker.stiffness)):
-        work.legs[BEFORE, j] = state[LEGS + j]
+        work.before[j] = state[LEGS + j]
     lifted = plate_velocity(world, state)
     halfway(world, state, work, t)
     stiffen(walker, work, h)
