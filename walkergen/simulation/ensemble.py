@@ -79,13 +79,13 @@ def run(
     entries of its state that a trajectory shows, `Model.columns`.
     Ctrl-C stops the runs under way and returns the finished runs; without any it is raised again.
     """
-    count, one = plan.scene.run.runs, with_impacts if impacts else simulate
+    count, simulate_one = plan.scene.run.runs, with_impacts if impacts else simulate
     shown = len(plan.model.columns)
     stop: list[bool] = []
     finished: list[RunResult] = []
     with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
         pending: set[Future[RunResult]] = {
-            pool.submit(one, plan, number, lambda: bool(stop), sample_interval, shown)
+            pool.submit(simulate_one, plan, number, lambda: bool(stop), sample_interval, shown)
             for number in range(count)
         }
         try:
@@ -139,7 +139,7 @@ def summarise(results: Sequence[RunResult], plate_speed: float, wall_s: float) -
         max_pitch_deg=math.degrees(pitch),
         energy_error=energy_error,
         energies_per_s=table(observables.POWERS),
-        errors={name: None if locked else one.se for name, one in observed.items()},
+        errors={name: None if locked else observable.se for name, observable in observed.items()},
         outcomes=dict(outcomes),
     )
 

@@ -79,42 +79,42 @@ def facts(scene: Scene, design: Design) -> list[Any]:
     ]
 
 
-def key(asked: Experiment) -> str:
+def key(experiment: Experiment) -> str:
     """Hash of all that is asked and of the kernels' sources, 32 hexadecimal digits."""
-    masses = _plain(asked.mass)
-    kept = [asked.impacts, asked.sample_interval]
-    text = json.dumps([*facts(asked.scene, asked.design), masses, *kept], sort_keys=True)
+    masses = _plain(experiment.mass)
+    kept = [experiment.impacts, experiment.sample_interval]
+    text = json.dumps([*facts(experiment.scene, experiment.design), masses, *kept], sort_keys=True)
     return hashlib.sha256(text.encode()).hexdigest()[:32]
 
 
 def _plain(value: Any) -> Any:
     """Named tuples, tuples of them and arrays as what JSON has."""
     if hasattr(value, "_asdict"):
-        return {name: _plain(one) for name, one in value._asdict().items()}
+        return {name: _plain(item) for name, item in value._asdict().items()}
     if isinstance(value, tuple):
-        return [_plain(one) for one in value]
+        return [_plain(item) for item in value]
     return value if value is None else np.asarray(value).tolist()
 
 
-def measure(asked: Experiment, progress: Progress, threads: int | None = None) -> Results:
+def measure(experiment: Experiment, progress: Progress, threads: int | None = None) -> Results:
     """Simulate a point on `threads` threads (None: every core); Ctrl-C gives the runs done.
 
     Any number of threads gives equal bits. Raises InputError where the scene contradicts itself
     or the design, and KeyboardInterrupt when no run was done.
     """
-    plan = prepare(asked.scene, asked.design, asked.mass)
+    plan = prepare(experiment.scene, experiment.design, experiment.mass)
     summary, results = ensemble.measure(
-        plan, progress, threads, asked.impacts, asked.sample_interval
+        plan, progress, threads, experiment.impacts, experiment.sample_interval
     )
     verdicts, step = resolution.judge(plan, summary), getattr(plan.world.options, "step", None)
     return Results(
-        key(asked), plan.resolved.model, resolution.bounded(verdicts, summary), results, verdicts,
-        resolution.warnings(plan), None if step is None else 1e6 * step,
+        key(experiment), plan.resolved.model, resolution.bounded(verdicts, summary), results,
+        verdicts, resolution.warnings(plan), None if step is None else 1e6 * step,
     )  # fmt: skip
 
 
 def each(
-    asked: Sequence[Experiment],
+    wanted: Sequence[Experiment],
     titles: Sequence[str],
     progress: Progress,
     executor: Executor | None,
@@ -125,20 +125,20 @@ def each(
     a single thread. Raises KeyboardInterrupt rather than yield a point with runs missing.
     """
     if executor is not None:
-        tasks = [executor.submit(measure, one, _silent, 1) for one in asked]
+        tasks = [executor.submit(measure, experiment, _silent, 1) for experiment in wanted]
         for number, task in enumerate(tasks):
             progress(titles[number], number, len(tasks))
             yield task.result()
         return
-    for number, one in enumerate(asked):
-        point = measure(one, part(progress, number, len(asked), titles[number]))
-        if point.summary.runs < one.scene.run.runs:
+    for number, experiment in enumerate(wanted):
+        point = measure(experiment, part(progress, number, len(wanted), titles[number]))
+        if point.summary.runs < experiment.scene.run.runs:
             raise KeyboardInterrupt
         yield point
 
 
 def on_threads(
-    asked: Sequence[Experiment], titles: Sequence[str], progress: Progress
+    wanted: Sequence[Experiment], titles: Sequence[str], progress: Progress
 ) -> Iterator[Results]:
     """Points in their order, each on a thread of its own: best for points of a single run.
 
@@ -146,7 +146,7 @@ def on_threads(
     """
     pool = ThreadPoolExecutor(os.cpu_count() or 1)
     try:
-        yield from each(asked, titles, progress, pool)
+        yield from each(wanted, titles, progress, pool)
     finally:
         pool.shutdown(cancel_futures=True)
 

@@ -87,9 +87,11 @@ def quotient(above: Array, below: Array) -> Observed:
     return Observed(value, math.sqrt(scatter) / abs(whole))
 
 
-def of_table(found: Mapping[str, Observed], table: str) -> dict[str, float]:
+def of_table(observed: Mapping[str, Observed], table: str) -> dict[str, float]:
     """Values of the observables of one table (BY_IMPULSE, BY_NUMBER or POWERS) by their names."""
     start = f"{table}."
     return {
-        name.removeprefix(start): one.value for name, one in found.items() if name.startswith(start)
+        name.removeprefix(start): observable.value
+        for name, observable in observed.items()
+        if name.startswith(start)
     }

@@ -37,12 +37,12 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
 
 def _contacts(scene: Scene, limbs: tuple[Limb, ...]) -> tuple[Contact, ...]:
     """Contact of each foot of the plane: its own restitution and friction, or the scene's."""
-    given = scene.contact
+    contact = scene.contact
     return tuple(
         Contact(
-            given.restitution if limb.restitution is None else limb.restitution,
-            given.friction if limb.friction is None else limb.friction,
-            Law[given.law.upper()].value,
+            contact.restitution if limb.restitution is None else limb.restitution,
+            contact.friction if limb.friction is None else limb.friction,
+            Law[contact.law.upper()].value,
         )
         for limb in limbs
     )

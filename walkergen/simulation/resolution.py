@@ -79,40 +79,40 @@ class Verdict(NamedTuple):
     """Reason why it is not known, and what would resolve the observable; "" where it is."""
 
 
-def judge(plan: Plan, found: Summary) -> dict[str, Verdict]:
+def judge(plan: Plan, summary: Summary) -> dict[str, Verdict]:
     """Verdicts on all observables of a summary, by the names of `observables.NAMES`.
 
     In space also on landings of corners and of groups of corners per second, as shares of a rate,
     and on motion.
     """
-    known = values(found)
+    values_of = values(summary)
     if plan.resolved.model != "space":
-        return {name: _in_a_plane(plan, name, known) for name in known}
+        return {name: _in_a_plane(plan, name, values_of) for name in values_of}
     own = own_step(plan)
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
-        names = [*known, LANDED, GROUPED, MOTION]
+        names = [*values_of, LANDED, GROUPED, MOTION]
         return dict.fromkeys(names, Verdict(None, COARSE.format(own=_down(1e6 * own))))
-    known |= {LANDED: 1.0, GROUPED: 1.0}
-    verdicts = {name: _in_space(plan, part, name, value) for name, value in known.items()}
+    values_of |= {LANDED: 1.0, GROUPED: 1.0}
+    verdicts = {name: _in_space(plan, part, name, value) for name, value in values_of.items()}
     return verdicts | {MOTION: Verdict(None, TURNING)}
 
 
-def values(found: Summary) -> dict[str, float]:
+def values(summary: Summary) -> dict[str, float]:
     """Values of all observables of a summary, by the names of `observables.NAMES`."""
-    known = {
-        observables.SPEED: found.speed_mm_s or 0.0,
-        observables.IMPACTS: found.impacts_per_s,
-        observables.CONTACT: found.contact_fraction,
+    numbers = {
+        observables.SPEED: summary.speed_mm_s or 0.0,
+        observables.IMPACTS: summary.impacts_per_s,
+        observables.CONTACT: summary.contact_fraction,
     }
     tables = {
-        observables.POWERS: found.energies_per_s,
-        observables.BY_IMPULSE: found.type_fractions_by_impulse,
-        observables.BY_NUMBER: found.type_fractions,
+        observables.POWERS: summary.energies_per_s,
+        observables.BY_IMPULSE: summary.type_fractions_by_impulse,
+        observables.BY_NUMBER: summary.type_fractions,
     }
     for table, entries in tables.items():
-        known |= {f"{table}.{name}": value for name, value in entries.items()}
-    return known
+        numbers |= {f"{table}.{name}": value for name, value in entries.items()}
+    return numbers
 
 
 def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
@@ -180,29 +180,29 @@ def warnings(plan: Plan) -> list[str]:
     ]
 
 
-def bounded(verdicts: Mapping[str, Verdict], found: Summary) -> Summary:
+def bounded(verdicts: Mapping[str, Verdict], summary: Summary) -> Summary:
     """The summary with the step's error in the bounds of the speed; None where it is not known.
 
     Half-widths add in squares: the step's is a largest error, which leaves 95 % and more inside.
     """
-    speed, error = found.speed_mm_s, verdicts[observables.SPEED].error
+    speed, error = summary.speed_mm_s, verdicts[observables.SPEED].error
     changed: dict[str, Any] = {}
     for level, part in (("68", 0.5), ("95", 1.0)):
         names = [f"speed_{end}_{level}_mm_s" for end in ("low", "high")]
-        low, high = (getattr(found, name) for name in names)
+        low, high = (getattr(summary, name) for name in names)
         changed |= dict.fromkeys(names)
         if speed is not None and error is not None and low is not None and high is not None:
             half = math.hypot(0.5 * (high - low), part * error)
             changed |= {names[0]: speed - half, names[1]: speed + half}
-    return found._replace(**changed)
+    return summary._replace(**changed)
 
 
-def errors(verdicts: Mapping[str, Verdict], found: Summary) -> dict[str, float | None]:
+def errors(verdicts: Mapping[str, Verdict], summary: Summary) -> dict[str, float | None]:
     """Standard errors of the runs' scatter and the step together; None where either is unknown.
 
     Half of a largest error of 95 % counts as one standard deviation.
     """
-    scatter = {**found.errors, observables.SPEED: found.speed_se_mm_s}
+    scatter = {**summary.errors, observables.SPEED: summary.speed_se_mm_s}
     both = {}
     for name, se in scatter.items():
         verdict = verdicts[name]

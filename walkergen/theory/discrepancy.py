@@ -196,20 +196,20 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         Plate().noise_low_hz,
         Plate().noise_high_hz,
     )
-    for told, covered in (
+    for reason, covered in (
         (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
         ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),
         *((key, False) for key in _beyond(scene)),
     ):
         if not covered:
-            raise UnknownError(f"speeds in space are not known for {told}")
+            raise UnknownError(f"speeds in space are not known for {reason}")
     ranges = _facts()["ranges"]["braced" if braced else "flexible"]
     for name in Place._fields:
         low, high = ranges[name]
         value, margin = getattr(place, name), EDGE * (high - low)
         if not low - margin <= value <= high + margin:
-            told, seen, ends = _in_words(name, value, low, high)
-            raise UnknownError(f"speeds in space are known for {told} in {ends}, not at {seen}")
+            reason, seen, ends = _in_words(name, value, low, high)
+            raise UnknownError(f"speeds in space are known for {reason} in {ends}, not at {seen}")
 
 
 def _beyond(scene: Scene) -> list[str]:
@@ -225,12 +225,12 @@ def _beyond(scene: Scene) -> list[str]:
 
 def _in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:
     """Name, value and range of a number as people write them."""
-    told = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
+    words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":
         value, low, high = value**2, low**2, high**2
     elif name.startswith("log_"):
         value, low, high = math.exp(value), math.exp(low), math.exp(high)
-    return told, f"{value:.3g}", f"{low:.2g}..{high:.2g}"
+    return words, f"{value:.3g}", f"{low:.2g}..{high:.2g}"
 
 
 def speeds(place: Place, tilt_deg: float, braced: bool) -> Found:
@@ -244,8 +244,8 @@ def speeds(place: Place, tilt_deg: float, braced: bool) -> Found:
     for column, number in enumerate(place):
         places[:, column] = number
     low, high = _ends(kind)
-    found = fitted(_arrays(), kind, np.minimum(np.maximum(places, low), high))
-    return found._replace(centre=math.copysign(1.0, tilt_deg) * found.centre)
+    logs = fitted(_arrays(), kind, np.minimum(np.maximum(places, low), high))
+    return logs._replace(centre=math.copysign(1.0, tilt_deg) * logs.centre)
 
 
 def fitted(arrays: dict[str, Any], kind: str, places: Array) -> Found:
@@ -270,8 +270,8 @@ def _arrays() -> dict[str, Any]:
 @cache
 def _facts() -> dict[str, Any]:
     """What the stored table says of itself: ranges of places by kind of legs, and errors."""
-    found: dict[str, Any] = json.loads(str(_arrays()["facts"]))
-    return found
+    facts: dict[str, Any] = json.loads(str(_arrays()["facts"]))
+    return facts
 
 
 @cache

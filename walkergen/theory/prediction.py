@@ -65,10 +65,10 @@ class Speed(NamedTuple):
             return f"{self.value:.2f} mm/s, {self.orbit}{self._of_prints()}"
         if math.isnan(self.se):
             return f"{self.value:.2f} mm/s, standard error unknown"
-        found = f"{words.with_error(self.value, self.se)} mm/s"
+        text = f"{words.with_error(self.value, self.se)} mm/s"
         if math.isnan(self.low_95) or math.isnan(self.high_95):
-            return f"{found}, bounds unknown"
-        return f"{found}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
+            return f"{text}, bounds unknown"
+        return f"{text}, with 95 % {self.low_95:.1f} to {self.high_95:.1f}"
 
     def _of_prints(self) -> str:
         """Bounds of prints in words; "" where they are unknown."""
@@ -82,7 +82,9 @@ def speed_of(
     orbit: str = "",
 ) -> Speed:  # fmt: skip
     """Speed of numbers of which None is unknown, all in mm/s."""
-    four = [math.nan if one is None else float(one) for one in (value, se, low_95, high_95)]
+    four = [
+        math.nan if number is None else float(number) for number in (value, se, low_95, high_95)
+    ]
     return Speed(four[0], four[1], four[2], four[3], orbit)
 
 
@@ -193,29 +195,29 @@ def theory_speeds(
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
     masses = scaled(mass, drawn.of("body mass", 1.0), _leg_masses(design, drawn))
-    each = stationary(
+    by_foot = stationary(
         design, masses,
         drawn.of("contact.restitution", contact.restitution),
         drawn.of("contact.friction", contact.friction),
         mode, contact.law, (contact.restitution, contact.friction),
     )  # fmt: skip
-    return np.asarray(each.factor) * scene.impact_speed
+    return np.asarray(by_foot.factor) * scene.impact_speed
 
 
 def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tuple[Share, ...]:
     """Shares of the inputs in the variance behind a walker's bounds, largest total first."""
-    known = known_inputs(scene, design)
+    inputs = known_inputs(scene, design)
 
     def speeds(values: Array) -> Array:
-        return spread(design, mass, scene, mode, uncertain.named(known, values)).speed
+        return spread(design, mass, scene, mode, uncertain.named(inputs, values)).speed
 
-    return uncertain.shares(known, speeds, SEED)
+    return uncertain.shares(inputs, speeds, SEED)
 
 
 def drawn_inputs(scene: Scene, design: Design) -> Drawn:
     """Draws of `known_inputs` behind a speed and its bounds."""
-    known = known_inputs(scene, design)
-    return uncertain.named(known, uncertain.draws(known, DRAWS, SEED))
+    inputs = known_inputs(scene, design)
+    return uncertain.named(inputs, uncertain.draws(inputs, DRAWS, SEED))
 
 
 def predict(
@@ -227,13 +229,13 @@ def predict(
     mode and law do not go together.
     """
     contact = scene.contact
-    each = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
-    found = spread(design, mass, scene, mode, drawn_inputs(scene, design))
-    low95, low68, high68, high95 = np.quantile(found.speed, QUANTILES).tolist()
+    by_foot = stationary(design, mass, contact.restitution, contact.friction, mode, contact.law)
+    speeds = spread(design, mass, scene, mode, drawn_inputs(scene, design))
+    low95, low68, high68, high95 = np.quantile(speeds.speed, QUANTILES).tolist()
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
-    theory = float(each.factor) * scene.impact_speed
+    theory = float(by_foot.factor) * scene.impact_speed
     notes = [
-        _outside(found), each.note, *_notes(each, contact.friction, mode),
+        _outside(speeds), by_foot.note, *_notes(by_foot, contact.friction, mode),
         "" if low95 <= theory <= high95 else LEAVES,
     ]  # fmt: skip
     return Prediction(
@@ -243,17 +245,17 @@ def predict(
         J_g_mm2=float(mass.J),
         m_g=None if free is None else float(free.m),
         j_g_mm2=None if free is None else float(free.j),
-        speed_mm_s=float(np.median(found.speed)),
-        speed_sd_mm_s=float(np.std(found.speed)),
+        speed_mm_s=float(np.median(speeds.speed)),
+        speed_sd_mm_s=float(np.std(speeds.speed)),
         speed_low_68_mm_s=low68,
         speed_high_68_mm_s=high68,
         speed_low_95_mm_s=low95,
         speed_high_95_mm_s=high95,
-        speed_by=found.by,
+        speed_by=speeds.by,
         theory_mm_s=theory,
-        factor_back=float(each.feet[0]),
-        factor_front=float(each.feet[-1]),
-        factor_mean=float(each.factor),
+        factor_back=float(by_foot.feet[0]),
+        factor_front=float(by_foot.feet[-1]),
+        factor_mean=float(by_foot.factor),
         mode=mode,
         law=contact.law,
         note="; ".join(filter(None, notes)),
@@ -264,22 +266,22 @@ LEAVES = "the theory leaves the 95 % bounds of the model in space"
 """Note on a walker for which the theory of the paper does not do."""
 
 
-def _outside(found: Spread) -> str:
+def _outside(speeds: Spread) -> str:
     """Note on a speed that the table does not give."""
-    if not found.outside:
+    if not speeds.outside:
         return ""
     return (
-        f"by the theory alone, whose bounds are wide ({found.outside}); "
+        f"by the theory alone, whose bounds are wide ({speeds.outside}); "
         "family --simulate puts the speed of runs in its place"
     )
 
 
-def _notes(each: Stationary, friction: float, mode: Mode) -> Iterator[str]:
+def _notes(by_foot: Stationary, friction: float, mode: Mode) -> Iterator[str]:
     if friction == 0.0:
         yield "friction 0: every speed is stationary; the limit friction -> 0 is given"
         return
-    stuck = [place for place, slides in enumerate(each.reverses) if not slides]
-    count = len(each.reverses)
+    stuck = [place for place, slides in enumerate(by_foot.reverses) if not slides]
+    count = len(by_foot.reverses)
     if not stuck:
         return
     if len(stuck) == count:
@@ -318,10 +320,12 @@ def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: fl
     for tilt in tilts:
         variant = design.unmarked.variant(tilt_deg=float(tilt))
         mass = solids.mass_of(variant)
-        each = stationary(variant, mass, contact.restitution, contact.friction, mode, contact.law)
-        found = spread(variant, mass, scene, mode, drawn)
-        quantiles.append(np.quantile(found.speed, levels))
-        theory.append(float(each.factor) * scene.impact_speed)
-        sticks.append(not all(each.reverses))
+        by_foot = stationary(
+            variant, mass, contact.restitution, contact.friction, mode, contact.law
+        )
+        speeds = spread(variant, mass, scene, mode, drawn)
+        quantiles.append(np.quantile(speeds.speed, levels))
+        theory.append(float(by_foot.factor) * scene.impact_speed)
+        sticks.append(not all(by_foot.reverses))
     *bounds, middle = np.array(quantiles).T
     return Curve(tilts, middle, np.array(bounds), np.array(theory), np.array(sticks))

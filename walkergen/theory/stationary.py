@@ -51,30 +51,30 @@ def stationary(
     """
     flat = in_plane(design, mass)
     if design.alike:
-        each = factors(flat.mass, restitution, friction, mode, law)
-        return Stationary(each.mean, each.feet, each.reverses, "")
+        of_foot = factors(flat.mass, restitution, friction, mode, law)
+        return Stationary(of_foot.mean, of_foot.feet, of_foot.reverses, "")
     from walkergen.theory.balance import Foot, balanced  # compiles
 
     centre = flat.mass.centre
-    found = []
+    by_foot = []
     for limb, leg, H in zip(flat.limbs, flat.mass.legs, feet(flat.mass), strict=True):
         e = _own(limb.restitution, restitution, nominal[0] if nominal else None, 1.0)
         mu = _own(limb.friction, friction, nominal[1] if nominal else None)
         lever = leg.foot - centre
-        found.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
-    balance = balanced(found, mode, law)
-    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in found)
-    reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in found)
+        by_foot.append(Foot(H, (lever[..., 0], lever[..., 1]), e, mu))
+    balance = balanced(by_foot, mode, law)
+    own = tuple(factor(foot.H, foot.restitution, foot.friction, mode, law) for foot in by_foot)
+    reverses = tuple(np.asarray(foot.friction * foot.H.xx < np.abs(foot.H.xy)) for foot in by_foot)
     return Stationary(balance.factor, own, reverses, _told(design, balance.note, balance.shares))
 
 
 def _own(
-    given: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
+    written: float | None, scenes: float | Array, nominal: float | None, most: float = math.inf
 ) -> float | Array:
     """Friction or restitution of a foot: its own in the scene's proportion, or the scene's."""
-    if given is None:
+    if written is None:
         return scenes
-    return given if nominal is None else in_proportion(given, scenes, nominal, most)
+    return written if nominal is None else in_proportion(written, scenes, nominal, most)
 
 
 def _told(design: Design, note: str, shares: Array) -> str:

@@ -94,24 +94,24 @@ class Drawn(NamedTuple):
         return self.columns.get(name, np.full(self.number, nominal))
 
 
-def named(known: Sequence[Input], values: Array) -> Drawn:
+def named(quantities: Sequence[Input], values: Array) -> Drawn:
     """Values of inputs, shape (count, inputs), by their names."""
-    columns = {one.name: values[:, place] for place, one in enumerate(known)}
+    columns = {quantity.name: values[:, place] for place, quantity in enumerate(quantities)}
     return Drawn(columns, len(values))
 
 
-def draws(known: Sequence[Input], count: int, seed: int) -> Array:
+def draws(quantities: Sequence[Input], count: int, seed: int) -> Array:
     """Draws of the inputs, shape (count, inputs), evenly spread (see `even`); not writable.
 
     They are kept, since members of a family share them.
     """
-    return _draws(tuple(known), count, seed)
+    return _draws(tuple(quantities), count, seed)
 
 
 @lru_cache(maxsize=8)
-def _draws(known: tuple[Input, ...], count: int, seed: int) -> Array:
-    cube = even(len(known), count, seed)
-    columns = [quantiles(one, cube[:, place]) for place, one in enumerate(known)]
+def _draws(quantities: tuple[Input, ...], count: int, seed: int) -> Array:
+    cube = even(len(quantities), count, seed)
+    columns = [quantiles(quantity, cube[:, place]) for place, quantity in enumerate(quantities)]
     drawn = np.column_stack(columns) if columns else np.empty((count, 0))
     drawn.flags.writeable = False
     return drawn
@@ -145,15 +145,15 @@ STANDARD = NormalDist()
 _of_standard = np.vectorize(STANDARD.inv_cdf, otypes=[float])
 
 
-def quantiles(one: Input, shares: Array) -> Array:
+def quantiles(law: Input, shares: Array) -> Array:
     """Quantiles of an input's distribution; shares in (0, 1), any shape."""
-    low = -math.inf if one.folded else (one.low - one.mean) / one.sd
-    high = math.inf if one.folded else (one.high - one.mean) / one.sd
+    low = -math.inf if law.folded else (law.low - law.mean) / law.sd
+    high = math.inf if law.folded else (law.high - law.mean) / law.sd
     bottom, top = STANDARD.cdf(low), STANDARD.cdf(high)
     tiny = np.finfo(float).tiny
     within = np.clip(bottom + shares * (top - bottom), tiny, 1.0 - np.finfo(float).eps)
-    found = np.asarray(one.mean + one.sd * _of_standard(within))
-    return np.asarray(np.abs(found) if one.folded else np.clip(found, one.low, one.high))
+    values = np.asarray(law.mean + law.sd * _of_standard(within))
+    return np.asarray(np.abs(values) if law.folded else np.clip(values, law.low, law.high))
 
 
 def applied(
@@ -235,7 +235,7 @@ class Share(NamedTuple):
 
 
 def shares(
-    known: Sequence[Input], function: Callable[[Array], Array], seed: int
+    quantities: Sequence[Input], function: Callable[[Array], Array], seed: int
 ) -> tuple[Share, ...]:
     """First-order and total shares of a function's variance, largest total first.
 
@@ -243,28 +243,30 @@ def shares(
     errors come from `SHARE_SETS` independent sets of points.
     """
     generators = np.random.default_rng(seed).spawn(SHARE_SETS)
-    found = np.array([indices(known, function, generator) for generator in generators])
-    return listed(known, found.mean(axis=0), found.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS))
+    repeats = np.array([indices(quantities, function, generator) for generator in generators])
+    return listed(
+        quantities, repeats.mean(axis=0), repeats.std(axis=0, ddof=1) / math.sqrt(SHARE_SETS)
+    )
 
 
 def indices(
-    known: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator
+    quantities: Sequence[Input], function: Callable[[Array], Array], rng: np.random.Generator
 ) -> Array:
     """First-order (row 0) and total (row 1) shares of a function's variance, shape (2, inputs)."""
     from scipy.stats import sobol_indices
 
-    if not known:
+    if not quantities:
         return np.empty((2, 0))
-    laws = [_Law(one) for one in known]
-    found = sobol_indices(func=lambda x: function(x.T), n=SHARE_POINTS, dists=laws, rng=rng)
-    return np.array([np.ravel(found.first_order), np.ravel(found.total_order)])
+    laws = [_Law(quantity) for quantity in quantities]
+    sobol = sobol_indices(func=lambda x: function(x.T), n=SHARE_POINTS, dists=laws, rng=rng)
+    return np.array([np.ravel(sobol.first_order), np.ravel(sobol.total_order)])
 
 
-def listed(known: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
+def listed(quantities: Sequence[Input], values: Array, errors: Array) -> tuple[Share, ...]:
     """Shares by name, largest total first; values and standard errors of shape (2, inputs)."""
     rows = [
-        Share(one.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
-        for k, one in enumerate(known)
+        Share(quantity.name, *map(float, (values[0, k], errors[0, k], values[1, k], errors[1, k])))
+        for k, quantity in enumerate(quantities)
     ]
     return tuple(sorted(rows, key=lambda share: -share.total))
 

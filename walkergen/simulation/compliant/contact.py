@@ -236,9 +236,9 @@ def _restored(W, F, e):
     part = 1.0
     if e[0] != e[1]:
         R = (e[0] * F[0], e[0] * F[1], e[1] * F[2], e[1] * F[3])
-        taken, given = _product(F, applied(W, F)), _product(R, applied(W, R))
-        if given > taken:
-            part = math.sqrt(taken / given)
+        compressed, released = _product(F, applied(W, F)), _product(R, applied(W, R))
+        if released > compressed:
+            part = math.sqrt(compressed / released)
     return 1.0 + part * e[0], 1.0 + part * e[1]
 
 

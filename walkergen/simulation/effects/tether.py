@@ -38,8 +38,8 @@ OFF = Spring(0.0, 1.0, (0.0, 0.0, 0.0), (0.0, 0.0, 0.0))
 
 def judge(case: Case) -> Effect:
     """Effect on where the scene's tether has a stiffness. Raises InputError for planar models."""
-    given = case.scene.tether
-    stiff = given.stiffness_n_per_m
+    tether = case.scene.tether
+    stiff = tether.stiffness_n_per_m
     reason = "tether.stiffness_n_per_m" + (" > 0" if stiff > 0 else " = 0")
     on, reason = forced(case.scene.effects.tether, stiff > 0, reason)
     if on:
@@ -55,12 +55,12 @@ VERDICT = Verdict(judge, SWITCH, planar=False, away={"tether": Tether()})
 
 def parameters(case: Case) -> Spring:
     """Tether of the scene."""
-    given = case.scene.tether
+    tether = case.scene.tether
     return Spring(
-        FROM_N_PER_M * given.stiffness_n_per_m,
-        given.length_mm,
-        (given.x_mm, given.height_mm, -given.y_mm),
-        (given.forward_mm, given.up_mm, -given.left_mm),
+        FROM_N_PER_M * tether.stiffness_n_per_m,
+        tether.length_mm,
+        (tether.x_mm, tether.height_mm, -tether.y_mm),
+        (tether.forward_mm, tether.up_mm, -tether.left_mm),
     )
 
 

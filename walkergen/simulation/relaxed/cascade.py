@@ -124,9 +124,9 @@ def _gallop(own, rigid, u_x, u_y, w_x, w_y, hit, contact):
     The ratio v_x/v_y moves one way through the cone of a type, so that a power of the impact's
     matrix whose image is still inside has skipped no other type.
     """
-    a, b, c, d, known = _matrix(own, rigid, u_x, u_y, hit, contact)
+    a, b, c, d, solvable = _matrix(own, rigid, u_x, u_y, hit, contact)
     turns_back = a * d - b * c <= 0.0 or a + d <= 0.0
-    inside = known and not turns_back and _same_type(own, w_x, w_y, hit, contact)
+    inside = solvable and not turns_back and _same_type(own, w_x, w_y, hit, contact)
     while inside:
         next_x, next_y = a * w_x + b * w_y, c * w_x + d * w_y
         inside = _same_type(own, next_x, next_y, hit, contact)

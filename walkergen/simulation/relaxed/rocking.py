@@ -169,12 +169,12 @@ def end_of_step(world, state, limit, suggested, out, stages):
     following = min(LONGEST * TWO_PI / world.drive.omega, max(dt * growth, 0.5 * suggested))
     if _dips(world, state, dt, out, stages):
         dt = _lowest(world, state, dt, out, stages)
-    found = NOTHING
+    first = NOTHING
     for event in (TOUCH, LIFT, STOP, BREAK, CORNER):
         if margin(world, out, event) < -_slack(world, event):
             dt = _locate(world, state, dt, event, out, stages)
-            found = event
-    return dt, found, following
+            first = event
+    return dt, first, following
 
 
 @kernel

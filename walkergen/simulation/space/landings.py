@@ -95,9 +95,9 @@ def settle(state, near, i, at, unloading, t, h, sums):
         sums[record.IMPACT_LOSS] -= normal
     near[i].gap[0] = gap + h * u_n
     if share < 1.0:  # what its springs and damper took is not what the mean force gave
-        given = -h * near[i].force[0] * u_n - share * h * near[i].c_n * u_n * u_n
+        work = -h * near[i].force[0] * u_n - share * h * near[i].c_n * u_n * u_n
         depth = min(near[i].gap[0], 0.0)
-        sums[record.IMPACT_LOSS] += given - 0.5 * near[i].k_n * depth * depth
+        sums[record.IMPACT_LOSS] += work - 0.5 * near[i].k_n * depth * depth
     for axis in range(3):
         state[at + J_N + axis] += h * near[i].force[axis]
     if state[at + STOP] == SLIDING and near[i].middle[1] * state[at + U_A] <= 0.0:
@@ -128,7 +128,7 @@ def _rub(near, i, h):
     share, k_t = near[i].share, near[i].k_t
     e_1, e_2 = near[i].gap[1], near[i].gap[2]
     u_1, u_2 = near[i].middle[1], near[i].middle[2]
-    given = -h * (near[i].force[1] * u_1 + near[i].force[2] * u_2)
+    work = -h * (near[i].force[1] * u_1 + near[i].force[2] * u_2)
     before = e_1 * e_1 + e_2 * e_2
     if near[i].tried == STICK:
         e_1, e_2 = e_1 + share * h * u_1, e_2 + share * h * u_2
@@ -136,7 +136,7 @@ def _rub(near, i, h):
         radius = near[i].friction * _press_at_end(near, i) / k_t
         e_1, e_2 = radius * near[i].end[0], radius * near[i].end[1]
     near[i].gap[1], near[i].gap[2] = e_1, e_2
-    return given - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
+    return work - 0.5 * k_t * (e_1 * e_1 + e_2 * e_2 - before)
 
 
 @lean

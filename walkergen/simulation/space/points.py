@@ -116,5 +116,5 @@ def _edges(design: Design) -> Array:
         hull = hull * (1.0, 0.0, 1.0)
     turn = (np.arange(ROUND) + 0.5) * 2.0 * math.pi / ROUND
     directions = np.column_stack([np.cos(turn), 0.0 * turn, np.sin(turn)])
-    found = np.unique(hull[np.argmax(directions @ hull.T, axis=1)].round(9), axis=0)
-    return np.asarray(found[np.lexsort((found[:, 2], found[:, 0].round(6)))])
+    corners = np.unique(hull[np.argmax(directions @ hull.T, axis=1)].round(9), axis=0)
+    return np.asarray(corners[np.lexsort((corners[:, 2], corners[:, 0].round(6)))])

@@ -112,7 +112,7 @@ def _swing_freely(state, near, J, work, springs, dampers, m, h):
 @lean
 def _move_legs(state, near, MJ, pull, dampers, m, h):
     """Move the legs over a step by springs and contacts; returns the energy of their dampers."""
-    n, taken = len(dampers), 0.0
+    n, damped = len(dampers), 0.0
     for i in range(m):
         if near[i].tried != OPEN:
             for p in range(3):
@@ -123,8 +123,8 @@ def _move_legs(state, near, MJ, pull, dampers, m, h):
         rate = state[LEGS + n + j] + 0.5 * change
         state[LEGS + j] += h * rate
         state[LEGS + n + j] += change
-        taken += h * dampers[j] * rate * rate
-    return taken
+        damped += h * dampers[j] * rate * rate
+    return damped
 
 
 @lean

@@ -74,7 +74,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
     springs, dampers = _hinges(case, free, freedoms)
     points = points_of(case, free, centre, resolved.on(walls.NAME))
     feet = points.pop("foot")
-    one = Walker(
+    walker = Walker(
         mass=total,
         inverse_mass=np.array([1.0, 1.0, float(loose)]) / total,
         inertia=inertia,
@@ -97,7 +97,7 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         corners=corners_of(design, mass, centre),
         flights=np.zeros((0, n, n)),
     )  # fmt: skip
-    return _with_feet(one, case, feet, resolved.on(local_contact.NAME))
+    return _with_feet(walker, case, feet, resolved.on(local_contact.NAME))
 
 
 def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]:
@@ -111,25 +111,25 @@ def _whole(mass: MassProperties, spatial: Spatial) -> tuple[float, Array, Array]
 def _limbs(legs: Sequence[tuple[Limb, LegMass]], centre: Array, freedoms: int) -> _Limbs:
     """Momenta of the legs' coordinates; the twist is linear along a leg, zero at its anchor."""
     n = len(legs) * freedoms
-    found = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
+    limbs = _Limbs(np.zeros((3, n)), np.zeros((3, n)), np.zeros((n, n)))
     for number, (limb, leg) in enumerate(legs):
         assert leg.tensor is not None
         j, m, axis, arm = number * freedoms, float(leg.m), axis_of(limb), np.array([*leg.c_A, 0.0])
         polar = float(axis @ leg.tensor @ axis)
         swung = m * np.cross(Z, arm)
         place = np.array([*leg.anchor, leg.across]) + arm - centre
-        found.momentum[:, j] = swung
-        found.spin[:, j] = np.cross(place, swung) + leg.tensor @ Z
-        found.inertia[j, j] = m * arm @ arm + leg.tensor[2, 2]
+        limbs.momentum[:, j] = swung
+        limbs.spin[:, j] = np.cross(place, swung) + leg.tensor @ Z
+        limbs.inertia[j, j] = m * arm @ arm + leg.tensor[2, 2]
         if freedoms > 1:
-            found.spin[:, j + 1] = -0.5 * polar * axis
-            found.inertia[j + 1, j + 1] = polar / 3.0
-    return found
+            limbs.spin[:, j + 1] = -0.5 * polar * axis
+            limbs.inertia[j + 1, j + 1] = polar / 3.0
+    return limbs
 
 
 def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Array]:
     """Stiffness and damping of the free legs' coordinates, shape (n,) each."""
-    design, given = case.design, case.scene.legs
+    design, legs = case.design, case.scene.legs
     springs: list[float] = []
     dampers: list[float] = []
     for limb, leg in ((design.limbs[k], case.mass.legs[k]) for k in free):
@@ -137,10 +137,10 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
         axis = axis_of(limb)
         modulus = design.material.youngs_modulus
         inertias = float(leg.inertia), float(axis @ leg.tensor @ axis) / 3.0
-        stiff = compliance.stiffness(limb, modulus, given.spring), twist.stiffness(limb, modulus)
+        stiff = compliance.stiffness(limb, modulus, legs.spring), twist.stiffness(limb, modulus)
         springs += stiff[:freedoms]
         dampers += [
-            2.0 * given.damping_ratio * math.sqrt(k * inertia)
+            2.0 * legs.damping_ratio * math.sqrt(k * inertia)
             for k, inertia in zip(stiff[:freedoms], inertias[:freedoms], strict=True)
         ]
     return np.array(springs), np.array(dampers)
@@ -159,8 +159,8 @@ def _with_feet(
 ) -> tuple[Walker, Options]:
     """Walker with its elastic contacts and tabulated flights, and the steps that resolve them."""
     modulus = case.design.material.youngs_modulus
-    each = [feet.foot_of(case.scene, limb, modulus, local) for limb in case.design.limbs]
-    if len({foot.unloading for foot in each}) > 1:
+    of_legs = [feet.foot_of(case.scene, limb, modulus, local) for limb in case.design.limbs]
+    if len({foot.unloading for foot in of_legs}) > 1:
         raise InputError(
             "feet.damping = 'hysteretic': feet of unlike restitution unload unlike, which this "
             "model has not; use 'viscous', or one restitution for all legs"
@@ -168,7 +168,7 @@ def _with_feet(
     n, H = len(walker.stiffness), mobility(walker)
     wall, label = walker.place > 0.0, case.scene.arena.wall_restitution
     # A wall is as stiff as the first leg's corners
-    of_points = [each[max(number, 0)] for number in feet_of_points]
+    of_points = [of_legs[max(number, 0)] for number in feet_of_points]
     ratio = np.where(
         wall, feet.damping_ratio(label), np.array([foot.damping_ratio for foot in of_points])
     )
@@ -176,10 +176,10 @@ def _with_feet(
     # The label is that of a frictionless impact: there is no tangential damper
     own = np.diag(H)[0::3]
     damper = 2.0 * ratio * np.sqrt(spring[:, 0] / np.where(own > 0.0, own, np.inf))
-    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, each[0].unloading)
+    own_step, fastest = _own_step(H, np.flatnonzero(~wall), spring, damper, of_legs[0].unloading)
     step = _step(case.scene.run.step_us, own_step, fastest)
     return walker._replace(
-        spring=spring, damper=damper, unloading=each[0].unloading,
+        spring=spring, damper=damper, unloading=of_legs[0].unloading,
         flights=_flights(walker, step, n),
     ), Options(step, min(STEPS_OF_FRAME, max(round(LONGEST_FRAME / own_step), 1)))  # fmt: skip
 
