@@ -1,23 +1,73 @@
 """The project's own papers agree with one another."""
 
+import json
 import re
 import tomllib
 from importlib.metadata import metadata
 from pathlib import Path
 
+import yaml
+from packaging.requirements import Requirement
+
 from walkergen import __version__
 
 ROOT = Path(__file__).parent.parent
+PYPROJECT = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+PROJECT = tomllib.loads(PYPROJECT)["project"]
+CITATION = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
+ZENODO = json.loads((ROOT / ".zenodo.json").read_text(encoding="utf-8"))
+RECIPE = yaml.safe_load((ROOT / "packaging/conda/recipe.yaml").read_text(encoding="utf-8"))
+
+CONDA_NAMES = {"matplotlib": "matplotlib-base"}
+"""Packages that are called otherwise there."""
 
 
 def test_version_and_licence_are_told_alike_everywhere():
-    project = tomllib.loads((ROOT / "pyproject.toml").read_text())["project"]
-    citation = (ROOT / "CITATION.cff").read_text()
-    assert re.search(r"^version: (.+)$", citation, re.MULTILINE)[1] == __version__
-    assert project["version"] == __version__
-    assert re.search(r"^license: (.+)$", citation, re.MULTILINE)[1] == project["license"] == "MIT"
+    changes = (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
+    assert metadata("walkergen")["Version"] == PROJECT["version"] == __version__
+    assert CITATION["version"] == ZENODO["version"] == RECIPE["context"]["version"] == __version__
+    assert re.search(r"^## (\S+)", changes, re.MULTILINE)[1] == __version__
+    for paper in (ROOT / "README.md", *(ROOT / "docs").glob("*.md")):
+        told = re.findall(r"walkergen (\d+\.\d+\.\d+)", paper.read_text(encoding="utf-8"))
+        assert set(told) <= {__version__}, paper.name
+    licences = CITATION["license"], ZENODO["license"], RECIPE["about"]["license"]
+    assert set(licences) == {PROJECT["license"]} == {"MIT"}
     assert (ROOT / "LICENSE").read_text().startswith("MIT License")
-    assert metadata("walkergen")["Version"] == __version__
+
+
+def test_authors_titles_and_words_are_told_alike_everywhere():
+    authors = [author["name"] for author in PROJECT["authors"]]
+    assert [author["name"] for author in CITATION["authors"]] == authors
+    assert [author["name"] for author in ZENODO["creators"]] == authors
+    assert ZENODO["title"] == CITATION["title"]
+    assert ZENODO["keywords"] == CITATION["keywords"] == PROJECT["keywords"]
+    assert ZENODO["description"] == RECIPE["about"]["summary"] == PROJECT["description"]
+    (paper,) = CITATION["references"]
+    assert paper["title"] in ZENODO["references"][0]
+
+
+def test_the_conda_recipe_asks_for_what_the_package_asks_for():
+    asked = {}
+    for text in PROJECT["dependencies"]:
+        requirement = Requirement(text)
+        asked[CONDA_NAMES.get(requirement.name, requirement.name)] = requirement.specifier
+    assert asked.pop("lib3mf")  # not packaged; without it plates are STL files
+    run = [Requirement(text) for text in RECIPE["requirements"]["run"] if "${{" not in text]
+    assert {one.name: one.specifier for one in run} == asked
+    assert PROJECT["requires-python"] == f">={RECIPE['context']['python_min']}"
+    (hatchling,) = tomllib.loads(PYPROJECT)["build-system"]["requires"]
+    assert Requirement(hatchling) in map(Requirement, RECIPE["requirements"]["host"][1:])
+
+
+def test_a_tag_makes_wheels_of_five_platforms_and_of_every_python_named():
+    jobs = yaml.safe_load((ROOT / ".github/workflows/wheels.yml").read_text())["jobs"]
+    matrix = jobs["kernels"]["strategy"]["matrix"]
+    assert len(set(matrix["machine"])) == 5
+    named = "Programming Language :: Python :: "
+    pythons = [text.removeprefix(named) for text in PROJECT["classifiers"] if named in text]
+    assert [python for python in pythons if "." in python] == matrix["python"]
+    commands = [step.get("run") for step in jobs["kernels"]["steps"]]
+    assert "make wheel PYTHON=python" in commands
 
 
 def test_links_within_the_papers_lead_somewhere():

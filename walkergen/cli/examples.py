@@ -2,7 +2,7 @@
 
 EXAMPLES: dict[str, tuple[str, str]] = {
     "family": ("family", "family maker-large --tilt 5:20:5 --copies 4"),
-    "export": ("export --tilt 12 --format stl,3mf", "export my.toml --legs flexible,braced"),
+    "export": ("export --tilt 12 --format stl,3mf", "export my.toml --tilt 10 --format mjcf"),
     "check": ("check", "check my.toml --tilt 5,10 --printer ender3"),
     "plate": ("plate --tilt 5,10,15 --copies 8", "plate --calibration --printer ender3"),
     "design": ("design --speed 80", "design --fastest --vary legs.length_mm=4:9"),

@@ -7,11 +7,13 @@ import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
+from walkergen.cli.layout import names_of
 from walkergen.errors import InputError
 
 HELP = (
     "File formats, such as stl,3mf: solids as they print; dxf, svg: profiles in mm of walkers that "
-    "are prisms, outlines of bodies in plan view. STEP needs a heavy kernel and is not written."
+    "are prisms, outlines of bodies in plan view; mjcf: the walker on its plate, for MuJoCo. STEP "
+    "needs a heavy kernel and is not written."
 )
 
 
@@ -20,22 +22,35 @@ def export(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     formats: Annotated[str, typer.Option("--format", metavar="FORMAT", help=HELP)] = "stl",
+    scene: Annotated[
+        str | None,
+        typer.Option(
+            "--scene",
+            metavar="SCENE",
+            help="Scene of mjcf: a template or a TOML file; lane-90hz.",
+            autocompletion=names_of("scenes"),
+        ),
+    ] = None,
     keys: opt.Values = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker."""
+    """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
     from walkergen.jobs.orders import make as batch
 
-    wanted = [word.strip() for word in formats.split(",")]
+    wanted, allowed = [word.strip() for word in formats.split(",")], (*batch.FORMATS, batch.MJCF)
     for word in wanted:
-        if word not in batch.FORMATS:
-            raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(batch.FORMATS)}")
-    asked = loading.asked(keys, "design")
+        if word not in allowed:
+            raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(allowed)}")
+    moving = batch.MJCF in wanted
+    if scene is not None and not moving:
+        raise InputError(f"--scene {scene[:60]}: only --format {batch.MJCF} has a scene")
+    asked = loading.asked(keys, "design scene" if moving else "design")
+    ground = asked.scene(scene or opt.SCENE) if moving else None
     chosen = asked.design(design)
     members = asked.members(chosen, tilt, legs, whole=False)
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        files = batch.export_parts(members, wanted, folder, progress)
+        files = batch.export_parts(members, wanted, folder, progress, ground)
     show.files(files, json, quiet)

@@ -12,7 +12,9 @@ from walkergen.files.progress import Progress
 from walkergen.printing import checks, export, orientation, packing, plates, profile, sheet, walls
 from walkergen.printing.checks import Finding
 from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
+from walkergen.shapes.outlines import Polygon
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 
@@ -20,6 +22,9 @@ SOLID: dict[str, Callable[[Mesh, str], bytes]] = {"stl": export.stl_bytes, "3mf"
 """Formats of meshes as they lie on the bed."""
 
 FORMATS = (*SOLID, *profile.FORMATS)
+
+MJCF = "mjcf"
+"""Format of MuJoCo, of a walker in a scene: several files."""
 
 
 class Order(NamedTuple):
@@ -75,27 +80,46 @@ class Room(NamedTuple):
 
 
 def export_parts(
-    members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress
-) -> list[Path]:
+    members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress,
+    scene: Scene | None = None,
+) -> list[Path]:  # fmt: skip
     """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
 
-    Raises InputError, before anything is written, for the drawing of a walker that has none.
+    MJCF, of walkers in a scene, is folder/mjcf/NAME.xml with its STL files beside it. Raises
+    InputError, before anything is written, for the drawing of a walker that has none, and for a
+    scene that MJCF cannot hold.
     """
+    models = [_model(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
         profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else []
         for design in members
     ]
     written = []
     with Folder(folder, "") as target:
-        for number, (design, drawing) in enumerate(zip(members, drawings, strict=True), start=1):
+        for number, design in enumerate(members):
             name = names.part(design)
             mesh = solids.as_printed(design, solids.build(design).walker)
+            drawn, model = drawings[number], models[number]
             for form in formats:
-                data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
-                target.write(f"{form}/{name}.{form}", data)
-                written.append(folder / form / f"{name}.{form}")
-            progress(name, number, len(members))
+                for file, data in model if form == MJCF else [_single(form, name, mesh, drawn)]:
+                    target.write(f"{form}/{file}", data)
+                    written.append(folder / form / file)
+            progress(name, number + 1, len(members))
     return written
+
+
+def _single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:
+    """Name and bytes of the file of a walker, its mesh or its drawing, in one of FORMATS."""
+    data = SOLID[form](mesh, name) if form in SOLID else profile.FORMATS[form](drawing)
+    return f"{name}.{form}", data
+
+
+def _model(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
+    """Names and bytes of the MJCF of a walker in a scene. Raises InputError."""
+    from walkergen.jobs.orders import mjcf
+
+    assert scene is not None
+    return list(mjcf.files(design, scene))
 
 
 def export_part(design: Design, path: Path) -> None:
