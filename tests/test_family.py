@@ -166,3 +166,11 @@ def test_a_part_too_large_for_the_printer_is_refused_before_anything_is_written(
     with pytest.raises(PlateError, match="does not fit prusa-mk3s"):
         family.make(job, tmp_path / "out", silent, unheard)
     assert not (tmp_path / "out").exists()
+
+
+def test_walkers_that_stand_are_one_line_and_the_mass_is_a_balances(tmp_path):
+    report = family.make(job_of(), tmp_path, silent, unheard)
+    text = report.markdown()
+    assert "braced legs, 0 to 35 deg: 3 walkers of 0.982 to 1.03 g that stand" in text
+    assert text.index("0.8928") < text.index("0.8333")  # M + 2 m before M
+    assert len(report.tables[0]) == 6

@@ -170,7 +170,7 @@ def test_a_simulation_shows_itself(runs):
     page = runs._repr_html_()
     assert f"<td>mean speed</td><td>{runs.speed.value:.2f} mm/s" in page
     assert runs.speed.orbit in page
-    assert "relaxed, method event" in page
+    assert "relaxed, law of impact" in page
     assert runs.plot()._repr_png_().startswith(b"\x89PNG")
     assert len(runs.plot().axes[0].lines) == 4
     with pytest.raises(InputError, match=r"rate_hz=0: must be a number >= 0\.001"):

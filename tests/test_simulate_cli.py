@@ -88,7 +88,7 @@ def test_same_seed_same_numbers(run):
 
 def test_table_says_what_was_simulated(run):
     text = run("simulate", "--restitution", "0.3", "--all", *SHORT).stdout
-    for words in ("space, method step", "mean speed", "simulated s per CPU s"):
+    for words in ("space, elastic feet", "mean speed", "simulated s per CPU s"):
         assert words in text
 
 

@@ -35,11 +35,24 @@ WEIGHED = (
 )
 
 
+LEGEND = (
+    "mass: the whole walker, as a balance shows it; M, J: mass and moment of inertia of its body, "
+    "with braced legs; m, j: of one flexible leg; eq. 15: the paper's theory"
+)
+
+STANDS_MM_S, FOLDED = 1.0, 3
+"""Speed below which a walker stands, where its bounds agree; walkers from which on one line tells
+of all."""
+
+
 def tables(name: str, design: str, walkers: Sequence[Member]) -> list[Table]:
     """Table of a design's walkers, and if they were weighed their masses beside the meshes'."""
     rows = members.rows(walkers)
     keys = rows[0]._fields if rows else Prediction._fields
-    speeds = Table(name, rows, keys, columns(walkers), f"Predicted speeds of {design}")
+    standing = {member.row for member in _standing(walkers)}
+    moving = [row for row, member in zip(rows, walkers, strict=True) if member.row not in standing]
+    title = f"Predicted speeds of {design}"
+    speeds = Table(name, rows, keys, columns(walkers), title, read=moving)
     return (
         [speeds, Table("weighed", rows, (), MASSES, "Weighed")] if _weighed(walkers) else [speeds]
     )
@@ -48,12 +61,25 @@ def tables(name: str, design: str, walkers: Sequence[Member]) -> list[Table]:
 def lines(walkers: Sequence[Member]) -> list[str]:
     """Notes of the table by their numbers, and what weighed masses change."""
     notes = [f"[{number}] {note}" for number, note in enumerate(_notes(walkers), start=1)]
-    return [*notes, WEIGHED] if _weighed(walkers) else notes
+    standing = _standing(walkers)
+    if standing:
+        tilts = [member.design.tilt_deg for member in standing]
+        grams = [float(member.mass.total) for member in standing]
+        notes.append(
+            f"braced legs, {min(tilts):g} to {max(tilts):g} deg: {len(standing)} walkers of "
+            f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
+            f"{STANDS_MM_S:g} mm/s with 0 inside its bounds"
+        )
+    return [LEGEND, *notes, *((WEIGHED,) if _weighed(walkers) else ())]
 
 
 def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
     """Columns of the table; a speed with a note carries its number."""
     simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
+    grams = {
+        row: float(member.mass.total)
+        for row, member in zip(members.rows(walkers), walkers, strict=True)
+    }
 
     def speed(row: Any) -> str:
         mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
@@ -62,9 +88,10 @@ def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
     return (
         report.number("tilt\n(deg)", "tilt_deg", 6),
         report.text("legs", "legs"),
-        report.number("M\n(g)", "M_g", wide=simulated),
+        Column("mass\n(g)", lambda row: words.number(grams[row], 4), right=True),
+        report.number("M\n(g)", "M_g", wide=True),
         report.number("J\n(g mm²)", "J_g_mm2", wide=True),
-        report.number("m\n(g)", "m_g", wide=simulated),
+        report.number("m\n(g)", "m_g", wide=True),
         report.number("j\n(g mm²)", "j_g_mm2", wide=True),
         Column("speed\n(mm/s)", speed, right=True),
         _bounds("68 %\n(mm/s)", "68"),
@@ -81,9 +108,23 @@ def _weighed(walkers: Sequence[Member]) -> bool:
     return any(member.weighing is not None for member in walkers)
 
 
+def _standing(walkers: Sequence[Member]) -> list[Member]:
+    """Walkers on braced legs that stand, where there are several, none simulated."""
+    standing = [
+        member
+        for member in walkers
+        if member.design.kind == "braced" and member.simulated is None
+        and abs(member.row.speed_mm_s) < STANDS_MM_S
+        and (member.row.speed_low_95_mm_s or 0.0) <= 0.0 <= (member.row.speed_high_95_mm_s or 0.0)
+    ]  # fmt: skip
+    return standing if len(standing) >= FOLDED else []
+
+
 def _notes(walkers: Sequence[Member]) -> list[str]:
-    """Distinct notes of the walkers, in order."""
-    return list(dict.fromkeys(member.row.note for member in walkers if member.row.note))
+    """Distinct notes of the walkers that the table shows, in order."""
+    standing = _standing(walkers)
+    shown = [member.row for member in walkers if member not in standing]
+    return list(dict.fromkeys(row.note for row in shown if row.note))
 
 
 def _bounds(heading: str, share: str, wide: bool = False) -> Column:

@@ -44,13 +44,10 @@ def plate_in_words(scene: Scene) -> str:
 
 
 def model_in_words(found: Simulated, scene: Scene) -> str:
-    """Model, method and contact law of a simulation: elastic feet in space know no impact law."""
-    told = f"{found.point.model}, method {found.point.method}"
-    contact = scene.contact
-    if found.point.model != "space":
-        return f"{told}, law {contact.law}"
-    label = f"label {contact.restitution:g}, friction {contact.friction:g}"
-    return f"{told}, {scene.feet.damping} feet, {label}"
+    """Model of a simulation, and what it assumes of the contact."""
+    contact, model = scene.contact, found.point.model
+    law = "elastic feet" if model == "space" else f"law of impact {contact.law}"
+    return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
 
 
 def model_as_dict(found: Simulated, scene: Scene) -> dict[str, Any]:
