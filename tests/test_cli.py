@@ -5,6 +5,7 @@ import os
 import re
 import subprocess
 import sys
+import time
 
 import pytest
 from typer.testing import CliRunner
@@ -264,3 +265,21 @@ def test_help_imports_nothing_heavy():
     result = python("-c", code)
     assert "predict" in result.stdout
     assert result.stderr.strip() == "[]"
+
+
+def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys):
+    from walkergen.cli import show
+
+    monkeypatch.setattr(show, "FIRST_S", 0.01)
+    with show.progress("simulate", wanted=True) as update:
+        update("runs", 3, 4)
+        for _ in range(500):  # 5 s: a busy machine
+            time.sleep(0.01)
+            line = capsys.readouterr().err
+            if line:
+                break
+    assert line == "simulate: runs, 3 of 4, about 0 s left\n"
+    with show.progress("simulate", wanted=False) as update:
+        update("runs", 3, 4)
+        time.sleep(0.05)
+    assert capsys.readouterr().err == ""

@@ -341,6 +341,7 @@ def test_surroundings_do_not_matter(tmp_path, surroundings):
     told = done.stderr.decode()
     assert done.returncode == 0, told
     assert "Traceback" not in told
+    assert "matplotlib" not in told.lower()
     assert (tmp_path / "speed.pdf").read_bytes()[:5] == b"%PDF-"
 
 

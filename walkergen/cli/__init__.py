@@ -1,6 +1,7 @@
 """The command line: `walkergen COMMAND`; each command calls one public function and shows it."""
 
 import atexit
+import logging
 import os
 import signal
 import sys
@@ -96,6 +97,8 @@ def main() -> None:
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"
     os.environ.pop("SOURCE_DATE_EPOCH", None)
+    # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
+    logging.getLogger("matplotlib").setLevel(logging.ERROR)
     code = _run()
     signal.signal(signal.SIGINT, signal.SIG_IGN)  # all is told; only Python's own end is left
     if code == INTERRUPTED:

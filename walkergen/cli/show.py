@@ -2,6 +2,8 @@
 
 import json
 import sys
+import threading
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -121,14 +123,55 @@ def templates(rows: "Sequence[Entry]") -> None:
                 print(f"  {row.name:18s}  {row.description}")
 
 
+FIRST_S, NEXT_S = 5.0, 15.0
+"""Time (s) after which a job first says how far it is, and then again, where there is no bar."""
+
+
 @contextmanager
 def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """Show a progress bar on the error stream, if `wanted` and the stream is a terminal."""
-    if wanted and sys.stderr.isatty():
-        with _bar(title) as update:
-            yield update
-    else:
+    """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines."""
+    if not wanted:
         yield lambda what, done, total: None
+    else:
+        with _bar(title) if sys.stderr.isatty() else _lines(title) as update:
+            yield update
+
+
+@contextmanager
+def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
+    """Say how far a job is in a line now and then, also while it says nothing itself."""
+    begun, ended = time.monotonic(), threading.Event()
+    state: list[tuple[str, int, int]] = []
+
+    def tell() -> None:
+        pause = FIRST_S
+        while not ended.wait(pause):
+            pause = NEXT_S
+            if state:
+                what, done, total = state[0]
+                share = f", {done} of {total}" if done else ""
+                rest = f", {_rest(time.monotonic() - begun, done, total)} left" if done else ""
+                try:
+                    print(plain.line(f"{title}: {what}{share}{rest}"), file=sys.stderr, flush=True)
+                except OSError:  # nobody reads it
+                    return
+
+    def update(what: str, done: int, total: int) -> None:
+        state[:] = [(what, done, total)]
+
+    thread = threading.Thread(target=tell, daemon=True)
+    thread.start()
+    try:
+        yield update
+    finally:
+        ended.set()
+        thread.join()
+
+
+def _rest(passed: float, done: int, total: int) -> str:
+    """Time that is left after `passed` seconds at the same pace, in words."""
+    rest = passed * (total - done) / done
+    return f"about {rest:.0f} s" if rest < 100.0 else f"about {rest / 60.0:.0f} min"
 
 
 @contextmanager

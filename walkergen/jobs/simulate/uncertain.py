@@ -149,7 +149,7 @@ def _asked(
 
 def _simulated(asked: Sequence[Experiment], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
-    progress("compiling (slow the first time only)", 0, len(asked))
+    progress("compiling (half a minute, the first time only)", 0, len(asked))
     (first,) = experiments.each(asked[:1], [""], lambda what, done, total: None, None)
     titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
     return [first, *experiments.on_threads(asked[1:], titles, progress)]
