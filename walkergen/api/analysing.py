@@ -65,8 +65,8 @@ def _csv_of(tracks: Any) -> str:
             f"{NAME}: {type(tracks).__name__} seen: must be the path of a CSV file, a frame of "
             "pandas, or columns by name"
         )
-    lists = {str(name): np.asarray(one).tolist() for name, one in columns.items()}
-    if len({len(one) for one in lists.values()}) > 1:
-        told = ", ".join(f"{name} {len(one)}" for name, one in lists.items())
-        raise InputError(f"{NAME}: columns must be of one length, seen {told}")
+    lists = {str(name): np.asarray(values).tolist() for name, values in columns.items()}
+    if len({len(values) for values in lists.values()}) > 1:
+        lengths = ", ".join(f"{name} {len(values)}" for name, values in lists.items())
+        raise InputError(f"{NAME}: columns must be of one length, seen {lengths}")
     return csv_text(list(lists), zip(*lists.values(), strict=True))

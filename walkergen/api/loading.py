@@ -93,60 +93,60 @@ def members_of(
 
     None stands for the design's own or, if `whole`, for those of its family. Raises InputError.
     """
-    found = walker_of(design)
+    walker = walker_of(design)
     kinds = None if legs is None else _kinds(legs)
     tilts = None if tilts is None else [float(tilt) for tilt in tilts]
     if not whole:
-        tilts = [found.tilt_deg] if tilts is None else tilts
-        kinds = [found.kind] if kinds is None else kinds
-    return found.members(tilts, kinds)
+        tilts = [walker.tilt_deg] if tilts is None else tilts
+        kinds = [walker.kind] if kinds is None else kinds
+    return walker.members(tilts, kinds)
 
 
 def _kinds(legs: Kind | Iterable[Kind]) -> list[Kind]:
     """List kinds of legs. Raises InputError."""
-    found: list[Any] = [legs] if isinstance(legs, str) else list(legs)
-    for kind in found:
+    kinds: list[Any] = [legs] if isinstance(legs, str) else list(legs)
+    for kind in kinds:
         if kind not in LEGS:
             raise InputError(f"legs={kind!r}: must be one of {', '.join(map(repr, LEGS))}")
-    return found
+    return kinds
 
 
-def _as_it_is(given: Any, model: type[Found], what: str) -> Found:
-    if isinstance(given, model):
-        return given
-    if not isinstance(given, (str, os.PathLike)):
+def _as_it_is(source: Any, model: type[Found], what: str) -> Found:
+    if isinstance(source, model):
+        return source
+    if not isinstance(source, (str, os.PathLike)):
         raise InputError(
-            f"{what}: {type(given).__name__} seen: must be a {model.__name__}, the name of a "
+            f"{what}: {type(source).__name__} seen: must be a {model.__name__}, the name of a "
             "template or the path of a TOML file"
         )
-    folder = next(folder for folder, known in KINDS.values() if known is model)
-    return shipped.load(given if isinstance(given, str) else Path(given), folder, model)
+    folder = next(folder for folder, kind in KINDS.values() if kind is model)
+    return shipped.load(source if isinstance(source, str) else Path(source), folder, model)
 
 
 def _kind_of(name: str | Path) -> str:
     """Kind that a template's name, or the keys of a file, tell. Raises InputError."""
     if isinstance(name, Path) or shipped.written_as_path(name):
-        found = _kinds_by_keys(Path(name))
+        kinds = _kinds_by_keys(Path(name))
     else:
-        found = [kind for kind, (folder, _) in KINDS.items() if name in shipped.names(folder)]
-        if not found:
+        kinds = [kind for kind, (folder, _) in KINDS.items() if name in shipped.names(folder)]
+        if not kinds:
             shipped.find(name)  # raises, with every name there is
-    if len(found) > 1:
-        told = " or ".join(f"kind={kind!r}" for kind in found)
-        raise InputError(f"{str(name)!r}: may be more than one thing: give {told}")
-    return found[0]
+    if len(kinds) > 1:
+        choices = " or ".join(f"kind={kind!r}" for kind in kinds)
+        raise InputError(f"{str(name)!r}: may be more than one thing: give {choices}")
+    return kinds[0]
 
 
 def _kinds_by_keys(path: Path) -> list[str]:
     """Kinds of files that have most of a file's keys. Raises InputError."""
     data, _ = config.load(path)
     keys = [key for key in _paths(data) if key not in (("name",), ("description",))]
-    known = dict.fromkeys(KINDS, 0)
+    counts = dict.fromkeys(KINDS, 0)
     for key in keys:
         for kind, (_, model) in KINDS.items():
             own = key[0] == "walker" if kind == "walker" else False  # a table that becomes [body]
-            known[kind] += own or not config.unknown(key, model)
-    return [kind for kind, count in known.items() if count == max(known.values())]
+            counts[kind] += own or not config.unknown(key, model)
+    return [kind for kind, count in counts.items() if count == max(counts.values())]
 
 
 def _paths(data: Mapping[str, Any], before: tuple[str, ...] = ()) -> Iterator[tuple[str, ...]]:

@@ -62,10 +62,12 @@ def family(
         chosen, members, ground, printer_of(printer), mode, pictures, simulate, counts,
         _whole(max_parts, MOST_PARTS, "max_parts"), prusaslicer, weighed, strict, seen,
     )  # fmt: skip
-    made = families.make(job, Path(folder), progress or silent, findings.extend)
-    warnings = [checks.line(one) for one in checks.grouped(findings) if one.level == "warning"]
+    report = families.make(job, Path(folder), progress or silent, findings.extend)
+    warnings = [
+        checks.line(finding) for finding in checks.grouped(findings) if finding.level == "warning"
+    ]
     warnings += [*unused, *bad]
-    return replace(made, warnings=warnings)
+    return replace(report, warnings=warnings)
 
 
 def _copied(
@@ -109,10 +111,10 @@ def _weighed(
     """Masses from a balance by names of members, and what is said of other walkers' rows."""
     if path is None:
         return {}, []
-    found, unused = balance.read(Path(path), members), balance.unused(Path(path), members)
+    weighings, unused = balance.read(Path(path), members), balance.unused(Path(path), members)
     few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
-    told = [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
-    return found, told
+    warnings = [f"{path}: {len(unused)} walkers beside those asked for: {few}"] if unused else []
+    return weighings, warnings
 
 
 def _measured(
@@ -121,8 +123,8 @@ def _measured(
     """Speeds measured on the scene's plate, and what is said of rows left out."""
     if path is None:
         return None, []
-    found = speeds.on_plate(Path(path), design.kind, scene.drive.peak_speed)
-    return found, [f"{path}: {found.bad}"] if found.bad else []
+    measured = speeds.on_plate(Path(path), design.kind, scene.drive.peak_speed)
+    return measured, [f"{path}: {measured.bad}"] if measured.bad else []
 
 
 def export(design: Walker, path: str | os.PathLike[str]) -> Path:
@@ -132,7 +134,7 @@ def export(design: Walker, path: str | os.PathLike[str]) -> Path:
     """
     target = Path(path)
     if target.suffix.removeprefix(".").lower() not in batch.FORMATS:
-        known = ", ".join(f".{form}" for form in batch.FORMATS)
-        raise InputError(f"{str(path)!r}: must end in one of {known}")
+        endings = ", ".join(f".{form}" for form in batch.FORMATS)
+        raise InputError(f"{str(path)!r}: must end in one of {endings}")
     batch.export_part(walker_of(design), target)
     return target

@@ -96,9 +96,9 @@ def bench(
     """
     if test not in OWN:
         raise InputError(f"test={test!r}: must be one of {', '.join(map(repr, OWN))}")
-    given = {"tries": tries, "height_mm": height_mm, "roll_deg": roll_deg, "drops": drops,
+    arguments = {"tries": tries, "height_mm": height_mm, "roll_deg": roll_deg, "drops": drops,
              "decrement": decrement, "decrement_sd": decrement_sd}  # fmt: skip
-    for name, value in given.items():
+    for name, value in arguments.items():
         if value is not None and name not in OWN[test]:
             raise InputError(f"{name}={value!r}: test {test!r} has none; leave it out")
     member, tell = one_of(design, tilt, legs), progress or silent

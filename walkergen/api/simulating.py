@@ -29,9 +29,9 @@ def simulate(
     for name, value in {"seconds": seconds, "runs": runs}.items():
         if error is not None and value is not None:
             raise InputError(f"{name}={value!r}: error={error!r} chooses it; leave one of them out")
-    given = {"run.seconds": seconds, "run.runs": runs, "legs.model": model, "run.seed": seed}
-    keys = {key: value for key, value in given.items() if value is not None}
+    values = {"run.seconds": seconds, "run.runs": runs, "legs.model": model, "run.seed": seed}
+    keys = {key: value for key, value in values.items() if value is not None}
     ground, member = scene_of(scene).variant(**keys), one_of(design, tilt, legs)
-    one = make.asked(ground, member, solids.mass_of(member))
+    experiment = make.asked(ground, member, solids.mass_of(member))
     wanted = None if error is None else parse(error)
-    return report.of(one, make.measure(one, progress or silent, wanted))
+    return report.of(experiment, make.measure(experiment, progress or silent, wanted))

@@ -40,14 +40,16 @@ def sweep(
     "__main__":`), by default they are evaluated here. With a `folder` table, pictures and manifest
     are written there. Raises InputError.
     """
-    listed = tuple(_axis(key, one) for key, one in (values or {}).items())
+    listed = tuple(_axis(key, value) for key, value in (values or {}).items())
     space = Space(listed, _sample(between or {}, sample, seed))
     for key in between or ():
         if key in (values or {}):
             raise InputError(f"between: {key}: is in values too: leave one of them out")
-    told = None if error is None else tolerance.parse(error)
+    tolerated = None if error is None else tolerance.parse(error)
     machine = None if printer is None else printer_of(printer)
-    asked = Ask(walker_of(design), None, scene_of(scene), machine, space, (), model, told, keep)
+    asked = Ask(
+        walker_of(design), None, scene_of(scene), machine, space, (), model, tolerated, keep
+    )
     request, tell = asked.request(), progress or silent
     hired = nullcontext() if workers is None else worker_pool.local(workers)
     job = make.Job(request, asked.title(), kept=True)
@@ -74,7 +76,7 @@ def _sample(between: Mapping[str, Any], sample: str | None, seed: int) -> Sample
 def _span(key: str, bounds: Any) -> Span:
     """Bounds between which a key is sampled. Raises InputError."""
     try:
-        low, high = (float(one) for one in bounds)
+        low, high = (float(bound) for bound in bounds)
     except (TypeError, ValueError):
         raise InputError(f"between: {key}: {bounds!r}: must be two numbers, (LOW, HIGH)") from None
     return axes.span(key, low, high, f"between: {key}")
@@ -86,5 +88,5 @@ def _axis(key: str, values: Any) -> axes.Axis:
     listed = list(plain) if isinstance(plain, Iterable) and not isinstance(plain, str) else [plain]
     if isinstance(plain, Mapping):
         raise InputError(f"{key}: a table seen: give a list of values")
-    listed = [one.item() if isinstance(one, np.generic) else one for one in listed]
+    listed = [value.item() if isinstance(value, np.generic) else value for value in listed]
     return axes.axis(key, listed, key)

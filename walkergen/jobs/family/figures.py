@@ -50,13 +50,13 @@ def speed_figure(
     figure = Figure(figsize=(COLUMN, 3.3), layout="constrained")
     axes = figure.add_subplot()
     places = range(len(rows)) if named else [row.tilt_deg for row in rows]
-    known = [*simulated, *[None] * (len(rows) - len(simulated))]
-    walkers = [Shown(*one) for one in zip(places, rows, known, strict=True)]
+    with_runs = [*simulated, *[None] * (len(rows) - len(simulated))]
+    walkers = [Shown(*walker) for walker in zip(places, rows, with_runs, strict=True)]
     legend: dict[str, Any] = {}
     for kind, curve in chart_data.curves.items():
         legend |= _draw_curve(axes, kind, curve)
     for legs in dict.fromkeys(row.legs for row in rows):
-        own = [one for one in walkers if one.row.legs == legs]
+        own = [walker for walker in walkers if walker.row.legs == legs]
         legend |= _draw_predicted(axes, own, legs, bars=legs not in chart_data.curves)
         legend |= _draw_simulated(axes, own, legs)
     if chart_data.stated is not None:
@@ -65,7 +65,7 @@ def speed_figure(
             tilt, speed, "*", color="black", markerfacecolor="white", markersize=11, zorder=2.5
         )[0]
     if chart_data.measured is not None:
-        at = {one.row.legs: float(one.x) for one in walkers} if named else {}
+        at = {walker.row.legs: float(walker.x) for walker in walkers} if named else {}
         legend |= _draw_measured(axes, chart_data.measured, at)
     _mark_sticking(axes, chart_data.curves)
     axes.axhline(0.0, color="0.6", linewidth=0.6, zorder=0)
@@ -81,13 +81,13 @@ def _label(axes: Axes, walkers: Sequence[Shown], named: bool, mixed: bool) -> No
     """Name both axes; a single tilt without a curve gets an axis of some degrees."""
     axes.set_ylabel("speed (mm/s)" if mixed else "predicted speed (mm/s)")
     if named:
-        axes.set_xticks([one.x for one in walkers], [one.row.legs for one in walkers])
+        axes.set_xticks([walker.x for walker in walkers], [walker.row.legs for walker in walkers])
         axes.set_xlim(-0.7, len(walkers) - 0.3)
         axes.set_xlabel("legs as designed")
         return
     axes.set_xlabel("tilt of the legs (deg)")
     low, high = axes.get_xlim()
-    if len({one.x for one in walkers}) == 1 and high - low < 2.0 * ALONE_DEG:
+    if len({walker.x for walker in walkers}) == 1 and high - low < 2.0 * ALONE_DEG:
         middle = walkers[0].x
         axes.set_xlim(middle - ALONE_DEG, middle + ALONE_DEG)
 
@@ -118,7 +118,7 @@ def _draw_theory(axes: Axes, curve: Curve) -> dict[str, Any]:
 def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool) -> dict[str, Any]:
     """Draw the members' speeds, with bounds as bars where no band shows them."""
     colour, _, marker = STYLES[kind]
-    x, speeds = [one.x for one in walkers], [one.row.speed_mm_s for one in walkers]
+    x, speeds = [walker.x for walker in walkers], [walker.row.speed_mm_s for walker in walkers]
     (points,) = axes.plot(x, speeds, marker, color=colour, markersize=4, zorder=3)
     if not bars:
         return {}
@@ -126,7 +126,7 @@ def _draw_predicted(axes: Axes, walkers: Sequence[Shown], kind: str, bars: bool)
         ("low_95", "high_95", 1.2, 0.5), ("low_68", "high_68", 5.0, CORE)
     ):  # fmt: skip
         bottoms, tops = (
-            [getattr(one.row, f"speed_{end}_mm_s") for one in walkers] for end in (low, high)
+            [getattr(walker.row, f"speed_{end}_mm_s") for walker in walkers] for end in (low, high)
         )
         axes.vlines(x, bottoms, tops, color=colour, linewidth=width, alpha=shade)
     return {f"{kind}, {BOUNDS}": points}
@@ -136,9 +136,9 @@ def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str
     """Draw the members' simulated speeds, as far as there are any."""
     colour, _, marker = STYLES[kind]
     points = [
-        (one.x, one.simulated.sim_speed_mm_s, *_lengths(one.simulated))
-        for one in walkers
-        if one.simulated is not None and one.simulated.sim_speed_mm_s is not None
+        (walker.x, walker.simulated.sim_speed_mm_s, *_lengths(walker.simulated))
+        for walker in walkers
+        if walker.simulated is not None and walker.simulated.sim_speed_mm_s is not None
     ]
     if not points:
         return {}
@@ -150,9 +150,9 @@ def _draw_simulated(axes: Axes, walkers: Sequence[Shown], kind: str) -> dict[str
     return {f"{kind}, simulated, 95 %": drawn}
 
 
-def _lengths(one: Simulated) -> tuple[float, float]:
+def _lengths(runs: Simulated) -> tuple[float, float]:
     """Lengths of a bar below and above a simulated speed, mm/s; none where bounds are unknown."""
-    speed, low, high = one.sim_speed_mm_s, one.sim_low_95_mm_s, one.sim_high_95_mm_s
+    speed, low, high = runs.sim_speed_mm_s, runs.sim_low_95_mm_s, runs.sim_high_95_mm_s
     if speed is None or low is None or high is None:
         return 0.0, 0.0
     return speed - low, high - speed
@@ -165,14 +165,14 @@ def _draw_measured(axes: Axes, measured: Measured, at: Mapping[str, float]) -> d
     """
     legend: dict[str, Any] = {}
     for kind, mark in (("flexible", "x"), ("braced", "+")):
-        chosen = np.array([one == kind for one in measured.legs])
+        chosen = np.array([legs == kind for legs in measured.legs])
         if not chosen.any() or (at and kind not in at):
             continue
         x = np.full(chosen.sum(), at[kind]) if at else measured.tilt[chosen]
         speed = measured.speed[chosen]
         bars = None if measured.se is None else speed - ends(speed, measured.se[chosen])[0]
-        told = f"{kind}, measured" + ("" if bars is None else ", 95 %")
-        legend[told] = axes.errorbar(
+        label = f"{kind}, measured" + ("" if bars is None else ", 95 %")
+        legend[label] = axes.errorbar(
             x, speed, bars, fmt=mark, color="black", markersize=5,
             markeredgewidth=1.2, elinewidth=0.9, capsize=2, zorder=3.4,
         )  # fmt: skip

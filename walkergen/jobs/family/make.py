@@ -88,50 +88,52 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
     tell(layout.findings)
     checks.refuse(layout.findings, job.strict)
     with Folder(path) as folder:
-        made: list[Member] = []
+        walkers: list[Member] = []
         every = members.predicted(job.members, built, job.scene, job.mode, job.weighed)
         for member, mesh in zip(every, layout.meshes, strict=True):
             folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
-            made.append(member)
-            progress(member.name, len(made), steps)
+            walkers.append(member)
+            progress(member.name, len(walkers), steps)
         for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
             folder.write(f"plates/{name}", data)
-        parts = (member.name for member in made)
+        parts = (member.name for member in walkers)
         weights.write_template(path, parts)  # people's: not in the manifest
-        progress("plates", len(made) + 1, steps)
-        written = report.of(job.design, job.scene, job.mode, made, path)
+        progress("plates", len(walkers) + 1, steps)
+        written = report.of(job.design, job.scene, job.mode, walkers, path)
         written.write(folder, pictures=False)
         if job.simulate:  # takes long: everything else is already safe in the folder
-            made = runs.simulated(job.scene, made, progress)
+            walkers = runs.simulated(job.scene, walkers, progress)
         if job.simulate or job.pictures:
-            shown = _beside(job, made) if job.pictures else None
-            written = report.of(job.design, job.scene, job.mode, made, path, shown)
+            shown = _beside(job, walkers) if job.pictures else None
+            written = report.of(job.design, job.scene, job.mode, walkers, path, shown)
             written.write(folder, job.pictures)
         if job.pictures:
-            folder.write("preview.png", _preview(job, made))
+            folder.write("preview.png", _preview(job, walkers))
         folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
         progress("done", steps, steps)
     return written
 
 
-def _preview(job: Job, made: Sequence[Member]) -> bytes:
+def _preview(job: Job, walkers: Sequence[Member]) -> bytes:
     """Picture (PNG) of all members, side by side."""
     from walkergen.files import figures
     from walkergen.jobs.family import preview
 
-    parts = [preview.Part(member.design, member.mesh) for member in made]
+    parts = [preview.Part(member.design, member.mesh) for member in walkers]
     return figures.png(preview.preview_figure(parts, job.design.name), 150)
 
 
-def _beside(job: Job, made: Sequence[Member]) -> ChartData:
+def _beside(job: Job, walkers: Sequence[Member]) -> ChartData:
     """Speeds that speed.png shows beside the members."""
     measured = job.measured
     if measured is not None and not job.design.follows:
-        measured = chart_data.of_members(measured, {one.row.legs: one.row.tilt_deg for one in made})
-    return ChartData(_curves(job, made), measured, _stated(job.design, job.scene))
+        measured = chart_data.of_members(
+            measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
+        )
+    return ChartData(_curves(job, walkers), measured, _stated(job.design, job.scene))
 
 
-def _curves(job: Job, made: Sequence[Member]) -> dict[Kind, Curve]:
+def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
     """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
 
     A single tilt is shown with the tilts around it. There is no curve of legs whose tilts are their
@@ -140,18 +142,18 @@ def _curves(job: Job, made: Sequence[Member]) -> dict[Kind, Curve]:
     """
     if not job.design.follows:
         return {}
-    tilts = [member.design.tilt_deg for member in made]
+    tilts = [member.design.tilt_deg for member in walkers]
     low, high = min(tilts), max(tilts)
     if low == high:
         low, high = max(low - AROUND_DEG, -STEEPEST_DEG), min(high + AROUND_DEG, STEEPEST_DEG)
-    found = {}
-    for kind in dict.fromkeys(member.design.kind for member in made):
+    curves = {}
+    for kind in dict.fromkeys(member.design.kind for member in walkers):
         design = job.design.variant(kind=kind)
         try:
-            found[kind] = prediction.curve(design, job.scene, job.mode, low, high)
+            curves[kind] = prediction.curve(design, job.scene, job.mode, low, high)
         except GeometryError:  # at a tilt in between; of members it would have been told before
             return {}
-    return found
+    return curves
 
 
 def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
@@ -175,8 +177,8 @@ def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, A
         "legs_up": [names.part(member) for member in job.members if not solids.on_side(member)],
         "copies": list(job.copies),
         "weighed": {
-            name: {what: one and one._asdict() for what, one in found._asdict().items()}
-            for name, found in job.weighed.items()
+            name: {what: fact and fact._asdict() for what, fact in facts_of._asdict().items()}
+            for name, facts_of in job.weighed.items()
         },
         "scene": job.scene.model_dump(mode="json"),
         "printer": job.printer.model_dump(mode="json"),

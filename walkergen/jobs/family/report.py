@@ -38,23 +38,24 @@ class FamilyReport(Report):
 
 
 def of(
-    design: Design, scene: Scene, mode: str, made: Sequence[Member], folder: Path,
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path,
     shown: ChartData | None = None,
 ) -> FamilyReport:  # fmt: skip
     """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
-    tables = speed_table.tables("family", design.name, made)
+    tables = speed_table.tables("family", design.name, walkers)
     facts = {"rows": list(tables[0])}
     if shown is not None:
         tables.append(chart_data.table(shown))
     return FamilyReport(
         name="family", title=design.name, caption=speed_table.caption(design, scene, mode),
-        tables=tables, facts=facts, lines=speed_table.lines(made), folder=folder, members=made,
-        figures={} if shown is None else {"speed": _figure(design, scene, made, shown)},
+        tables=tables, facts=facts, lines=speed_table.lines(walkers), folder=folder,
+        members=walkers,
+        figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},
     )  # fmt: skip
 
 
 def _figure(
-    design: Design, scene: Scene, made: Sequence[Member], shown: ChartData
+    design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData
 ) -> "Callable[[], Figure]":
     """What draws speed against tilt."""
     drive, contact = scene.drive, scene.contact
@@ -63,12 +64,12 @@ def _figure(
         f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
         f"friction {contact.friction:g} ± {contact.friction_sd:g}"
     )
-    simulated = [member.simulated for member in made if member.simulated is not None]
+    simulated = [member.simulated for member in walkers if member.simulated is not None]
 
     def draw() -> "Figure":
         from walkergen.jobs.family import figures
 
-        rows = [member.row for member in made]
+        rows = [member.row for member in walkers]
         return figures.speed_figure(rows, shown, title, simulated, not design.follows)
 
     return draw

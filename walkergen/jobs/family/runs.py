@@ -29,18 +29,20 @@ def simulated(scene: Scene, members: Sequence[Member], progress: Progress) -> li
     from walkergen.simulation import experiments
     from walkergen.simulation.ensemble import listed
 
-    asked = [experiments.Experiment(scene, member.design, member.mass) for member in members]
+    wanted = [experiments.Experiment(scene, member.design, member.mass) for member in members]
     titles = [f"simulating {member.name}" for member in members]
-    made = []
-    for member, point in zip(members, experiments.each(asked, titles, progress, None), strict=True):
+    walkers = []
+    for member, point in zip(
+        members, experiments.each(wanted, titles, progress, None), strict=True
+    ):
         summary = point.summary
         runs = Simulated(
             summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
             summary.speed_high_95_mm_s, point.model, point.method, listed(summary.outcomes),
             verdict(member.row, summary),
         )  # fmt: skip
-        made.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
-    return made
+        walkers.append(member._replace(row=with_runs(member.row, runs), simulated=runs))
+    return walkers
 
 
 def verdict(row: Prediction, summary: "Summary") -> str:

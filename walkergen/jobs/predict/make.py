@@ -31,8 +31,9 @@ def predict(
     masses, TheoryError where mode and law do not go together.
     """
     built = [solids.build(walker) for walker in walkers]
-    made = list(members.predicted(walkers, built, scene, mode, weighed))
+    predicted = list(members.predicted(walkers, built, scene, mode, weighed))
     shares = [
-        prediction.shares(one.design, one.mass, scene, mode) for one in (made if uncertain else ())
+        prediction.shares(one.design, one.mass, scene, mode)
+        for one in (predicted if uncertain else ())
     ]
-    return report.of(design, scene, mode, made, shares)
+    return report.of(design, scene, mode, predicted, shares)

@@ -42,22 +42,24 @@ class PredictReport(Report):
 
 
 def of(
-    design: Design, scene: Scene, mode: str, made: Sequence[Member],
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member],
     shares: Sequence[Sequence[Share]] = (),
 ) -> PredictReport:  # fmt: skip
     """Report of walkers, with the shares of the variance behind their bounds where asked for."""
-    tables = speed_table.tables("prediction", design.name, made)
+    tables = speed_table.tables("prediction", design.name, walkers)
     rows = list(tables[0])
-    for row, member, own in zip(rows, made, shares, strict=False):
+    for row, member, own in zip(rows, walkers, shares, strict=False):
         row["shares"] = [share._asdict() for share in own]
         title = f"{member.name}: share of the variance behind the bounds"
         tables.append(speed_table.shares(f"shares of {member.name}", own, title))
     title = design.name
-    if len(made) == 1:
-        (one,) = made
-        title += f", {one.design.kind} legs, tilt {one.design.tilt_deg:g} deg: {one.row.speed}"
+    if len(walkers) == 1:
+        (walker,) = walkers
+        title += (
+            f", {walker.design.kind} legs, tilt {walker.design.tilt_deg:g} deg: {walker.row.speed}"
+        )
     return PredictReport(
         name="predict", title=title, tables=tables, facts={"rows": rows},
-        caption=speed_table.caption(design, scene, mode), lines=speed_table.lines(made),
-        scene=scene, members=made,
+        caption=speed_table.caption(design, scene, mode), lines=speed_table.lines(walkers),
+        scene=scene, members=walkers,
     )  # fmt: skip

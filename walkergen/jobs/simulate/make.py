@@ -67,7 +67,7 @@ def asked(
 
 
 def measure(
-    one: Experiment, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED
+    experiment: Experiment, progress: Progress, wanted: Tolerance | None = None, of: str = SPEED
 ) -> Simulated:
     """Simulate what is asked, and measure motion and landings of a walker in space.
 
@@ -75,34 +75,36 @@ def measure(
     InputError where the scene contradicts itself, asks for too many samples, or no number of runs
     gives the observable to an error.
     """
-    if one.sample_interval is not None:
-        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
+    if experiment.sample_interval is not None:
+        trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
     if wanted is None:
-        return measured(experiments.measure(one, progress), one, progress)
-    few = one._replace(impacts=False, sample_interval=None)
-    taken = ensembles.measure(few, progress, wanted, of)
-    simulated = measured(taken.results, few._replace(scene=taken.scene), progress)
-    return simulated._replace(chosen=taken.chosen())
+        return measured(experiments.measure(experiment, progress), experiment, progress)
+    few = experiment._replace(impacts=False, sample_interval=None)
+    measured_point = ensembles.measure(few, progress, wanted, of)
+    simulated = measured(measured_point.results, few._replace(scene=measured_point.scene), progress)
+    return simulated._replace(chosen=measured_point.chosen())
 
 
-def measured(point: Results, one: Experiment, progress: Progress = silent) -> Simulated:
+def measured(point: Results, experiment: Experiment, progress: Progress = silent) -> Simulated:
     """What a simulated point says of shared orbits and, in space, of motion and landings."""
     values = resolution.values(point.summary)
     errors = resolution.errors(point.verdicts, point.summary)
-    shared = orbit.of(point, one, progress)
+    shared = orbit.of(point, experiment, progress)
     if shared is not None:
         point = point._replace(summary=orbit.of_prints(point.summary, shared))
         errors = dict.fromkeys(errors)
-    found = Simulated(point, one.scene, values, errors, shared)
+    simulated = Simulated(point, experiment.scene, values, errors, shared)
     if point.model != "space":
-        return found
+        return simulated
     good = [result for result in point.results if result.outcome in ENDED_WELL]
     if not good:
-        return found._replace(untold="no run ended well")
-    moved, untold = motion_of(good, one.scene.arena.kind == "lane", one.sample_interval)
-    legs = names.legs(one.design)
-    landed = [_landings(result, len(legs)) for result in good] if one.impacts else []
-    return found._replace(motion=moved, untold=untold, landings=landed, legs=legs)
+        return simulated._replace(untold="no run ended well")
+    moved, untold = motion_of(
+        good, experiment.scene.arena.kind == "lane", experiment.sample_interval
+    )
+    legs = names.legs(experiment.design)
+    landed = [_landings(result, len(legs)) for result in good] if experiment.impacts else []
+    return simulated._replace(motion=moved, untold=untold, landings=landed, legs=legs)
 
 
 def _landings(result: RunResult, feet: int) -> Landings:

@@ -30,12 +30,12 @@ class Orbit(NamedTuple):
     """Reason why it is not known; "" where it is."""
 
 
-def of(point: Results, one: Experiment, progress: Progress) -> Orbit | None:
+def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | None:
     """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
 
     Nothing is drawn after Ctrl-C, which left runs out.
     """
-    scene = one.scene
+    scene = experiment.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
     kind = orbits.shared(np.array(good), scene.drive.peak_speed)
     if not kind or len(good) < scene.run.runs:
@@ -43,7 +43,7 @@ def of(point: Results, one: Experiment, progress: Progress) -> Orbit | None:
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
     short = scene.model_copy(update={"run": run})
     try:
-        drawn = uncertain.simulated(short, one.design, DRAWS, progress)
+        drawn = uncertain.simulated(short, experiment.design, DRAWS, progress)
     except InputError as error:
         return Orbit(kind, 0, None, str(error))
     ends = uncertain.bounds(drawn.halves.mean(axis=1), uncertain.statistical_error(drawn.halves))
@@ -51,14 +51,14 @@ def of(point: Results, one: Experiment, progress: Progress) -> Orbit | None:
     return Orbit(kind, len(drawn.halves), uncertain.widened(ends, mean, drawn.by_step_mm_s))
 
 
-def of_prints(found: Summary, orbit: Orbit) -> Summary:
+def of_prints(summary: Summary, orbit: Orbit) -> Summary:
     """Summary of runs on one orbit: without errors by their scatter, its bounds those of prints."""
     low2, low1, high1, high2 = orbit.bounds_mm_s or (None, None, None, None)
-    return found._replace(
+    return summary._replace(
         speed_se_mm_s=None,
         speed_low_68_mm_s=low1,
         speed_high_68_mm_s=high1,
         speed_low_95_mm_s=low2,
         speed_high_95_mm_s=high2,
-        errors=dict.fromkeys(found.errors),
+        errors=dict.fromkeys(summary.errors),
     )

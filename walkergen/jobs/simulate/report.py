@@ -77,18 +77,18 @@ class SimulationReport(Report):
         """
         if not 1e-3 <= rate_hz <= 1e7:
             raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
-        one = self.asked._replace(sample_interval=1.0 / rate_hz)
-        states = trajectories.of(one, self.simulated.point, progress or silent)
+        experiment = self.asked._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.of(experiment, self.simulated.point, progress or silent)
         title = f"trajectories of {self.summary.runs} runs"
         return Table("trajectory", list(states.rows), states.columns, title=title)
 
 
-def of(asked: Experiment, simulated: Simulated, whole: bool = False) -> SimulationReport:
+def of(experiment: Experiment, simulated: Simulated, whole: bool = False) -> SimulationReport:
     """Report of the runs of a walker in a scene, and of what an error that was asked for took.
 
     People read the first lines of the summary, or the `whole` of it.
     """
-    scene, design = simulated.scene, asked.design
+    scene, design = simulated.scene, experiment.design
     lines = [Line(*line) for line in _lines(simulated, scene, design)]
     first = None if whole else _first(lines, simulated)
     return SimulationReport(
@@ -97,7 +97,7 @@ def of(asked: Experiment, simulated: Simulated, whole: bool = False) -> Simulati
         lines=[] if whole else ["--all: how it turns and spreads, impacts, contact, power"],
         facts=_facts(simulated, scene), warnings=simulated.point.warnings,
         figures=_figures(simulated, design),
-        asked=asked._replace(scene=scene), simulated=simulated,
+        asked=experiment._replace(scene=scene), simulated=simulated,
     )  # fmt: skip
 
 

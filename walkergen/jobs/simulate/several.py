@@ -45,10 +45,10 @@ class Row(NamedTuple):
 
 def asked(scene: Scene, members: Sequence[Design]) -> list[Experiment]:
     """Points of walkers in a scene, weighed. Raises InputError for one that cannot be simulated."""
-    found = [Experiment(scene, member, solids.mass_of(member)) for member in members]
-    for one in found:
-        prepare(*one[:3])
-    return found
+    experiments_of = [Experiment(scene, member, solids.mass_of(member)) for member in members]
+    for experiment in experiments_of:
+        prepare(*experiment[:3])
+    return experiments_of
 
 
 def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
@@ -56,19 +56,19 @@ def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
 
     Raises KeyboardInterrupt rather than yield a row with runs missing.
     """
-    titles = [names.part(one.design) for one in wanted]
-    for one, name, point in zip(
+    titles = [names.part(experiment.design) for experiment in wanted]
+    for experiment, name, point in zip(
         wanted, titles, experiments.each(wanted, titles, progress, None), strict=True
     ):
-        found = point.summary
-        shared = orbit.of(point, one, progress)
+        summary = point.summary
+        shared = orbit.of(point, experiment, progress)
         if shared is not None:
-            found = orbit.of_prints(found, shared)
-        predicted = prediction.predict(one.design, one.mass, one.scene)
+            summary = orbit.of_prints(summary, shared)
+        predicted = prediction.predict(experiment.design, experiment.mass, experiment.scene)
         yield Row(
-            name, one.design.tilt_deg, one.design.kind, point.model, point.method,
-            predicted.speed_mm_s, predicted.theory_mm_s, found.speed_mm_s, found.speed_se_mm_s,
-            found.speed_low_95_mm_s, found.speed_high_95_mm_s, found.runs, found.outcomes,
+            name, experiment.design.tilt_deg, experiment.design.kind, point.model, point.method,
+            predicted.speed_mm_s, predicted.theory_mm_s, summary.speed_mm_s, summary.speed_se_mm_s,
+            summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, summary.runs, summary.outcomes,
             point.warnings, None if shared is None else tables.orbit_as_dict(shared),
         )  # fmt: skip
 

@@ -43,68 +43,70 @@ def plate_in_words(scene: Scene) -> str:
     return f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
 
 
-def model_in_words(found: Simulated, scene: Scene) -> str:
+def model_in_words(simulated: Simulated, scene: Scene) -> str:
     """Model of a simulation, and what it assumes of the contact."""
-    contact, model = scene.contact, found.point.model
+    contact, model = scene.contact, simulated.point.model
     law = "elastic feet" if model == "space" else f"law of impact {contact.law}"
     return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
 
 
-def model_as_dict(found: Simulated, scene: Scene) -> dict[str, Any]:
+def model_as_dict(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     """Model, method and contact law of a simulation for JSON."""
-    named = {"model": found.point.model, "method": found.point.method}
+    named = {"model": simulated.point.model, "method": simulated.point.method}
     contact = scene.contact
-    if found.point.model != "space":
+    if simulated.point.model != "space":
         return named | {"law": contact.law}
     label = {"label": contact.restitution, "friction": contact.friction}
     return named | {"feet": scene.feet.damping} | label
 
 
-def motion_rows(found: Simulated) -> Iterator[tuple[str, str]]:
+def motion_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on how walkers in space move, each number with its error or a reason."""
-    if found.untold:
-        yield "motion", f"unknown: {found.untold}"
-    if found.motion is None:
+    if simulated.untold:
+        yield "motion", f"unknown: {simulated.untold}"
+    if simulated.motion is None:
         return
     before = ""
-    in_lane = found.motion.estimates["sideways_speed"].reason == IN_A_LANE
+    in_lane = simulated.motion.estimates["sideways_speed"].reason == IN_A_LANE
     for name, (title, unit) in MOVED.items():
-        one = found.motion.estimates[name]
+        estimate = simulated.motion.estimates[name]
         if in_lane and name == "lane_speed":
             continue  # the summary's mean speed
-        if one.reason != IN_A_LANE and (one.value is not None or one.reason != before):
-            value = with_error(one)
-            told = f"{value} {unit}"
-            if name == "rotational_diffusion" and one.value:
-                told += f" (1/D_r = {words.number(1.0 / one.value)} s)"
-            yield title, value if one.value is None else told
-        before = one.reason
-    yield "msd exponent", _exponents(found.motion)
-    for note in (found.motion.method, *found.motion.doubts):
+        if estimate.reason != IN_A_LANE and (
+            estimate.value is not None or estimate.reason != before
+        ):
+            value = with_error(estimate)
+            text = f"{value} {unit}"
+            if name == "rotational_diffusion" and estimate.value:
+                text += f" (1/D_r = {words.number(1.0 / estimate.value)} s)"
+            yield title, value if estimate.value is None else text
+        before = estimate.reason
+    yield "msd exponent", _exponents(simulated.motion)
+    for note in (simulated.motion.method, *simulated.motion.doubts):
         yield "note", note
 
 
 def _exponents(motion: Motion) -> str:
     """Local exponents of the squared displacement at the known lags nearest to 0.1 s and 1 s."""
-    known = [
+    defined = [
         (at, value, se)
         for at, value, se in zip(*motion.exponent, strict=True)
         if value == value and se == se  # not NaN
     ]
-    if not known:
+    if not defined:
         return "runs are too short"
-    nearest = [min(known, key=lambda one: abs(one[0] / lag - 1.0)) for lag in (0.1, 1.0)]
+    nearest = [min(defined, key=lambda pair: abs(pair[0] / lag - 1.0)) for lag in (0.1, 1.0)]
     return ", ".join(
         f"{words.with_error(value, se)} at {words.number(at, 2)} s"
         for at, value, se in dict.fromkeys(nearest)
     )
 
 
-def speed_by_step(found: Simulated) -> str:
+def speed_by_step(simulated: Simulated) -> str:
     """Addition to the mean speed and its statistical error: what the step may do to it."""
-    verdict = found.verdicts[observables.SPEED]
+    verdict = simulated.verdicts[observables.SPEED]
     if verdict.error is None:
-        return f" {_marks(found)[verdict.reason]}"
+        return f" {_marks(simulated)[verdict.reason]}"
     return f" ± {words.number(verdict.error, 2)} by the step (95 %)" if verdict.error else ""
 
 
@@ -113,8 +115,8 @@ def bound_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     if simulated.orbit is not None:
         yield "prints", over_prints(simulated.orbit)
         return
-    found = simulated.point.summary
-    low, high = found.speed_low_95_mm_s, found.speed_high_95_mm_s
+    summary = simulated.point.summary
+    low, high = summary.speed_low_95_mm_s, summary.speed_high_95_mm_s
     if low is not None and high is not None:
         yield (
             "95 % bounds",
@@ -136,78 +138,81 @@ def over_prints(orbit: Orbit) -> str:
     )
 
 
-def statistic_rows(found: Simulated) -> Iterator[tuple[str, str]]:
+def statistic_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on impacts, contact and powers; ± is of the runs and the step together."""
-    told = functools.partial(_told, found)
-    yield "impacts", told(observables.IMPACTS, unit=" per second")
-    yield "by impulse", _shares(found, observables.BY_IMPULSE)
-    yield "by number", _shares(found, observables.BY_NUMBER)
-    if found.landings:
-        yield from _landing_rows(found)
-    yield "in contact", told(observables.CONTACT, 100.0, " % of the time")
-    powers = (f"{name} {told(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
-    unaccounted = 100 * found.point.summary.energy_error
+    in_words = functools.partial(_told, simulated)
+    yield "impacts", in_words(observables.IMPACTS, unit=" per second")
+    yield "by impulse", _shares(simulated, observables.BY_IMPULSE)
+    yield "by number", _shares(simulated, observables.BY_NUMBER)
+    if simulated.landings:
+        yield from _landing_rows(simulated)
+    yield "in contact", in_words(observables.CONTACT, 100.0, " % of the time")
+    powers = (f"{name} {in_words(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
+    unaccounted = 100 * simulated.point.summary.energy_error
     yield "power, uW", f"{', '.join(powers)}; unaccounted {words.number(unaccounted, 2)} %"
-    for reason, mark in _marks(found).items():
+    for reason, mark in _marks(simulated).items():
         yield "note" if reason == resolution.TURNING else mark, reason
 
 
-def _told(found: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
+def _told(simulated: Simulated, name: str, scale: float = 1.0, unit: str = "") -> str:
     """An observable with its error, or with the mark of the reason why it has none."""
-    verdict, value = found.verdicts[name], scale * found.values[name]
+    verdict, value = simulated.verdicts[name], scale * simulated.values[name]
     if verdict.error is None:
-        return f"{words.number(value, 4)}{unit} {_marks(found)[verdict.reason]}"
-    if found.orbit is not None:
+        return f"{words.number(value, 4)}{unit} {_marks(simulated)[verdict.reason]}"
+    if simulated.orbit is not None:
         return f"{words.number(value, 4)}{unit}"
-    error = found.errors[name]
+    error = simulated.errors[name]
     both = (
         f"{words.number(value, 4)} ± ?" if error is None else words.with_error(value, scale * error)
     )
     return f"{both}{unit}"
 
 
-def _marks(found: Simulated) -> dict[str, str]:
+def _marks(simulated: Simulated) -> dict[str, str]:
     """Marks (a), (b) ... of the reasons why observables are not resolved."""
-    reasons = dict.fromkeys(one.reason for one in found.verdicts.values() if one.reason)
+    reasons = dict.fromkeys(
+        verdict.reason for verdict in simulated.verdicts.values() if verdict.reason
+    )
     return {reason: f"({letter})" for reason, letter in zip(reasons, "abc", strict=False)}
 
 
-def _shares(found: Simulated, table: str) -> str:
+def _shares(simulated: Simulated, table: str) -> str:
     """Shares of the types that are not rare, in percent; a reason common to all comes once."""
-    own = (name for name in found.values if name.startswith(f"{table}."))
-    names = [name for name in own if found.values[name] >= RARE]
+    own = (name for name in simulated.values if name.startswith(f"{table}."))
+    names = [name for name in own if simulated.values[name] >= RARE]
     short = [name.partition(".")[2] for name in names]
-    reason = found.verdicts[f"{table}.I"].reason
+    reason = simulated.verdicts[f"{table}.I"].reason
     if reason:
-        shares = (f"{100 * found.values[name]:.1f} %" for name in names)
-        rows = ", ".join(f"{one} {share}" for one, share in zip(short, shares, strict=True))
-        return f"{rows} {_marks(found)[reason]}" if rows else "none"
-    told = (
-        f"{one} {_told(found, name, 100.0, ' %')}" for one, name in zip(short, names, strict=True)
+        shares = (f"{100 * simulated.values[name]:.1f} %" for name in names)
+        rows = ", ".join(f"{name_of} {share}" for name_of, share in zip(short, shares, strict=True))
+        return f"{rows} {_marks(simulated)[reason]}" if rows else "none"
+    text = (
+        f"{name_of} {_told(simulated, name, 100.0, ' %')}"
+        for name_of, name in zip(short, names, strict=True)
     )
-    return ", ".join(told) or "none"
+    return ", ".join(text) or "none"
 
 
 def counted(legs: Sequence[str]) -> dict[str, tuple[bool, Callable[[Landings], int]]]:
     """Numbers of landings, and of groups of them, by name; True for those of single corners."""
-    found: dict[str, tuple[bool, Callable[[Landings], int]]] = {}
+    counters: dict[str, tuple[bool, Callable[[Landings], int]]] = {}
     for foot, leg in enumerate(_keys(legs)):
         for side, name in enumerate(("left", "right")):
             number = CORNERS * foot + side
-            found[f"{leg}_{name}"] = True, functools.partial(_corner, number)
+            counters[f"{leg}_{name}"] = True, functools.partial(_corner, number)
     for foot, leg in enumerate(_keys(legs)):
-        found[f"{leg}_edge"] = False, functools.partial(_edge, foot)
-    found[_together(legs)] = False, lambda one: one.pairs
-    found["alone"] = False, lambda one: one.alone
-    return found
+        counters[f"{leg}_edge"] = False, functools.partial(_edge, foot)
+    counters[_together(legs)] = False, lambda landings: landings.pairs
+    counters["alone"] = False, lambda landings: landings.alone
+    return counters
 
 
-def _corner(number: int, one: Landings) -> int:
-    return int(one.corners[number])
+def _corner(number: int, landings: Landings) -> int:
+    return int(landings.corners[number])
 
 
-def _edge(foot: int, one: Landings) -> int:
-    return int(one.edges[foot])
+def _edge(foot: int, landings: Landings) -> int:
+    return int(landings.edges[foot])
 
 
 def _keys(legs: Sequence[str]) -> list[str]:
@@ -220,9 +225,9 @@ def _together(legs: Sequence[str]) -> str:
     return "both_feet" if len(legs) == 2 else "several_feet"
 
 
-def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
+def _landing_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     """Rows of a summary on landings: numbers by corner, edge and foot."""
-    rates, legs = _rates(found), found.legs
+    rates, legs = _rates(simulated), simulated.legs
     per = {
         name: words.fixed(value, 1) if error is None else words.with_error(value, error)
         for name, (value, error) in rates.items()
@@ -241,8 +246,8 @@ def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
         sums = {leg: rates[f"{key}_left"][0] + rates[f"{key}_right"][0]
                 for leg, key in zip(legs, _keys(legs), strict=True)}  # fmt: skip
         low, high = (pick(sums, key=sums.__getitem__) for pick in (min, max))
-        told = f"{sums[low]:.1f} ({low}) to {sums[high]:.1f} ({high}); --json lists all"
-        yield "by foot, /s", f"{len(legs)} feet: {told}"
+        text = f"{sums[low]:.1f} ({low}) to {sums[high]:.1f} ({high}); --json lists all"
+        yield "by foot, /s", f"{len(legs)} feet: {text}"
         edges = f"{sum(rates[f'{key}_edge'][0] for key in _keys(legs)):.1f} of all feet"
     together = _together(legs)
     yield (
@@ -252,41 +257,45 @@ def _landing_rows(found: Simulated) -> Iterator[tuple[str, str]]:
     )
 
 
-def _rates(found: Simulated) -> Mapping[str, tuple[float, float | None]]:
+def _rates(simulated: Simulated) -> Mapping[str, tuple[float, float | None]]:
     """Landings per second, by corner, edge and foot, with errors; corners with z > 0 are right.
 
     ± is of the runs and the step together; None where either is unknown.
     """
-    time = np.array([one.duration for one in found.landings])
+    time = np.array([landings.duration for landings in simulated.landings])
     rates = {}
-    for name, (single, count) in counted(found.legs).items():
-        numbers = np.array([count(one) for one in found.landings], dtype=float)
+    for name, (single, count) in counted(simulated.legs).items():
+        numbers = np.array([count(landings) for landings in simulated.landings], dtype=float)
         value, se = observables.quotient(numbers, time)
         kind = resolution.LANDED if single else resolution.GROUPED
-        step = found.verdicts[kind].error
-        known = se is not None and step is not None
-        error = math.hypot(se or 0.0, 0.5 * value * (step or 0.0)) if known else None
+        step = simulated.verdicts[kind].error
+        bounded = se is not None and step is not None
+        error = math.hypot(se or 0.0, 0.5 * value * (step or 0.0)) if bounded else None
         rates[name] = (value, error)
     return rates
 
 
-def landings_as_dict(found: Simulated) -> dict[str, Any]:
+def landings_as_dict(simulated: Simulated) -> dict[str, Any]:
     """Landings for JSON: rates per second, and their errors."""
-    rates = {f"{name}_per_s": one for name, one in _rates(found).items()}
+    rates = {f"{name}_per_s": rate for name, rate in _rates(simulated).items()}
     values = {name: value for name, (value, _) in rates.items()}
     return values | {"errors": {name: error for name, (_, error) in rates.items()}}
 
 
-def step_as_dict(found: Simulated) -> dict[str, Any]:
+def step_as_dict(simulated: Simulated) -> dict[str, Any]:
     """What the step leaves of each observable, for JSON: its error, or the reason of none."""
-    known = {name: found.verdicts[name].error for name in observables.NAMES}
-    known = {name: error for name, error in known.items() if error is not None}
+    errors = {name: simulated.verdicts[name].error for name in observables.NAMES}
+    errors = {name: error for name, error in errors.items() if error is not None}
     reasons: dict[str, list[str]] = {}
-    for name, one in found.verdicts.items():
-        if one.reason:
-            reasons.setdefault(one.reason, []).append(name)
+    for name, verdict in simulated.verdicts.items():
+        if verdict.reason:
+            reasons.setdefault(verdict.reason, []).append(name)
     unresolved = [{"reason": reason, "names": names} for reason, names in reasons.items()]
-    return {"errors_95": known, "not_resolved": unresolved, "warnings": list(found.point.warnings)}
+    return {
+        "errors_95": errors,
+        "not_resolved": unresolved,
+        "warnings": list(simulated.point.warnings),
+    }
 
 
 def orbit_as_dict(orbit: Orbit) -> dict[str, Any]:

@@ -45,27 +45,27 @@ class Written(NamedTuple):
     design: Design
 
 
-def of(one: Experiment, point: Results, progress: Progress) -> Trajectory:
+def of(experiment: Experiment, point: Results, progress: Progress) -> Trajectory:
     """Trajectories of all runs, again simulated where `point` kept no samples.
 
     Raises InputError when there would be too many samples to keep.
     """
-    assert one.sample_interval is not None
+    assert experiment.sample_interval is not None
     kept = all(result.tally.samples.kept for result in point.results)
     if not kept:
-        trajectory.check(one.scene, one.sample_interval, one.scene.run.runs)
-        (point,) = experiments.each([one], ["samples"], progress, None)
-    columns = prepare(one.scene, one.design, one.mass).model.columns
-    return with_film(trajectory.tracks(columns, point.results), one.sample_interval)
+        trajectory.check(experiment.scene, experiment.sample_interval, experiment.scene.run.runs)
+        (point,) = experiments.each([experiment], ["samples"], progress, None)
+    columns = prepare(experiment.scene, experiment.design, experiment.mass).model.columns
+    return with_film(trajectory.tracks(columns, point.results), experiment.sample_interval)
 
 
-def with_film(found: Trajectory, interval: float) -> Trajectory:
+def with_film(trajectory: Trajectory, interval: float) -> Trajectory:
     """Trajectories with the columns of `FILM` before their own; samples are `interval` s apart.
 
     A walker of a planar model runs along x: seen from above its y and theta are 0.
     """
-    own = dict(zip(found.columns, found.rows.T, strict=True))
-    none = np.zeros(len(found.rows))
+    own = dict(zip(trajectory.columns, trajectory.rows.T, strict=True))
+    none = np.zeros(len(trajectory.rows))
     in_space = "theta_rad" in own  # in a plane y_mm is the height
     film = (
         np.rint(own["t_s"] / interval), own["particle"], own["x_mm"],
@@ -75,20 +75,20 @@ def with_film(found: Trajectory, interval: float) -> Trajectory:
     return Trajectory((*FILM, *ours), np.column_stack([*film, *ours.values()]))
 
 
-def to_csv(found: Written) -> bytes:
+def to_csv(written: Written) -> bytes:
     """CSV with a header line, every digit kept."""
-    return trajectory.to_csv(found.rows)
+    return trajectory.to_csv(written.rows)
 
 
-def to_npz(found: Written) -> bytes:
+def to_npz(written: Written) -> bytes:
     """NPZ archive with an array for each column."""
-    return trajectory.to_npz(found.rows)
+    return trajectory.to_npz(written.rows)
 
 
-def to_xyz(found: Written) -> bytes:
+def to_xyz(written: Written) -> bytes:
     """Extended XYZ for OVITO: a frame for each time, in it the runs that had not ended."""
-    own = dict(zip(found.rows.columns, found.rows.rows.T, strict=True))
-    size = found.design.size
+    own = dict(zip(written.rows.columns, written.rows.rows.T, strict=True))
+    size = written.design.size
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     height = own["height_mm"] if "height_mm" in own else own["y_mm"]
     places = np.column_stack([own["x"], own["y"], height])
@@ -143,7 +143,7 @@ def check(path: Path) -> None:
         )
 
 
-def write(path: Path, one: Experiment, point: Results, progress: Progress) -> None:
+def write(path: Path, experiment: Experiment, point: Results, progress: Progress) -> None:
     """Write the trajectories of all runs in the format that the file's suffix names."""
-    found = Written(of(one, point, progress), one.design)
-    output.write(path, FORMATS[path.suffix.lower()](found))
+    written = Written(of(experiment, point, progress), experiment.design)
+    output.write(path, FORMATS[path.suffix.lower()](written))

@@ -104,32 +104,34 @@ def simulated(scene: Scene, design: Design, draws: int, progress: Progress) -> D
     """
     plan = prepare(scene, design, solids.mass_of(design))
     model = plan.resolved.model
-    known = uncertain.inputs(scene, design, model)
-    if not known:
+    inputs = uncertain.inputs(scene, design, model)
+    if not inputs:
         raise InputError(
             "--uncertain: design and scene have no standard deviation above 0 that model "
             f"{model} reads; set one, for instance contact.restitution_sd"
         )
-    values = uncertain.draws(known, draws, scene.run.seed)
-    asked = [_asked(scene, design, known, row, number) for number, row in enumerate(values)]
-    found = _simulated(asked, progress)
-    good = np.array([point.results[0].outcome in ENDED_WELL for point in found])
+    values = uncertain.draws(inputs, draws, scene.run.seed)
+    experiments_of = [
+        _asked(scene, design, inputs, row, number) for number, row in enumerate(values)
+    ]
+    points = _simulated(experiments_of, progress)
+    good = np.array([point.results[0].outcome in ENDED_WELL for point in points])
     if good.sum() < FEWEST_DRAWS:
         raise InputError(
             f"--uncertain: {good.sum()} of {draws} runs ended well, {FEWEST_DRAWS} are needed; "
             "`simulate` without it says how they end"
         )
-    halves = np.array([_halves(point) for point, well in zip(found, good, strict=True) if well])
-    outcomes = dict(Counter(point.results[0].outcome.value for point in found))
-    summary = found[0].summary._replace(speed_mm_s=float(halves.mean()))
+    halves = np.array([_halves(point) for point, well in zip(points, good, strict=True) if well])
+    outcomes = dict(Counter(point.results[0].outcome.value for point in points))
+    summary = points[0].summary._replace(speed_mm_s=float(halves.mean()))
     step = resolution.judge(plan, summary)[observables.SPEED].error
-    return Drawn(model, known, values[good], halves, outcomes, step)
+    return Drawn(model, inputs, values[good], halves, outcomes, step)
 
 
 def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
     """Bounds about a mean (mm/s) with the step's error (95 %; None: not known) added in squares."""
-    known = error or 0.0
-    parts = (known, 0.5 * known, 0.5 * known, known)
+    by_step = error or 0.0
+    parts = (by_step, 0.5 * by_step, 0.5 * by_step, by_step)
     low2, low1, high1, high2 = (
         mean + math.copysign(math.hypot(end - mean, part), end - mean)
         for end, part in zip(ends, parts, strict=True)
@@ -138,21 +140,21 @@ def widened(ends: Bounds, mean: float, error: float | None) -> Bounds:
 
 
 def _asked(
-    scene: Scene, design: Design, known: Sequence[Input], row: Array, number: int
+    scene: Scene, design: Design, inputs: Sequence[Input], row: Array, number: int
 ) -> Experiment:
     """Results of one draw: a single run whose drop and corner heights are its own."""
-    names = [one.name for one in known]
+    names = [quantity.name for quantity in inputs]
     changed, printed, mass = uncertain.applied(scene, design, dict(zip(names, row, strict=True)))
     run = changed.run.model_copy(update={"runs": 1, "seed": (scene.run.seed + number) % 2**63})
     return Experiment(changed.model_copy(update={"run": run}), printed, mass)
 
 
-def _simulated(asked: Sequence[Experiment], progress: Progress) -> list[Results]:
+def _simulated(wanted: Sequence[Experiment], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
-    progress("compiling (half a minute, the first time only)", 0, len(asked))
-    (first,) = experiments.each(asked[:1], [""], lambda what, done, total: None, None)
-    titles = [f"print {number} of {len(asked)}" for number in range(2, len(asked) + 1)]
-    return [first, *experiments.on_threads(asked[1:], titles, progress)]
+    progress("compiling (half a minute, the first time only)", 0, len(wanted))
+    (first,) = experiments.each(wanted[:1], [""], lambda what, done, total: None, None)
+    titles = [f"print {number} of {len(wanted)}" for number in range(2, len(wanted) + 1)]
+    return [first, *experiments.on_threads(wanted[1:], titles, progress)]
 
 
 def _halves(point: Results) -> tuple[float, float]:
@@ -164,7 +166,7 @@ def _halves(point: Results) -> tuple[float, float]:
 
 def analyse(
     model: str,
-    known: tuple[Input, ...],
+    inputs: tuple[Input, ...],
     values: Array,
     halves: Array,
     outcomes: dict[str, int],
@@ -182,12 +184,12 @@ def analyse(
     shares: tuple[Share, ...] = ()
     rest = rest_se = 0.0
     if between > 0.0:
-        explained, errors = _explained(known, values, speeds, between, seed)
-        shares = uncertain.listed(known, explained[:2], errors[:2])
+        explained, errors = _explained(inputs, values, speeds, between, seed)
+        shares = uncertain.listed(inputs, explained[:2], errors[:2])
         rest, rest_se = 1.0 - float(explained[2, 0]), float(errors[2, 0])
     return Uncertain(
         model, len(speeds), outcomes, mean, total / math.sqrt(len(speeds)), between, statistical,
-        None, bounds(speeds, statistical), shares, rest, rest_se, known, values, speeds,
+        None, bounds(speeds, statistical), shares, rest, rest_se, inputs, values, speeds,
     )  # fmt: skip
 
 
@@ -203,15 +205,15 @@ def bounds(speeds: Array, statistical: float) -> Bounds:
     is not in the bounds; but no more than MOST_TAKEN of their variance is taken out.
     """
     mean, variance = speeds.mean(), float(speeds.var(ddof=1))
-    taken = min(statistical**2 / variance, MOST_TAKEN) if variance else 0.0
-    drawn = mean + (speeds - mean) * math.sqrt(1.0 - taken)
+    share = min(statistical**2 / variance, MOST_TAKEN) if variance else 0.0
+    drawn = mean + (speeds - mean) * math.sqrt(1.0 - share)
     ends = statistics.quantiles_of_another(drawn, uncertain.QUANTILES)
     low2, low1, high1, high2 = ends.tolist()
     return low2, low1, high1, high2
 
 
 def _explained(
-    known: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
+    inputs: Sequence[Input], values: Array, speeds: Array, between: float, seed: int
 ) -> tuple[Array, Array]:
     """First-order and total shares of the variance between prints, and what inputs explain of it.
 
@@ -221,18 +223,18 @@ def _explained(
     every = emulator.fit(values, speeds, seed=seed % 2**32)
 
     def shares(kept: npt.NDArray[np.bool_]) -> Array:
-        found = emulator.fit(values[kept], speeds[kept], every.noise[kept], like=every)
+        fitted = emulator.fit(values[kept], speeds[kept], every.noise[kept], like=every)
 
         def mean(x: Array) -> Array:
-            return found(x)[0]
+            return fitted(x)[0]
 
-        parts = uncertain.indices(known, mean, np.random.default_rng(seed))
-        sample = uncertain.draws(known, uncertain.SHARE_POINTS, seed)
+        parts = uncertain.indices(inputs, mean, np.random.default_rng(seed))
+        sample = uncertain.draws(inputs, uncertain.SHARE_POINTS, seed)
         explained = float(mean(sample).var())
         part = min(explained / between**2, 1.0)
-        return np.vstack([part * parts, np.full(len(known), part)])
+        return np.vstack([part * parts, np.full(len(inputs), part)])
 
     group = np.arange(len(speeds)) % GROUPS
-    replicates = np.array([shares(group != one).ravel() for one in range(GROUPS)])
+    replicates = np.array([shares(group != left_out).ravel() for left_out in range(GROUPS)])
     whole = shares(group >= 0)
     return whole, statistics.jackknife_error(replicates).reshape(whole.shape)
