@@ -1,18 +1,37 @@
-"""Pages of the site that are made of other files: the README, the pictures, the docstrings."""
+"""Pages of the site that are made of other things: the README, pictures, commands, docstrings."""
 
 import re
 from pathlib import Path
 
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Section
+from typer.testing import CliRunner
+
+from walkergen.cli import COMMANDS, app
 
 ROOT = Path(__file__).parent.parent
+NAMES = [name for names in COMMANDS.values() for name in names]
+"""Commands, in the order of the help."""
+
 PAPERS = {
     "index.md": "README.md", "contributing.md": "CONTRIBUTING.md", "changelog.md": "CHANGELOG.md"
 }  # fmt: skip
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
 ROOMS = {
+    "python": [
+        f"api/{name}"
+        for name in (
+            "loading",
+            "predicting",
+            "simulating",
+            "making",
+            "measuring",
+            "analysing",
+            "tracking",
+            "sweeping",
+        )
+    ],
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
     "theory": [
@@ -60,6 +79,7 @@ def on_files(files, config):
     """Add the pages that are made."""
     made = {page: _paper(ROOT / name) for page, name in PAPERS.items()}
     made["gallery.md"] = _gallery()
+    made |= {f"commands/{name}.md": _command(name) for name in NAMES}
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
         made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(
@@ -88,8 +108,27 @@ def _gallery():
     )
 
 
+def _command(name):
+    """Page of a command: its help, and that of the commands under it."""
+    texts = [_help(name)]
+    for under in re.findall(
+        r"^  (\w+)  ", texts[0].partition("Commands:\n")[2], flags=re.MULTILINE
+    ):
+        texts.append(_help(name, under))
+    return f"# {name}\n\n" + "\n\n".join(f"```text\n{text}\n```" for text in texts)
+
+
+def _help(*words):
+    text = CliRunner().invoke(app, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"})
+    assert text.exit_code == 0, text.output
+    return text.stdout.strip()
+
+
 def on_nav(nav, config, files):
-    """Put the reference behind the pages that are written."""
-    pages = [files.get_file_from_path(f"api/{room}.md").page for room in ROOMS]
-    nav.items.append(Section("Reference", pages))
+    """Put commands and the reference behind the pages that are written."""
+    for title, names in (
+        ("Commands", [f"commands/{name}.md" for name in NAMES]),
+        ("Reference", [f"api/{room}.md" for room in ROOMS]),
+    ):
+        nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav

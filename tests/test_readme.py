@@ -11,9 +11,9 @@ import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / name for name in ("README.md", *(f"docs/{name}.md" for name in (
-    "making", "running", "trusting", "python")))]  # fmt: skip
+    "tutorial", "making", "running", "trusting", "python")))]  # fmt: skip
 """Pages whose commands and Python are run, in this order in one folder."""
-README = PAGES[0].read_text(encoding="utf-8")
+README, TUTORIAL = (page.read_text(encoding="utf-8") for page in PAGES[:2])
 
 
 def blocks(kind):
@@ -47,6 +47,8 @@ def test_the_setup_is_two_commands_and_the_gate_runs_them():
 
 @pytest.mark.slow
 def test_the_tour_runs_as_shown(tmp_path):
+    for name, text in re.findall(r'```csv title="([^"]+)"\n(.*?)```', TUTORIAL, flags=re.DOTALL):
+        (tmp_path / name).write_text(text, encoding="utf-8")
     tour = [line for line in commands() if line.startswith("walkergen")]
     assert len(tour) > 25
     tour.insert(0, "walkergen family koumakis2016")  # the first command of the set-up
