@@ -304,14 +304,14 @@ def leaves(data, before=""):
 
 
 def test_a_default_of_a_command_gives_way(tmp_path):
-    asked = loading.asked(["scene.run.seconds=7"], "design scene")
+    asked = loading.inputs(["scene.run.seconds=7"], "design scene")
     assert asked.scene("lane-90hz", seconds=4.0, runs=3).run.seconds == 7
     assert asked.scene("lane-90hz", seconds=4.0, runs=3).run.runs == 3
-    whole = loading.asked(["scene.run={seconds=7}"], "design scene")
+    whole = loading.inputs(["scene.run={seconds=7}"], "design scene")
     assert whole.scene("lane-90hz", seconds=4.0, runs=3).run.seconds == 7
     assert whole.values == {"scene.run": {"seconds": 7}}
     with pytest.raises(InputError, match="takes no printer"):
-        loading.asked(["printer.gap_mm=1"], "design scene")
+        loading.inputs(["printer.gap_mm=1"], "design scene")
 
 
 SHORT = (

@@ -143,12 +143,12 @@ def _run() -> int:
     raise AssertionError("typer always exits")
 
 
-def _failed(told: str, code: int) -> int:
+def _failed(message: str, code: int) -> int:
     """Print what was printed so far, then a mistake, a line for each of its lines."""
     try:
         sys.stdout.flush()
     except OSError:
         streams.give_up()
-    for line in told.splitlines():
+    for line in message.splitlines():
         print(f"error: {line}", file=sys.stderr)
     return code

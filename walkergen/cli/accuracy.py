@@ -37,8 +37,8 @@ def accuracy(
 
     chosen = study.check(only)
     seconds = parse_time(budget)
-    asked = loading.asked(keys, "design scene", restitution=restitution, friction=friction)
-    resolved, member = asked.scene(scene), asked.one(design, tilt, legs)
+    inputs = loading.inputs(keys, "design scene", restitution=restitution, friction=friction)
+    resolved, member = inputs.scene(scene), inputs.one(design, tilt, legs)
     name = f"{member.name}_{names.tilt(member)}_{member.kind}_{resolved.name}"
     folder = out or Path("out") / "accuracy" / name
     with show.progress("accuracy", wanted=not quiet) as progress:

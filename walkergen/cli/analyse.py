@@ -52,5 +52,5 @@ def analyse(
     units = Units(fps, scale, y_down, lane, scale_se)
     lag_s = None if lag_ms is None else 1e-3 * lag_ms
     with show.progress("analyse", wanted=not quiet) as progress:
-        made = make.analyse(file, units, lag_s, folder, pictures, progress)
-    show.report(made, json, quiet)
+        result = make.analyse(file, units, lag_s, folder, pictures, progress)
+    show.report(result, json, quiet)

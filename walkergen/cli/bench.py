@@ -86,12 +86,12 @@ def drop(
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene", restitution=restitution, friction=friction, seed=seed
     )
-    chosen = asked.one(design, tilt, legs)
-    found = inverse.measured(measured, measured_sd, tries, make.MOST["drop"])
-    test = make.Test(chosen, asked.scene(scene), found, pictures)
+    chosen = inputs.one(design, tilt, legs)
+    seen = inverse.measured(measured, measured_sd, tries, make.MOST["drop"])
+    test = make.Test(chosen, inputs.scene(scene), seen, pictures)
     how = make.Drop(height_mm, roll_deg, drops)
 
     films: list[Path] = []
@@ -143,10 +143,10 @@ def slide(
     from walkergen.analysis import inverse
     from walkergen.jobs.bench import make
 
-    asked = loading.asked(keys, "design scene")
-    chosen = asked.one(design, tilt, legs)
-    found = inverse.measured(measured, measured_sd, 1, make.MOST["slide"])
-    test = make.Test(chosen, asked.scene(scene), found, pictures)
+    inputs = loading.inputs(keys, "design scene")
+    chosen = inputs.one(design, tilt, legs)
+    seen = inverse.measured(measured, measured_sd, 1, make.MOST["slide"])
+    test = make.Test(chosen, inputs.scene(scene), seen, pictures)
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
@@ -183,11 +183,11 @@ def pluck(
     from walkergen.analysis import inverse
     from walkergen.jobs.bench import make
 
-    asked = loading.asked(keys, "design scene")
-    chosen = asked.one(design, tilt, legs)
+    inputs = loading.inputs(keys, "design scene")
+    chosen = inputs.one(design, tilt, legs)
     heard = inverse.measured(measured, measured_sd, 1, make.MOST["pluck"])
     decay = inverse.measured(decrement, decrement_sd, 1, make.MOST_DECREMENT, "--decrement")
-    test = make.Test(chosen, asked.scene(scene), heard, pictures)
+    test = make.Test(chosen, inputs.scene(scene), heard, pictures)
     _report("pluck", chosen, out, json, quiet, lambda *where: make.plucked(test, decay, *where))
 
 

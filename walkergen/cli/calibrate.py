@@ -56,10 +56,10 @@ def calibrate(
     from walkergen.files import output
     from walkergen.jobs.calibration import make
 
-    asked = loading.asked(keys, "design scene", seed=seed)
-    walker, surroundings = asked.one(design, tilt, legs), asked.scene(scene)
+    inputs = loading.inputs(keys, "design scene", seed=seed)
+    walker, surroundings = inputs.one(design, tilt, legs), inputs.scene(scene)
     job = make.Job(walker, surroundings, roll_deg, drops, pictures, by)
     folder = output.results(file, out, "calibrate")
     with show.progress("calibrate", wanted=not quiet) as progress:
-        made = make.calibrate(file, job, folder, progress)
-    show.report(made, json, quiet)
+        result = make.calibrate(file, job, folder, progress)
+    show.report(result, json, quiet)

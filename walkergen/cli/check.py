@@ -24,45 +24,45 @@ def check(
     from walkergen.jobs.orders import make as batch
     from walkergen.printing import checks
 
-    asked = loading.asked(keys, "design printer")
-    chosen, machine = asked.design(design), asked.printer(printer)
-    members, counts = asked.batch(chosen, tilt, legs, copies, whole=True)
-    found = batch.check(members, counts, machine)
+    inputs = loading.inputs(keys, "design printer")
+    chosen, machine = inputs.design(design), inputs.printer(printer)
+    members, counts = inputs.batch(chosen, tilt, legs, copies, whole=True)
+    checked = batch.check(members, counts, machine)
     if json:
         show.as_json({
-            "walls": [wall._asdict() for wall in found.walls],
-            "findings": [finding._asdict() for finding in checks.grouped(found.findings)],
-            "orientations": found.orientations,
-            "parts": found.parts,
-            "plates": found.plates,
+            "walls": [wall._asdict() for wall in checked.walls],
+            "findings": [finding._asdict() for finding in checks.grouped(checked.findings)],
+            "orientations": checked.orientations,
+            "parts": checked.parts,
+            "plates": checked.plates,
         })  # fmt: skip
     else:
-        _show_checked(found, machine)
-    checks.refuse(found.findings, strict)
+        _show_checked(checked, machine)
+    checks.refuse(checked.findings, strict)
 
 
-def _show_checked(found: "Checked", printer: "Printer") -> None:
+def _show_checked(checked: "Checked", printer: "Printer") -> None:
     """Print the walls in printed lines, warnings and advice; errors are left to `checks.refuse`."""
     from walkergen.printing import checks
 
-    wide = max([8, *(len(wall.wall) + 2 for wall in found.walls)])
+    wide = max([8, *(len(wall.wall) + 2 for wall in checked.walls)])
     print(f"{'wall':{wide}s}{'mm':>8s}{'lines':>8s}{'plastic':>10s}   (expected, against the mesh)")
-    for wall in found.walls:
+    for wall in checked.walls:
         percent = round(wall.plastic_percent)
         plastic = f"{percent:+d} %" if percent else "as drawn"
         print(f"{wall.wall:{wide}s}{wall.thickness_mm:8.2f}{wall.lines:8.2f}{plastic:>10s}")
-    for lying in found.orientations:
+    for lying in checked.orientations:
         print(f"printed {lying}")
-    findings = checks.grouped(found.findings)
+    findings = checks.grouped(checked.findings)
     for finding in findings:
         if finding.level != "error":
             print(f"{finding.level}: {checks.line(finding)}")
-    told = [
+    lines = [
         _count(sum(finding.level == level for finding in findings), level)
         for level in ("error", "warning")
     ]
-    parts, plates = _count(found.parts, "part"), _count(found.plates, "plate")
-    print(f"{parts} on {plates} of {printer.name}: {', '.join(told)}")
+    parts, plates = _count(checked.parts, "part"), _count(checked.plates, "plate")
+    print(f"{parts} on {plates} of {printer.name}: {', '.join(lines)}")
 
 
 def _count(number: int, noun: str) -> str:

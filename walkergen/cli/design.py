@@ -67,12 +67,12 @@ def design(
     from walkergen.points.store import Store
 
     wish = wishes.of_options(speed, persistence, radius, fastest, calm, tolerance.parse(error))
-    asked = loading.asked(values, "design scene printer", seed=seed)
-    base, place = asked.design(start), asked.scene(scene)
+    inputs = loading.inputs(values, "design scene printer", seed=seed)
+    base, place = inputs.design(start), inputs.scene(scene)
     spans = box.of_options(vary or [], base)
-    asked.refuse(spans.keys, "--vary varies it: leave one of them out")
+    inputs.refuse(spans.keys, "--vary varies it: leave one of them out")
     job = Job(
-        wish, base, place, spans, asked.printer(printer),
+        wish, base, place, spans, inputs.printer(printer),
         make.model_of(base, place, model, wish.asks_space), place.run.seed,
     )  # fmt: skip
     make.check(job)

@@ -35,11 +35,11 @@ def explain(
     from walkergen.simulation.plan import prepare
     from walkergen.walker import solids
 
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene",
         friction=friction, gamma=gamma, frequency=frequency, model=model,
     )  # fmt: skip
-    resolved_scene, chosen = asked.scene(scene), asked.one(design, tilt, legs)
+    resolved_scene, chosen = inputs.scene(scene), inputs.one(design, tilt, legs)
     mass = solids.mass_of(chosen)
     plan = prepare(resolved_scene, chosen, mass)
     with show.progress("explain", wanted=True) as progress:

@@ -46,10 +46,10 @@ def export(
     moving = batch.MJCF in wanted
     if scene is not None and not moving:
         raise InputError(f"--scene {scene[:60]}: only --format {batch.MJCF} has a scene")
-    asked = loading.asked(keys, "design scene" if moving else "design")
-    ground = asked.scene(scene or opt.SCENE) if moving else None
-    chosen = asked.design(design)
-    members = asked.members(chosen, tilt, legs, whole=False)
+    inputs = loading.inputs(keys, "design scene" if moving else "design")
+    ground = inputs.scene(scene or opt.SCENE) if moving else None
+    chosen = inputs.design(design)
+    members = inputs.members(chosen, tilt, legs, whole=False)
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         files = batch.export_parts(members, wanted, folder, progress, ground)

@@ -54,18 +54,18 @@ def family(
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
     from walkergen.jobs.family import make as families
 
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene printer",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
         seconds=seconds, runs=runs,
     )  # fmt: skip
-    chosen, resolved = asked.design(design), asked.scene(scene)
-    members, counts = asked.batch(chosen, tilt, legs, copies, whole=True)
+    chosen, resolved = inputs.design(design), inputs.scene(scene)
+    members, counts = inputs.batch(chosen, tilt, legs, copies, whole=True)
     job = families.Job(
         design=chosen,
         members=members,
         scene=resolved,
-        printer=asked.printer(printer),
+        printer=inputs.printer(printer),
         mode=loading.mode_of(mode, resolved),
         pictures=pictures,
         simulate=simulate,
@@ -78,10 +78,10 @@ def family(
     )
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        made = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
-    show.report(replace(made, folder=None), json, quiet)
+        result = families.make(job, folder, progress, partial(show.warnings, quiet=quiet))
+    show.report(replace(result, folder=None), json, quiet)
     if not (json or quiet):
-        print(f"{len(made.members)} walkers in {folder}/: stl, plates, family, weights"
+        print(f"{len(result.members)} walkers in {folder}/: stl, plates, family, weights"
               + (", speed, preview" if pictures else ""))  # fmt: skip
     show.kept_forms(folder, members)
 
@@ -92,7 +92,7 @@ def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured 
         return None
     from walkergen.analysis import speeds
 
-    found = speeds.on_plate(path, design.kind, scene.drive.peak_speed)
-    if found.bad:
-        print(f"{path}: {found.bad}", file=sys.stderr)
-    return found
+    measured = speeds.on_plate(path, design.kind, scene.drive.peak_speed)
+    if measured.bad:
+        print(f"{path}: {measured.bad}", file=sys.stderr)
+    return measured

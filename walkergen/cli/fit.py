@@ -69,14 +69,14 @@ def fit(
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":
         raise InputError("--seed: the theory has none; leave out --model theory")
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene", law=law, seed=seed, model=model if simulated else None
     )
     wish = request.Request(
-        asked.design(design), asked.scene(scene), model, fix or (), prior,
+        inputs.design(design), inputs.scene(scene), model, fix or (), prior,
         None if predict is None else variants.parse_tilts(predict), mode, pictures,
     )  # fmt: skip
     folder = output.results(file, out, "fit")
     with show.progress("fit", wanted=not quiet) as progress:
-        made = request.fit(file, wish, folder, progress)
-    show.report(made, json, quiet)
+        result = request.fit(file, wish, folder, progress)
+    show.report(result, json, quiet)

@@ -33,8 +33,8 @@ class Command(TyperCommand):
         for param in self.get_params(ctx):
             record = param.get_help_record(ctx)
             if record is not None:
-                name, told = record
-                rows[param.param_type_name].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", told)))
+                name, text = record
+                rows[param.param_type_name].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", text)))
         for heading, kind in (("Arguments", "argument"), ("Options", "option")):
             if rows[kind]:
                 with formatter.section(heading):

@@ -41,7 +41,7 @@ FAMILY_TILTS, FAMILY_KINDS = ("family.tilt_deg",), ("family.legs",)
 """Keys of a design that they set of a whole family."""
 
 
-class Asked(NamedTuple):
+class Inputs(NamedTuple):
     """Values that a command line gives to keys of files."""
 
     values: Mapping[str, Any]
@@ -75,25 +75,25 @@ class Asked(NamedTuple):
 
     def printers(self, text: str) -> "list[Printer]":
         """Load the printers of a comma-separated list. Raises InputError for a repeated name."""
-        found = [self.printer(name.strip()) for name in text.split(",")]
-        names = [printer.name for printer in found]
+        printers = [self.printer(name.strip()) for name in text.split(",")]
+        names = [printer.name for printer in printers]
         for name in names:
             if names.count(name) > 1:
                 raise InputError(f"--printer {text[:60]!r}: two printers are called {name}")
-        return found
+        return printers
 
-    def _read(self, name: str, kind: str, model: "type[Model]", thing: str) -> "Model":
+    def _read(self, name: str, kind: str, model: "type[Model]", what: str) -> "Model":
         """Read the file of a thing with the values of its keys."""
         from walkergen.files import assignments, templates
 
-        prefix = "" if thing == "design" else f"{thing}."
-        own = {key.removeprefix(prefix): self.values[key] for key in self.of(thing)}
+        prefix = "" if what == "design" else f"{what}."
+        own = {key.removeprefix(prefix): self.values[key] for key in self.of(what)}
         path = templates.path_of(name, kind)
         return assignments.read(path, model, own, "command line", prefix)
 
-    def of(self, thing: str) -> list[str]:
+    def of(self, what: str) -> list[str]:
         """Keys of a design, a scene or a printer that are set."""
-        return [key for key in self.values if _thing(key) == thing]
+        return [key for key in self.values if _thing(key) == what]
 
     def one(self, name: str, tilt: float | None, legs: str | None) -> "Design":
         """Load the single walker of --tilt and --legs. Raises InputError for two kinds."""
@@ -121,10 +121,10 @@ class Asked(NamedTuple):
     def _refuse_twice(self, tilt: object, legs: object, whole: bool) -> None:
         """Refuse keys that --tilt and --legs set too, and of a family those that it replaces."""
         if whole:
-            told = "a family has the tilts of family.tilt_deg: --tilt 12, or --set"
-            self.refuse(TILTS, f"{told} 'family.tilt_deg=[12]'")
-            told = "a family has the kinds of family.legs: --legs braced, or --set"
-            self.refuse(KINDS, f"{told} 'family.legs=[\"braced\"]'")
+            advice = "a family has the tilts of family.tilt_deg: --tilt 12, or --set"
+            self.refuse(TILTS, f"{advice} 'family.tilt_deg=[12]'")
+            advice = "a family has the kinds of family.legs: --legs braced, or --set"
+            self.refuse(KINDS, f"{advice} 'family.legs=[\"braced\"]'")
         for flag, value, keys in (
             ("--tilt", tilt, FAMILY_TILTS if whole else TILTS),
             ("--legs", legs, FAMILY_KINDS if whole else KINDS),
@@ -135,11 +135,11 @@ class Asked(NamedTuple):
     def refuse(self, keys: Sequence[str], why: str) -> None:
         """Raise InputError for the first of some keys that is set."""
         for key in keys:
-            if given := _set_by(self.values, key):
-                raise InputError(f"{self.flags[given]}: {why}")
+            if words := _set_by(self.values, key):
+                raise InputError(f"{self.flags[words]}: {why}")
 
 
-def asked(texts: Sequence[str] | None, things: str, **flags: Any) -> Asked:
+def inputs(texts: Sequence[str] | None, things: str, **flags: Any) -> Inputs:
     """Values by --set, of KEY=VALUE each, and by flags of their own, of which None gives none.
 
     `things` are those whose keys a command takes: some of design, scene, printer. Raises InputError
@@ -165,7 +165,7 @@ def asked(texts: Sequence[str] | None, things: str, **flags: Any) -> Asked:
             if not same and (other == key or _within(key, other) or _within(other, key)):
                 raise InputError(f"{told}: {name} sets it too: leave one of them out")
         values[key], names[key] = value, told
-    return Asked(values, names)
+    return Inputs(values, names)
 
 
 def _thing(key: str) -> str:
@@ -197,11 +197,11 @@ def weighed(
         return {}
     from walkergen.walker import weights
 
-    found, unused = weights.read(path, members), weights.unused(path, members)
+    weighings, unused = weights.read(path, members), weights.unused(path, members)
     if unused and not quiet:
         few = ", ".join(unused[:2]) + (" ..." if len(unused) > 2 else "")
         print(f"{path}: {len(unused)} walkers beside those asked for: {few}", file=sys.stderr)
-    return found
+    return weighings
 
 
 def mode_of(mode: str, scene: "Scene") -> "Mode":

@@ -63,48 +63,48 @@ def movie(
 
     if out is not None and out.suffix.lower() != ".gif":
         raise InputError(f"--out {str(out)[:80]!r}: must end in .gif (the MP4 comes beside it)")
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
         seed=seed, step=step, model=model,
     )  # fmt: skip
-    resolved, chosen = asked.scene(scene), asked.design(design)
-    members = asked.members(chosen, tilt, legs, whole=False)
+    resolved, chosen = inputs.scene(scene), inputs.design(design)
+    members = inputs.members(chosen, tilt, legs, whole=False)
     job = movies.plan(
         members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view
     )
     path = out or Path("out") / chosen.name / movies.file_name(job)
     with show.progress("movie", wanted=not quiet) as progress:
-        made = movies.make(job, path, progress, named=out is not None)
+        film = movies.make(job, path, progress, named=out is not None)
     if json:
         show.as_json(
             {
-                "gif": str(made.gif),
-                "mp4": None if made.mp4 is None else str(made.mp4),
-                "without_mp4": made.without_mp4,
-                "frames": made.frames,
+                "gif": str(film.gif),
+                "mp4": None if film.mp4 is None else str(film.mp4),
+                "without_mp4": film.without_mp4,
+                "frames": film.frames,
                 "fps": job.fps,
                 "slow": job.slow,
                 "view": job.view,
                 "walkers": [
-                    {"name": one.name, "model": one.model, "seconds": one.times[-1],
-                     "distance_mm": one.distance, "impacts": len(one.impacts),
-                     "ended": one.ended}
-                    for one in made.footage
+                    {"name": shot.name, "model": shot.model, "seconds": shot.times[-1],
+                     "distance_mm": shot.distance, "impacts": len(shot.impacts),
+                     "ended": shot.ended}
+                    for shot in film.footage
                 ],
             }
         )  # fmt: skip
     elif not quiet:
-        _show(job, made)
+        _show(job, film)
 
 
-def _show(job: "Job", made: "Made") -> None:
+def _show(job: "Job", film: "Made") -> None:
     from walkergen.jobs.movie.footage import pace
 
-    for one in made.footage:
-        seconds, distance = one.times[-1], one.distance
-        ended = f"; {one.ended}" if one.ended else ""
-        print(f"{one.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
-              f"{len(one.impacts)} impacts{ended}")  # fmt: skip
-    print(f"{made.gif}: {made.frames} frames, {job.fps} a second, {pace(job.slow)}")
-    print(made.mp4 if made.mp4 is not None else f"no MP4: {made.without_mp4}")
+    for shot in film.footage:
+        seconds, distance = shot.times[-1], shot.distance
+        ended = f"; {shot.ended}" if shot.ended else ""
+        print(f"{shot.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
+              f"{len(shot.impacts)} impacts{ended}")  # fmt: skip
+    print(f"{film.gif}: {film.frames} frames, {job.fps} a second, {pace(job.slow)}")
+    print(film.mp4 if film.mp4 is not None else f"no MP4: {film.without_mp4}")

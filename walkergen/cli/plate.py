@@ -86,31 +86,31 @@ def plate(
     from walkergen.jobs.calibration import plate as plates
     from walkergen.jobs.orders import make as batch
 
-    asked = loading.asked(keys, "design printer")
+    inputs = loading.inputs(keys, "design printer")
     if calibration:
         beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None,
                   "--serial": serial}  # fmt: skip
         _refuse("--calibration makes a plate of its own", beside)
-        walker = asked.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
-        machines = asked.printers(printers)
+        walker = inputs.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
+        machines = inputs.printers(printers)
         to_measure = plates.Order(walker, machines, max_plates, pictures, prusaslicer, strict)
         _calibrate(to_measure, out or Path("out") / walker.name, json, quiet)
         return
     if orders is not None:
-        given: dict[str, object] = {
+        flags: dict[str, object] = {
             "DESIGN": design,
             "--tilt": tilt,
             "--legs": legs,
             "--copies": copies,
         }
-        given |= {f"--set {key}": key for key in asked.of("design")}
-        members, counts = _ordered(orders, given)
+        flags |= {f"--set {key}": key for key in inputs.of("design")}
+        members, counts = _ordered(orders, flags)
         name = output.named_after(orders)
     else:
-        chosen = asked.design(opt.PAPER if design is None else design)
-        members, counts = asked.batch(chosen, tilt, legs, copies, whole=False)
+        chosen = inputs.design(opt.PAPER if design is None else design)
+        members, counts = inputs.batch(chosen, tilt, legs, copies, whole=False)
         name = chosen.name
-    machines = asked.printers(printers)
+    machines = inputs.printers(printers)
     if how_many:
         room = batch.how_many(members, machines, max_parts)
         if json:
@@ -165,18 +165,18 @@ def _one_tilt(text: str | None) -> float | None:
     return tilts[0]
 
 
-def _refuse(why: str, given: "Mapping[str, object]") -> None:
+def _refuse(why: str, flags: "Mapping[str, object]") -> None:
     """Raise InputError for the first option that is given."""
-    for option, value in given.items():
+    for option, value in flags.items():
         if value is not None:
             raise InputError(f"{why}: leave {option} out")
 
 
-def _ordered(path: Path, given: "Mapping[str, object]") -> "tuple[list[Design], list[int]]":
+def _ordered(path: Path, flags: "Mapping[str, object]") -> "tuple[list[Design], list[int]]":
     """Read an order list. Raises InputError for what is `given` beside it on the command line."""
     from walkergen.jobs.orders import order_list
 
-    _refuse(f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies", given)
+    _refuse(f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies", flags)
     return order_list.read(path)
 
 
@@ -200,9 +200,9 @@ def _show_placements(
         own = [row.plate for row in rows if row.printer == printer]
         count = max(own)
         print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
-    for told in dict.fromkeys(names.how_to_read(design.marks) for design in members):
-        if told:
-            print(told)
+    for advice in dict.fromkeys(names.how_to_read(design.marks) for design in members):
+        if advice:
+            print(advice)
 
 
 def _show_room(rows: "Sequence[Room]") -> None:

@@ -26,13 +26,13 @@ def predict(
     """
     from walkergen.jobs.predict import make
 
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
     )  # fmt: skip
-    chosen, resolved = asked.design(design), asked.scene(scene)
+    chosen, resolved = inputs.design(design), inputs.scene(scene)
     checked = loading.mode_of(mode, resolved)
-    members = asked.members(chosen, tilt, legs, whole=False)
+    members = inputs.members(chosen, tilt, legs, whole=False)
     masses = loading.weighed(weights, members, quiet=json)
     report = make.predict(chosen, members, resolved, checked, masses, uncertain)
     show.report(report, json, quiet=False)

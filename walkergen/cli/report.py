@@ -42,25 +42,25 @@ def report(
     from walkergen.jobs.page import contents
     from walkergen.jobs.page import make as page
 
-    asked = loading.asked(keys, "scene")
-    if run is None and asked.values:
+    inputs = loading.inputs(keys, "scene")
+    if run is None and inputs.values:
         raise InputError("--set scene.KEY=VALUE: changes the scene of --run SCENE; give it")
-    scene = None if run is None else asked.scene(run)
-    found = contents.read(folder)
+    scene = None if run is None else inputs.scene(run)
+    contents_of = contents.read(folder)
     target = out or folder / "report.html"
-    sources = [folder / output.MANIFEST, *(folder / name for name in found.states)]
+    sources = [folder / output.MANIFEST, *(folder / name for name in contents_of.states)]
     if os.path.realpath(target) in map(os.path.realpath, sources):  # of a loop of links, itself
         raise InputError(f"--out {str(target)!r}: is one of the family's files; give another name")
     if run is None and not (tilt is None and legs is None):
         raise InputError("--tilt, --legs: choose the member that --run SCENE simulates; give it")
     output.check_ours(target)
-    played = None if scene is None else _played(found, scene, tilt, legs)
-    output.renew(target, page.render(found, __version__, played))
-    _show_page(target, found, json)
+    played = None if scene is None else _played(contents_of, scene, tilt, legs)
+    output.renew(target, page.render(contents_of, __version__, played))
+    _show_page(target, contents_of, json)
 
 
 def _played(
-    found: "Contents", scene: "Scene", tilt: float | None, legs: str | None
+    contents_of: "Contents", scene: "Scene", tilt: float | None, legs: str | None
 ) -> "dict[str, Any]":
     """Simulate the member that the command line asks for."""
     from walkergen.jobs.page import play
@@ -68,12 +68,12 @@ def _played(
     kinds = [None] if legs is None else variants.parse_kinds(legs)
     if len(kinds) != 1:
         raise InputError(f"--legs {legs!r}: one kind at a time")
-    return play.simulate(found.manifest, scene, tilt, kinds[0])
+    return play.simulate(contents_of.manifest, scene, tilt, kinds[0])
 
 
-def _show_page(path: Path, found: "Contents", json: bool) -> None:
+def _show_page(path: Path, contents_of: "Contents", json: bool) -> None:
     """Print where the page is, and which of the family's files were changed or are missing."""
-    changed, missing = found.named("changed"), found.named("missing")
+    changed, missing = contents_of.named("changed"), contents_of.named("missing")
     if json:
         show.as_json({"file": str(path), "changed": changed, "missing": missing})
         return

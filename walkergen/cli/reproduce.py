@@ -32,16 +32,16 @@ def reproduce(
     """Compare the paper's figures and mechanisms with theory and simulation (takes minutes)."""
     from walkergen.jobs.paper import make as side_by_side
 
-    asked = loading.asked(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
-    asked.refuse(
+    inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
+    inputs.refuse(
         loading.TILTS + loading.KINDS,
         "the paper's tilts, or those of --tilt, are compared with both kinds of legs: leave it out",
     )
     own = {"seconds": side_by_side.SECONDS, "runs": side_by_side.RUNS}
     job = side_by_side.Job(
-        asked.design(design),
-        asked.scene(scene, **own),
-        asked.scene(scene_fitted, **own),
+        inputs.design(design),
+        inputs.scene(scene, **own),
+        inputs.scene(scene_fitted, **own),
         side_by_side.TILTS if tilt is None else variants.parse_tilts(tilt),
         side_by_side.GAMMAS if gamma is None else parse_gammas(gamma),
     )
@@ -54,9 +54,9 @@ def reproduce(
 def parse_gammas(text: str) -> list[float]:
     """Parse comma-separated peak accelerations over g. Raises InputError outside 0..50."""
     values = [words.value(word) for word in text.split(",")]
-    found = [value for value in values if value is not None]
-    if len(found) < len(values):
+    gammas = [value for value in values if value is not None]
+    if len(gammas) < len(values):
         raise InputError(f"--gamma {text[:60]!r}: write numbers with commas: 1.2,1.8,2.4")
-    if not all(0.01 <= value <= 50.0 for value in found):
+    if not all(0.01 <= value <= 50.0 for value in gammas):
         raise InputError(f"--gamma {text[:60]!r}: each must lie in 0.01..50")
-    return found
+    return gammas

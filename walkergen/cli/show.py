@@ -55,37 +55,37 @@ def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
         print("\n".join(str(path) for path in paths))
 
 
-def table(made: "Table", width: int | None = None) -> None:
+def table(content: "Table", width: int | None = None) -> None:
     """Print a table with all its numbers whole, at any width (letters); None: the terminal's."""
     from rich.console import Console
 
     from walkergen.files import tables
 
-    tables.show(made, Console(highlight=False, width=width))
+    tables.show(content, Console(highlight=False, width=width))
 
 
-def report(made: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
+def report(result: "Report", json: bool, quiet: bool, width: int | None = None) -> None:
     """Print what a job found: as JSON, or its caption, tables and lines, and where it lies.
 
     Its warnings come first, on the error stream, even when the command is quiet. `width` of the
     tables, letters; None: the terminal's.
     """
-    for warning in made.warnings:
+    for warning in result.warnings:
         print(f"warning: {warning}", file=sys.stderr)
-    folder = {} if made.folder is None else {"folder": str(made.folder)}
+    folder = {} if result.folder is None else {"folder": str(result.folder)}
     if json:
-        as_json({**made.facts, **folder})
+        as_json({**result.facts, **folder})
     elif not quiet:
-        if made.caption:
-            text(made.caption)
-        for each in made.shown():
-            table(each.rich(), width)
-            for note in each.notes:
+        if result.caption:
+            text(result.caption)
+        for shown in result.shown():
+            table(shown.rich(), width)
+            for note in shown.notes:
                 text(note)
-        for line in made.lines:
+        for line in result.lines:
             text(line)
         if folder:
-            print(f"written into {made.folder}/")
+            print(f"written into {result.folder}/")
 
 
 def text(line: str) -> None:
@@ -192,7 +192,7 @@ def _bar(title: str) -> Iterator[Callable[[str, int, int], None]]:
         task = bar.add_task(plain.line(title))
 
         def update(what: str, done: int, total: int) -> None:
-            told = plain.line(f"{title}: {what}")
-            bar.update(task, description=told, completed=done, total=total)
+            description = plain.line(f"{title}: {what}")
+            bar.update(task, description=description, completed=done, total=total)
 
         yield update

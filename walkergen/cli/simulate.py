@@ -80,7 +80,7 @@ def simulate(
 
     if trajectory is not None:
         trajectories.check(trajectory)
-    asked = loading.asked(
+    inputs = loading.inputs(
         keys, "design scene",
         restitution=restitution, friction=friction, law=law, gamma=gamma, frequency=frequency,
         seconds=seconds, runs=runs, seed=seed, step=step, model=model,
@@ -88,15 +88,15 @@ def simulate(
     if uncertain:
         why = "not with --uncertain; leave one of them out"
         _refuse(why, error=error, trajectory=trajectory)
-        asked.refuse((loading.FLAGS["runs"],), why)
+        inputs.refuse((loading.FLAGS["runs"],), why)
     elif out is not None:
         raise InputError(f"--out {str(out)!r}: only --uncertain writes a folder")
     if error is not None:
-        asked.refuse(CHOSEN, "--error chooses it; leave one of them out")
+        inputs.refuse(CHOSEN, "--error chooses it; leave one of them out")
     elif of != "speed_mm_s":
         raise InputError(f"--of {of[:60]}: names what --error is about; give --error as well")
-    resolved_scene = asked.scene(scene, **({"seconds": UNCERTAIN_SECONDS} if uncertain else {}))
-    members = asked.members(asked.design(design), tilt, legs, whole=False)
+    resolved_scene = inputs.scene(scene, **({"seconds": UNCERTAIN_SECONDS} if uncertain else {}))
+    members = inputs.members(inputs.design(design), tilt, legs, whole=False)
     if len(members) > 1:
         why = f"means one walker, seen {len(members)}: give one --tilt and one kind of --legs"
         _refuse(why, trajectory=trajectory, error=error, uncertain=uncertain or None)
@@ -109,14 +109,16 @@ def simulate(
     mass = solids.mass_of(chosen)
     interval = None if trajectory is None else 1.0 / rate
     with show.progress("simulate", wanted=not quiet) as progress:
-        one = make.asked(resolved_scene, chosen, mass, interval)
-        found = make.measure(one, progress, None if error is None else parse(error), of)
-        done, wished = found.point.summary.runs, found.scene.run.runs
+        experiment = make.asked(resolved_scene, chosen, mass, interval)
+        simulated = make.measure(experiment, progress, None if error is None else parse(error), of)
+        done, wished = simulated.point.summary.runs, simulated.scene.run.runs
         if trajectory is not None and done == wished:
-            trajectories.write(trajectory, one._replace(scene=found.scene), found.point, progress)
+            trajectories.write(
+                trajectory, experiment._replace(scene=simulated.scene), simulated.point, progress
+            )
     if done < wished:
         print(f"interrupted after {done} of {wished} runs", file=sys.stderr)
-    show.report(report.of(one, found, whole), json, quiet)
+    show.report(report.of(experiment, simulated, whole), json, quiet)
     if trajectory is not None and done == wished and not (json or quiet):
         print(trajectory)
     if done < wished:
@@ -129,8 +131,8 @@ def _refuse(why: str, **chosen: object) -> None:
     """Refuse options that are given. Raises InputError."""
     for name, value in chosen.items():
         if value is not None:
-            told = f"--{name}" if value is True else f"--{name} {value}"
-            raise InputError(f"{told}: {why}")
+            flag = f"--{name}" if value is True else f"--{name} {value}"
+            raise InputError(f"{flag}: {why}")
 
 
 def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, quiet: bool) -> None:
@@ -149,8 +151,8 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
             print(f"interrupted after {len(rows)} of {len(wanted)} walkers", file=sys.stderr)
     show.report(several.of(rows, scene, wanted), json, quiet)
     if missing := members[len(rows) :]:
-        told = ", ".join(f"{one.tilt_deg:g} deg {one.kind}" for one in missing)
-        print(f"missing: {told}", file=sys.stderr)
+        names = ", ".join(f"{design_of.tilt_deg:g} deg {design_of.kind}" for design_of in missing)
+        print(f"missing: {names}", file=sys.stderr)
         raise typer.Exit(130)
 
 
@@ -163,7 +165,7 @@ def _simulate_uncertain(
 
     with show.progress("simulate", wanted=not quiet) as progress:
         measured = drawing.measure(scene, design, draws, progress)
-    made = prints.of(measured, design, scene.name, out)
+    result = prints.of(measured, design, scene.name, out)
     if out is not None:
-        prints.write(made, out)
-    show.report(made, json, quiet)
+        prints.write(result, out)
+    show.report(result, json, quiet)

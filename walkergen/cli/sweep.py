@@ -92,26 +92,26 @@ def sweep(
     from walkergen.points.store import Store
 
     if file is None:
-        asked = _ask(design, values or [], scene, printer, model, error, sample, seed, keep)
+        wanted_points = _ask(design, values or [], scene, printer, model, error, sample, seed, keep)
     else:
         _check_file(DESIGN=design, set=values, scene=scene, printer=printer, error=error,
                     sample=sample)  # fmt: skip
-        asked = ask.of_file(file)
-    request = asked.request()
+        wanted_points = ask.of_file(file)
+    request = wanted_points.request()
     seconds = None if budget is None else parse_time(budget)
     if seconds is not None and error is not None:
         raise InputError(
             f"--error {error[:30]}: not with --budget, which adds runs until it is spent"
         )
-    folder = out or Path("out") / "sweeps" / asked.name()
+    folder = out or Path("out") / "sweeps" / wanted_points.name()
     store = Store()
     few = request.model == PREDICTION and request.space.points <= FEW_POINTS
     with pool_of(few, workers, dask) as pool:
         _check_cost(request, store, pool, yes)
-        job = make.Job(request, asked.title(), pictures, seconds)
+        job = make.Job(request, wanted_points.title(), pictures, seconds)
         with show.progress("sweep", wanted=not quiet) as progress:
-            made = make.make(job, folder, store, pool, progress)
-    show.report(made, json, quiet)
+            result = make.make(job, folder, store, pool, progress)
+    show.report(result, json, quiet)
 
 
 def _ask(
@@ -129,9 +129,9 @@ def _ask(
     return ask.of(names, Path(), space, constants, model, wanted, groups, "--set")
 
 
-def _check_file(**given: object) -> None:
+def _check_file(**flags: object) -> None:
     """Refuse what a file of a sweep says itself. Raises InputError."""
-    for name, value in given.items():
+    for name, value in flags.items():
         if value is not None:
             flag = name if name.isupper() else f"--{name}"
             raise InputError(f"{flag} {value}: not with --file, which says it")
@@ -143,5 +143,5 @@ def _check_cost(request: "Request", store: "Store", pool: "WorkerPool | None", y
 
     if yes or request.space.points <= cost.UNASKED:
         return
-    found = cost.estimate(request, store, 1 if pool is None else pool.workers)
-    raise InputError(f"{cost.in_words(found)}; give --yes to begin, or take fewer points")
+    estimate = cost.estimate(request, store, 1 if pool is None else pool.workers)
+    raise InputError(f"{cost.in_words(estimate)}; give --yes to begin, or take fewer points")

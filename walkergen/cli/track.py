@@ -72,8 +72,8 @@ def track(
     )  # fmt: skip
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
-        made = make.track(film, options, folder, progress)
-    show.report(made, json, quiet)
+        result = make.track(film, options, folder, progress)
+    show.report(result, json, quiet)
 
 
 def _frames(text: str) -> tuple[int, int | None]:

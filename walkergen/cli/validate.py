@@ -31,7 +31,7 @@ def validate(
 
     groups = make.choose(only)
     folder = out or Path("out") / "validation"
-    asked = (f" --only {','.join(groups)}" if only else "") + (" --quick" if quick else "")
+    choice = (f" --only {','.join(groups)}" if only else "") + (" --quick" if quick else "")
     with show.progress("validate", wanted=not quiet) as progress:
-        report = make.make(groups, Effort(quick), f"walkergen validate{asked}", folder, progress)
+        report = make.make(groups, Effort(quick), f"walkergen validate{choice}", folder, progress)
     show.report(report, json, quiet)

@@ -67,17 +67,17 @@ def _count(word: str, text: str) -> int:
 
 def parse_tilts(text: str) -> list[float]:
     """Parse tilts in degrees: 10, or 5,10,15, or FIRST:LAST:STEP with both ends included."""
-    found: list[float] = []
+    tilts: list[float] = []
     for piece in text.split(","):
         numbers = [_number(word, text) for word in piece.split(":")]
         if len(numbers) == 1:
-            found.append(numbers[0])
+            tilts.append(numbers[0])
         elif len(numbers) == 3:
             first, last, step = numbers
-            found += _range(first, last, step, text)
+            tilts += _range(first, last, step, text)
         else:
             raise InputError(f"--tilt {text[:60]!r}: write 10, or 5,10,15, or FIRST:LAST:STEP")
-    unique = list(dict.fromkeys(found))
+    unique = list(dict.fromkeys(tilts))
     if len(unique) > MOST_TILTS:
         raise InputError(f"--tilt {text[:60]!r}: {len(unique)} tilts; at most {MOST_TILTS}")
     return unique
