@@ -146,8 +146,8 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
     def tell() -> None:
         pause = FIRST_S
         while not ended.wait(pause):
-            pause = NEXT_S
             if state:
+                pause = NEXT_S
                 what, done, total = state[0]
                 share = f", {done} of {total}" if done else ""
                 rest = f", {_rest(time.monotonic() - begun, done, total)} left" if done else ""
