@@ -22,14 +22,19 @@ ROOMS = {
     "python": [
         f"api/{name}"
         for name in (
-            "loading",
-            "predicting",
-            "simulating",
-            "making",
-            "measuring",
-            "analysing",
-            "tracking",
-            "sweeping",
+            "loading/load",
+            "predicting/predict",
+            "simulating/simulate",
+            "making/family",
+            "making/export",
+            "sweeping/sweep",
+            "tracking/track",
+            "analysing/analyse",
+            "measuring/fit",
+            "measuring/calibrate",
+            "measuring/bench",
+            "measuring/weigh",
+            "loading/templates",
         )
     ],
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
@@ -72,7 +77,7 @@ ROOMS = {
     "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
 }
-"""Modules of the reference, a page for each room."""
+"""Modules of the reference, or names in them, a page for each room."""
 
 
 def on_files(files, config):

@@ -39,8 +39,9 @@ class Encoded(NamedTuple):
 def encode(
     draw: Draw, count: int, fps: int, hold_s: float, keep: Sequence[str], progress: Progress
 ) -> Encoded:
-    """Draw `count` frames in order into both files; the last frame stays for `hold_s`.
+    """Draw `count` frames in order into both files; in the GIF the last one stays for `hold_s`.
 
+    The MP4 has none that stands still: those who track it would find walkers that stop.
     `fps` must divide 100: a GIF counts in hundredths of a second. The colours `keep` (#RRGGBB) are
     exact in the GIF however rare they are. Equal frames give equal bytes.
     """
@@ -50,7 +51,7 @@ def encode(
         with (Path(folder) / "messages").open("w+b") as messages:
             ffmpeg = _ffmpeg(draw(0).shape, fps, target, messages)
             try:
-                gif = _gif(_drawn(draw, count, hold_s, fps, ffmpeg, progress), palette, fps, hold_s)
+                gif = _gif(_drawn(draw, count, ffmpeg, progress), palette, fps, hold_s)
                 return Encoded(gif, *_finished(ffmpeg, target, messages))
             finally:
                 if ffmpeg is not None and ffmpeg.poll() is None:
@@ -82,21 +83,15 @@ def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
 
 
 def _drawn(
-    draw: Draw,
-    count: int,
-    hold_s: float,
-    fps: int,
-    ffmpeg: "subprocess.Popen[bytes] | None",
-    progress: Progress,
+    draw: Draw, count: int, ffmpeg: "subprocess.Popen[bytes] | None", progress: Progress
 ) -> Iterator[Pixels]:
-    """Draw the frames and send each to ffmpeg as well, the last as often as it is held."""
+    """Draw the frames and send each to ffmpeg as well."""
     for at in range(count):
         frame = draw(at)
-        times = 1 if at < count - 1 else 1 + round(hold_s * fps)
         if ffmpeg is not None and ffmpeg.poll() is None:
             assert ffmpeg.stdin is not None
             try:
-                ffmpeg.stdin.write(times * frame.tobytes())
+                ffmpeg.stdin.write(frame.tobytes())
             except BrokenPipeError:
                 ffmpeg.wait()  # ffmpeg has given up; its message is read at the end
         progress("frames", at + 1, count)
