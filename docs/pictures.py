@@ -59,6 +59,7 @@ OTHERS = {
     "polar-disc": "rubber skate and hard tip",
     "bristle": "18 short flexible legs",
     "rotator": "left legs lean back, right ones ahead",
+    "name": "letters between two rails",
 }
 """Templates of other mechanisms than the paper's, each with the words below its picture."""
 

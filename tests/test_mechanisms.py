@@ -1,5 +1,8 @@
 """Templates of other walkers: they print, predict, and run as the theory says, in space."""
 
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -17,7 +20,7 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Leg
 
-NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator")
+NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name")
 
 
 def load(name):
@@ -136,3 +139,21 @@ def test_the_mechanisms_are_those_of_the_paper():
     assert {limb.friction for limb in found[2][1].limbs} == {None}
     lengths = {limb.length for limb in found[2][1].limbs}
     assert len(lengths) == 2
+
+
+def test_the_modeller_tells_of_no_leaks_at_the_end(tmp_path):
+    words = [
+        "-m",
+        "walkergen",
+        "simulate",
+        "rotator",
+        "--seconds",
+        "0.02",
+        "--runs",
+        "1",
+        "--quiet",
+    ]
+    done = subprocess.run(
+        [sys.executable, *words], cwd=tmp_path, capture_output=True, text=True, check=True
+    )
+    assert done.stderr == ""

@@ -119,6 +119,17 @@ def test_letters_have_their_height_and_holes():
     assert all(np.array_equal(one, two) for one, two in zip(first, again, strict=True))
 
 
+def test_rails_join_letters_to_one_part_of_their_area():
+    outer, *holes = letters("IT", 10.0, rails=2.0)
+    pieces = letters("IT", 10.0, connected=False)
+    length = np.ptp(np.concatenate(pieces)[:, 0])
+    assert np.ptp(outer, axis=0) == pytest.approx([length, 12.0], rel=1e-6)
+    assert len(holes) == 1  # between the letters
+    # each bar covers what it shares with strokes: less than letters and bars together
+    assert total(pieces) < total([outer, *holes]) < total(pieces) + 2 * 2.0 * length
+    refused(GeometryError, "pieces", of=lambda: letters("i", 10.0, rails=1.0))
+
+
 @pytest.mark.parametrize(
     ("text", "words"),
     [
@@ -130,7 +141,7 @@ def test_letters_have_their_height_and_holes():
         ("a\u200b", ("U+200B", "ZERO WIDTH SPACE")),
         ("漢", ("U+6F22", "not in the font")),
         ("Aij", ("'i', 'j'", "several pieces")),
-        ("LA", ("'L' and 'A'", "do not touch")),
+        ("LA", ("'L' and 'A'", "do not touch", "rails_mm")),
     ],
 )
 def test_texts_that_are_no_body(text, words):

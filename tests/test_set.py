@@ -365,7 +365,7 @@ def test_ctrl_c_shows_the_finished_rows_and_names_the_others(run, monkeypatch):
     result = run("simulate", "--legs", "braced", "--tilt", "5,10,15", *SHORT)
     assert result.exit_code == 130
     assert [row["tilt_deg"] for row in json.loads(result.stdout)["rows"]] == [5.0]
-    assert result.stderr.splitlines() == [
+    assert result.stderr.splitlines()[-2:] == [
         "interrupted after 1 of 3 walkers",
         "missing: 10 deg braced, 15 deg braced",
     ]

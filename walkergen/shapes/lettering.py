@@ -24,10 +24,12 @@ FINE = 2.0**20
 
 
 def letters(
-    text: str, height: float, connected: bool = True, source: str = "body.text"
-) -> list[Polygon]:
+    text: str, height: float, connected: bool = True, source: str = "body.text",
+    rails: float | None = None,
+) -> list[Polygon]:  # fmt: skip
     """Outline of a line of text; `height` is that of a capital without overshoot, H, in mm.
 
+    With `rails` two bars so wide (mm), about the feet and the tops of capitals, join the letters.
     Where `connected`, it must be one piece, as for a body. Raises GeometryError, which begins with
     `source` = the text, for none or more than MOST_CHARACTERS, for characters that the font lacks
     or that draw nothing but blanks, for a text of several pieces, and for what `sound` refuses.
@@ -42,8 +44,10 @@ def letters(
         raise GeometryError(f"{where}: draws nothing; write a letter or digit")
     scale = height / float(np.ptp(_contours("H")[0][:, 1]))
     if connected:
-        _check_connected(text, where)
+        _check_connected(text, where, rails)
     drawn = [scale * contour for contour in _contours(text)]
+    if rails is not None:
+        drawn = _railed(drawn, height, rails)
     return sound([Shape(drawn, nonzero=False)], where, connected)
 
 
@@ -65,9 +69,21 @@ def _check_characters(text: str, where: str) -> None:
         )
 
 
-def _check_connected(text: str, where: str) -> None:
+def _railed(drawn: list[Polygon], height: float, width: float) -> list[Polygon]:
+    """Contours with two bars along a text, in the middle of whose edges they lie."""
+    x = np.concatenate(drawn)[:, 0]
+    left, right = float(x.min()), float(x.max())
+    bars = [
+        np.array([(left, y - 0.5 * width), (right, y - 0.5 * width),
+                  (right, y + 0.5 * width), (left, y + 0.5 * width)])
+        for y in (0.0, height)
+    ]  # fmt: skip
+    return _united([*drawn, *bars])
+
+
+def _check_connected(text: str, where: str, rails: float | None) -> None:
     """Raise GeometryError when letters, or parts of one, do not touch; it names them."""
-    if _pieces(text) == 1:
+    if rails is not None or _pieces(text) == 1:  # `sound` tells what rails leave apart
         return
     broken = [letter for letter in dict.fromkeys(text) if letter != " " and _pieces(letter) > 1]
     if broken:
@@ -81,7 +97,8 @@ def _check_connected(text: str, where: str) -> None:
         if _pieces(left + right) != 1
     )  # fmt: skip
     raise GeometryError(
-        f"{where}: {apart} do not touch, a body is one piece; use one letter, or engrave the text"
+        f"{where}: {apart} do not touch, a body is one piece; join them by body.rails_mm = 2, or "
+        "engrave the text"
     )
 
 
@@ -110,8 +127,12 @@ def _contours(text: str) -> list[Polygon]:
             loops[-1].append(curve.control_points[:1])
         else:
             loops[-1].append(flatten(curve, tolerance)[:-1])
-    rings = [FINE * np.vstack(loop) for loop in loops if loop]
-    united = manifold3d.CrossSection(rings, manifold3d.FillRule.NonZero)
+    return _united([np.vstack(loop) for loop in loops if loop])
+
+
+def _united(rings: list[Polygon]) -> list[Polygon]:
+    """Contours of what lies within rings."""
+    united = manifold3d.CrossSection([FINE * ring for ring in rings], manifold3d.FillRule.NonZero)
     return [np.asarray(ring, dtype=np.float64) / FINE for ring in united.to_polygons()]
 
 

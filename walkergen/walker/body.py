@@ -52,6 +52,8 @@ class Body(Section):
     """Corners of the outline "polygon", seen from above."""
     text: str | None = None
     """Letters as the plan view, as high as depth_mm."""
+    rails_mm: Length | None = None
+    """Width of two bars along the feet and the tops of the letters, which join them to one part."""
     mesh: Annotated[str, Field(min_length=1, max_length=4096)] | None = None
     """Mesh of the body, beside the file."""
     scale_mm: Length | None = None
@@ -75,6 +77,8 @@ class Body(Section):
             raise ValueError('points_mm and outline = "polygon" go together')
         if self.scale_mm is not None and not (self.mesh or self._drawing):
             raise ValueError("scale_mm is for a drawing or a mesh; lengths here are mm already")
+        if self.rails_mm is not None and self.text is None:
+            raise ValueError("rails_mm joins the letters of text")
         if self.legs_below_mm is not None and self.mesh is None:
             raise ValueError("legs_below_mm is for a mesh of a whole walker")
         sized = {
@@ -207,7 +211,7 @@ def _plan(body: Body) -> "list[Polygon]":
     if body.text is not None:
         from walkergen.shapes.lettering import letters
 
-        return letters(body.text, body.depth_mm)
+        return letters(body.text, body.depth_mm, rails=body.rails_mm)
     from walkergen.shapes import outlines
 
     if body.outline == "disc":

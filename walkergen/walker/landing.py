@@ -4,6 +4,7 @@ A leg's length counts from the lowest level of the body, so that feet of equal l
 the underside lies higher, the leg goes on up to it, and is cut flush with it.
 """
 
+import atexit
 import math
 from functools import lru_cache
 
@@ -37,6 +38,9 @@ def landed(body: str, limbs: tuple[Limb, ...]) -> tuple[Limb, ...]:
 def ready(body: str) -> joining.Body:
     """Body of its JSON, made ready for the modeller."""
     return joining.ready(solid_of(Body.model_validate_json(body).shape))
+
+
+atexit.register(ready.cache_clear)  # else the modeller tells of leaks at the end of the program
 
 
 def solid_of(shape: Shape) -> Mesh:
