@@ -11,6 +11,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import COMMANDS, app
 from walkergen.cli.examples import EXAMPLES
+from walkergen.cli.layout import OPTIONS
 
 ROOT = typer.main.get_command(app)
 
@@ -119,3 +120,13 @@ def complete(words, shell="bash"):
 )
 def test_the_shell_completes_commands_and_names(words, found):
     assert complete(words) == found
+
+
+def test_many_options_stand_under_headings_each_once(monkeypatch):
+    text = told(monkeypatch, 80, "simulate")
+    headings = re.findall(r"^([A-Z][\w ]+):$", text, re.MULTILINE)
+    assert headings == ["Arguments", "Options", *OPTIONS]
+    command = dict(leaves())["simulate"]
+    flags = [max(param.opts, key=len) for param in command.params if param.opts[0][0] == "-"]
+    assert all(len(re.findall(rf"^  {flag}\b", text, re.MULTILINE)) == 1 for flag in flags)
+    assert "Contact and drive" not in told(monkeypatch, 80, "weigh")

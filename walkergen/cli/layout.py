@@ -19,6 +19,16 @@ HELP_OPTIONS = {"help_option_names": ["-h", "--help"]}
 """Settings of the whole command line: what asks for help."""
 
 
+OPTIONS = {
+    "Contact and drive": ("restitution", "friction", "gamma", "frequency", "law", "mode"),
+    "Simulation": ("simulate", "model", "seconds", "runs", "step", "seed", "error", "of"),
+    "Output": ("out", "trajectory", "rate", "pictures", "all", "json", "quiet", "help"),
+}  # fmt: skip
+"""Options under headings of their own, where a command has many; the others stand first."""
+
+MANY = 15
+"""Number of options from which on they stand under headings."""
+
 TYPE = re.compile(r" <[^>]*>$")
 RANGE = re.compile(r"([-+.0-9e]+)<=x<=([-+.0-9e]+)")
 """What the library adds to an argument's name, and how it writes what is allowed."""
@@ -29,16 +39,25 @@ class Command(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the arguments, then the options."""
-        rows: dict[str, list[tuple[str, str]]] = {"argument": [], "option": []}
-        for param in self.get_params(ctx):
+        sections: dict[str, list[tuple[str, str]]] = {"Arguments": [], "Options": []}
+        sections |= {heading: [] for heading in OPTIONS}
+        params = self.get_params(ctx)
+        headings = {name: heading for heading, names in OPTIONS.items() for name in names}
+        for param in params:
             record = param.get_help_record(ctx)
-            if record is not None:
-                name, text = record
-                rows[param.param_type_name].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", text)))
-        for heading, kind in (("Arguments", "argument"), ("Options", "option")):
-            if rows[kind]:
+            if record is None:
+                continue
+            heading = "Arguments" if param.param_type_name == "argument" else "Options"
+            if heading == "Options" and len(params) >= MANY:
+                long = next(name for name in param.opts if name.startswith("--"))
+                heading = headings.get(long.removeprefix("--"), heading)
+            name, text = record
+            sections[heading].append((TYPE.sub("", name), RANGE.sub(r"\1..\2", text)))
+        wide = max(len(name) for rows in sections.values() for name, _ in rows)
+        for heading, rows in sections.items():
+            if rows:
                 with formatter.section(heading):
-                    formatter.write_dl(rows[kind])
+                    formatter.write_dl([(f"{name:{wide}s}", text) for name, text in rows])
 
 
 class Group(TyperGroup):
