@@ -217,3 +217,12 @@ def test_legs_cut_flush_with_a_round_body_keep_the_whole_walkers_centre_and_tens
     )
     np.testing.assert_allclose(centre, middle, atol=1e-8)
     np.testing.assert_allclose(tensor, whole.tensor, rtol=1e-8, atol=1e-7)
+
+
+def test_a_family_that_cannot_be_built_names_the_tilts():
+    legs = [{"along_mm": along, "width_mm": 6.0} for along in (-2.5, 3.0)]
+    body = {"outline": "disc", "length_mm": 16.0}
+    design = Design.model_validate({"body": body, "legs": legs})
+    assert len(design.members([0.0, 10.0])) == 2
+    with pytest.raises(GeometryError, match=r"^at tilt 40 deg: .*legs\[2\].along_mm = 3"):
+        design.members([10.0, 40.0, 45.0])

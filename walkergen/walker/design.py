@@ -292,7 +292,8 @@ class Design(Section):
     ) -> list["Design"]:
         """Variants of a family, kinds outermost; by default those of its [family] table.
 
-        Raises GeometryError, with the limit that was exceeded, if any member cannot be built.
+        Raises GeometryError, with the limit that was exceeded and the tilts at which, if any member
+        cannot be built.
         """
         tilts = [self.tilt_deg] if not self.follows else self.family.tilt_deg
         tilts = tilts if tilts_deg is None else list(tilts_deg)
@@ -305,15 +306,20 @@ class Design(Section):
                 f"make one kind only (--legs {self.kind}) or remove the key"
             )
         variants: list[Design] = []
-        problems: list[str] = []
+        problems: dict[str, list[str]] = {}
         for kind in chosen:
             for tilt in tilts:
                 try:
                     variants.append(self.variant(tilt_deg=tilt, kind=kind))
                 except GeometryError as error:
-                    problems.append(str(error))
+                    for line in str(error).splitlines():
+                        problems.setdefault(line, []).append(f"{tilt:g}")
         if problems:
-            raise GeometryError("\n".join(problems))
+            raise GeometryError("\n".join(
+                line if len(where) == len(chosen) * len(tilts) or "tilt_deg = " in line
+                else f"at tilt {', '.join(dict.fromkeys(where))} deg: {line}"
+                for line, where in problems.items()
+            ))  # fmt: skip
         return variants
 
     def _repr_html_(self) -> str:
