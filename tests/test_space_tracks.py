@@ -178,7 +178,7 @@ def test_places_every_44_ms_say_what_dense_samples_say():
 @pytest.mark.slow
 def test_the_summary_names_contact_law_and_label_and_every_unknown_has_its_reason(run):
     text = " ".join(run("simulate", *PLANE, "--seconds", "1", "--runs", "2", "--all").split())
-    assert "space, method step, viscous feet, label 0.22, friction 0.25" in text
+    assert "space, elastic feet (viscous), restitution 0.22, friction 0.25" in text
     assert "poisson" not in text
     for words in ("along the heading", "turning scatter not resolved", "by impulse I ", "edges"):
         assert words in text, words

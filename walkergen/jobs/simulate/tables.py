@@ -46,7 +46,11 @@ def plate_in_words(scene: Scene) -> str:
 def model_in_words(simulated: Simulated, scene: Scene) -> str:
     """Model of a simulation, and what it assumes of the contact."""
     contact, model = scene.contact, simulated.point.model
-    law = "elastic feet" if model == "space" else f"law of impact {contact.law}"
+    law = (
+        f"elastic feet ({scene.feet.damping})"
+        if model == "space"
+        else f"law of impact {contact.law}"
+    )
     return f"{model}, {law}, restitution {contact.restitution:g}, friction {contact.friction:g}"
 
 
