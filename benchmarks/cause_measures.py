@@ -9,8 +9,8 @@ import numpy as np
 
 from walkergen.analysis.values import mean
 from walkergen.files import templates
-from walkergen.jobs.paper import plane
-from walkergen.jobs.validate.ensembles import landings
+from walkergen.jobs.trust.reproduce import plane
+from walkergen.jobs.trust.validate.ensembles import landings
 from walkergen.numerics import kernels
 from walkergen.points import drops, resting
 from walkergen.scene import Scene

@@ -14,7 +14,7 @@ import time
 from pathlib import Path
 
 from walkergen.files import templates
-from walkergen.jobs.sweep.make import Job, make
+from walkergen.jobs.run.sweep.make import Job, make
 from walkergen.points import axes, run
 from walkergen.points.measure import with_runs
 from walkergen.points.point import Point

@@ -95,7 +95,7 @@ class Picture(NamedTuple):
 def mechanisms(folder: Path) -> bytes:
     """Picture of the templates of other mechanisms, to one scale."""
     from walkergen.files import figures, templates
-    from walkergen.jobs.family.preview import Part, preview_figure
+    from walkergen.jobs.make.family.preview import Part, preview_figure
     from walkergen.walker import solids
     from walkergen.walker.design import Design
 
@@ -121,31 +121,32 @@ def page(folder: Path) -> bytes:
 
 
 PICTURES = (
-    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/family/preview.py"), 15,
+    Picture("preview.png", FAMILY, (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 15,
             "preview.png"),
-    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/family/figures.py"), 0,
+    Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0,
             "speed.png"),
-    Picture("page.png", FAMILY, (*PREDICTION, "walkergen/jobs/page/**/*"), 10, page,
+    Picture("page.png", FAMILY, (*PREDICTION, "walkergen/jobs/page/report/**/*"), 10, page,
             program="chromium", package="chromium"),
-    Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/family/preview.py"), 2,
+    Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 2,
             mechanisms),
-    Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/sweep/*.py"), 5, "sweep.png"),
-    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/movie/*.py"), 30,
+    Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
+    Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30,
             "movie.gif"),
-    Picture("choice.png", CHOICE, (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/accuracy/*.py"),
-            190, "choice.png"),
+    Picture("choice.png", CHOICE,
+            (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/trust/accuracy/*.py"), 190,
+            "choice.png"),
     Picture("simulated.png", SIMULATED,
-            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/family/figures.py"), 40,
+            (*STYLE, *PREDICTION, *SIMULATION, "walkergen/jobs/make/family/figures.py"), 40,
             "speed.png"),
     Picture("reproduced.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/paper/*.py"), 190,
-            "figure2.png"),
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"),
+            190, "figure2.png"),
     Picture("figure6.png", REPRODUCE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/paper/*.py"), 0,
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"), 0,
             "figure6.png"),
     Picture("validation.png", VALIDATE,
-            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/validate/*.py"), 180,
-            "validation.png", beside=("validation.md",), program="prusa-slicer",
+            (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/validate/*.py"),
+            180, "validation.png", beside=("validation.md",), program="prusa-slicer",
             package="prusa-slicer"),
 )  # fmt: skip
 """All pictures, those of one command beside one another."""

@@ -84,15 +84,13 @@ def _hidden(letter: str) -> bool:
 def warm() -> None:
     """Import what commands import, so that processes forked from this one need not."""
     import importlib
+    import pkgutil
 
-    for name in (
-        "cli", "cli.uncertain", "prediction", "printing.checks", "printing.export",
-        "jobs.analyse.make", "jobs.fit.make", "jobs.page.make", "jobs.orders.make",
-        "jobs.sweep.make", "jobs.calibration.make", "jobs.track.make", "jobs.family.make",
-        "jobs.weigh.make", "jobs.selftest.make", "walker.own_mesh", "walker.outlines",
-        "simulation.experiments",
-    ):  # fmt: skip
-        importlib.import_module(f"walkergen.{name}")
+    import walkergen
+
+    for module in pkgutil.walk_packages(walkergen.__path__, "walkergen."):
+        if module.name != "walkergen.__main__":
+            importlib.import_module(module.name)
     for name in ("trimesh", "ezdxf", "svgelements", "scipy.optimize", "scipy.stats", "rich.table"):
         importlib.import_module(name)
 

@@ -5,9 +5,9 @@ import json
 
 from walkergen import __version__
 from walkergen.files import templates
-from walkergen.jobs.family import make as family
-from walkergen.jobs.page import contents
-from walkergen.jobs.page import make as page
+from walkergen.jobs.make.family import make as family
+from walkergen.jobs.page.report import contents
+from walkergen.jobs.page.report import make as page
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design

@@ -11,7 +11,7 @@ from itertools import product
 import numpy as np
 from scipy.integrate import solve_ivp
 
-from walkergen.jobs.selftest.scenes import STILL
+from walkergen.jobs.trust.selftest.scenes import STILL
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects.slope import Gravity

@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.cli import app
-from walkergen.jobs.accuracy import make as accuracy
+from walkergen.jobs.trust.accuracy import make as accuracy
 
 SCENE = """
 [drive]

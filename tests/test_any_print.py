@@ -13,10 +13,10 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
-from walkergen.jobs.family import figures, preview
-from walkergen.jobs.family import make as families
-from walkergen.jobs.family.chart_data import ChartData
-from walkergen.jobs.orders import make as batch
+from walkergen.jobs.make.export import make as exports
+from walkergen.jobs.make.family import figures, preview
+from walkergen.jobs.make.family import make as families
+from walkergen.jobs.make.family.chart_data import ChartData
 from walkergen.points import members as predictions
 from walkergen.points import speed_table
 from walkergen.printing import (
@@ -314,7 +314,7 @@ def test_previews_keep_the_order_of_the_table_and_have_a_ruler(count):
 def test_drawings_are_the_profile_or_the_outline(tmp_path):
     (plan,) = profile.drawing_of(DISC)
     assert shapely.Polygon(plan).area == pytest.approx(math.pi * 100.0, rel=1e-4)
-    paths = batch.export_parts([PROFILE], ["dxf", "svg"], tmp_path, lambda *_: None)
+    paths = exports.make([PROFILE], ["dxf", "svg"], tmp_path, lambda *_: None).files
     area = weigh(solids.build(PROFILE).walker, 1.0).volume / PROFILE.size.depth
     for path in paths:
         (drawn,) = outlines.from_file(path)
@@ -326,12 +326,12 @@ def test_walkers_without_a_profile_are_refused_before_anything_is_written(tmp_pa
     design = ball(tmp_path) if design is None else design
     folder = tmp_path / "out"
     with pytest.raises(InputError, match=rf"{why}.*export it as stl or 3mf"):
-        batch.export_parts([PAPER, design], ["stl", "svg"], folder, lambda *_: None)
+        exports.make([PAPER, design], ["stl", "svg"], folder, lambda *_: None)
     assert not folder.exists()
 
 
 def test_exports_lie_as_they_print(tmp_path):
-    stl, _ = batch.export_parts([DISC], ["stl", "3mf"], tmp_path, lambda *_: None)
+    stl, _ = exports.make([DISC], ["stl", "3mf"], tmp_path, lambda *_: None).files
     found = trimesh.load_mesh(io.BytesIO(stl.read_bytes()), file_type="stl")
     assert found.is_volume
     assert found.bounds[0][2] == 0.0

@@ -5,10 +5,10 @@ import pytest
 
 from walkergen.analysis import landings
 from walkergen.errors import InputError
-from walkergen.jobs.accuracy.speeds import Survey
-from walkergen.jobs.bench import pluck
-from walkergen.jobs.movie import shot
-from walkergen.jobs.simulate import tables
+from walkergen.jobs.measure.bench import pluck
+from walkergen.jobs.run.movie import shot
+from walkergen.jobs.run.simulate import tables
+from walkergen.jobs.trust.accuracy.speeds import Survey
 from walkergen.points import resting
 from walkergen.scene import Scene
 from walkergen.simulation import experiments, poses

@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import nnls
 
 from walkergen.errors import TheoryError
-from walkergen.jobs.selftest.scenes import masses
+from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.numerics.kernels import kernel
 from walkergen.theory.balance import Foot, balanced
 from walkergen.theory.impact import POISSON, Law, impact

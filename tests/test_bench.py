@@ -8,7 +8,7 @@ import pytest
 from walkergen.analysis import beams, inverse
 from walkergen.analysis.inverse import Curve, Measured
 from walkergen.files import templates
-from walkergen.jobs.bench import pluck, slide
+from walkergen.jobs.measure.bench import pluck, slide
 from walkergen.points import drops, resting
 from walkergen.points.drops import Let
 from walkergen.scene import GRAVITY, Scene

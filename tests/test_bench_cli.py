@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.bench import drop, slide
+from walkergen.jobs.measure.bench import drop, slide
 from walkergen.points import drops
 
 

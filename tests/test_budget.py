@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 
-from walkergen.jobs.accuracy import make, space_steps, statistics
-from walkergen.jobs.accuracy.budget import KINDS, Budget, Runs, rounded_down, widened
-from walkergen.jobs.accuracy.setting import Measured
-from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy import make, space_steps, statistics
+from walkergen.jobs.trust.accuracy.budget import KINDS, Budget, Runs, rounded_down, widened
+from walkergen.jobs.trust.accuracy.setting import Measured
+from walkergen.jobs.trust.accuracy.speeds import Survey
 from walkergen.scene import Scene
 from walkergen.simulation.run import RunResult
 from walkergen.walker import solids

@@ -19,9 +19,9 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
-from walkergen.jobs.calibration import contact, form, make, modulus, parts, specimens
-from walkergen.jobs.calibration.modulus import Density
-from walkergen.jobs.calibration.specimens import BENDS, RINGS
+from walkergen.jobs.measure.calibrate import contact, form, make, modulus, parts, specimens
+from walkergen.jobs.measure.calibrate.modulus import Density
+from walkergen.jobs.measure.calibrate.specimens import BENDS, RINGS
 from walkergen.points import drops
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene

@@ -7,7 +7,7 @@ import pytest
 from compliant_rival import Rival
 from worlds import SHAKEN, hinged_state, hinged_walker, shaken, world_of
 
-from walkergen.jobs.selftest.scenes import masses
+from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.simulation import record
 from walkergen.simulation.compliant import steps
 from walkergen.simulation.compliant.chain import (

@@ -9,10 +9,10 @@ import pytest
 
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.design import box, lab, make, search, verify, wish
-from walkergen.jobs.design.box import Box
-from walkergen.jobs.design.lab import Bench, Job
-from walkergen.jobs.design.wish import Wish
+from walkergen.jobs.make.design import box, lab, make, search, verify, wish
+from walkergen.jobs.make.design.box import Box
+from walkergen.jobs.make.design.lab import Bench, Job
+from walkergen.jobs.make.design.wish import Wish
 from walkergen.points import worker_pool
 from walkergen.points.axes import Span
 from walkergen.points.evaluate import evaluate

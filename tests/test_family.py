@@ -10,7 +10,7 @@ import trimesh
 
 from walkergen.errors import OutputError, PlateError
 from walkergen.files import ledger, output, templates
-from walkergen.jobs.family import make as family
+from walkergen.jobs.make.family import make as family
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker import names

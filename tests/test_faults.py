@@ -235,7 +235,7 @@ def _loaded():
     """All that commands import, once, and not in every fork."""
     from walkergen.files import templates
 
-    list(templates.listing())
+    templates.listing()
     for words in (PREDICT, ("--help",)):
         assert CliRunner().invoke(app, words).exit_code == 0
 
@@ -306,13 +306,15 @@ def test_letters_that_a_stream_has_not_are_replaced_and_in_json_escaped(encoding
         import json as plain
 
         from walkergen.cli import show, streams
+        from walkergen.files.report import Report
 
         for name in ("stdout", "__stdout__"):
             setattr(sys, name, io.TextIOWrapper(io.FileIO(1, "w", closefd=False), encoding))
         sys.__stdout__ = sys.stdout
         streams.prepare()
         print("± 3 µm, −1")
-        show.as_json({"Läufer ±": "\udcff"})
+        report = Report(name="r", title="r", tables=[], facts={"Läufer ±": "\udcff"})
+        show.report(report, json=True, quiet=False)
         assert plain.loads('"\\udcff"') == "\udcff"
 
     code, out, told = forked(work)

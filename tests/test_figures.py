@@ -15,13 +15,13 @@ from walkergen.analysis import motion
 from walkergen.analysis.speeds import Measured as Speeds
 from walkergen.analysis.tracks import Track
 from walkergen.files import figures
-from walkergen.jobs.accuracy import figures as precision
-from walkergen.jobs.accuracy.choice_figure import choice_figure, front
-from walkergen.jobs.accuracy.ladder import Ladder, Rung
-from walkergen.jobs.accuracy.setting import Bias, Measured, Setting, Unit
-from walkergen.jobs.analyse import report as analysis
-from walkergen.jobs.family import chart_data
-from walkergen.jobs.family import figures as family
+from walkergen.jobs.make.family import chart_data
+from walkergen.jobs.make.family import figures as family
+from walkergen.jobs.measure.analyse import report as analysis
+from walkergen.jobs.trust.accuracy import figures as precision
+from walkergen.jobs.trust.accuracy.choice_figure import choice_figure, front
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung
+from walkergen.jobs.trust.accuracy.setting import Bias, Measured, Setting, Unit
 from walkergen.points.members import Simulated
 from walkergen.points.track_figure import tracks_figure
 from walkergen.theory.prediction import Curve, Prediction

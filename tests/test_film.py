@@ -9,8 +9,8 @@ from rendered_films import Filmed
 
 from walkergen.analysis import tracks
 from walkergen.files.progress import silent
-from walkergen.jobs.track import appearance, blobs, doubts, make, report
-from walkergen.jobs.track.result import Options
+from walkergen.jobs.measure.track import appearance, blobs, doubts, make, report
+from walkergen.jobs.measure.track.result import Options
 
 
 def sigmoid(low, soft):

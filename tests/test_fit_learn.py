@@ -5,10 +5,10 @@ import pytest
 from scipy import stats
 
 from walkergen.files import templates
-from walkergen.jobs.fit import emulated, identifiability, parameters, posterior
-from walkergen.jobs.fit.emulated import Response
-from walkergen.jobs.fit.parameters import Parameter, values
-from walkergen.jobs.fit.posterior import Observed
+from walkergen.jobs.measure.fit import emulated, identifiability, parameters, posterior
+from walkergen.jobs.measure.fit.emulated import Response
+from walkergen.jobs.measure.fit.parameters import Parameter, values
+from walkergen.jobs.measure.fit.posterior import Observed
 from walkergen.scene import PAPER_CONTACT, Scene
 from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design

@@ -352,14 +352,27 @@ def test_a_family_and_a_file_are_the_commands(run, tmp_path):
         (told,) = (tmp_path / "parts" / form).iterdir()
         path = wg.export(PAPER, tmp_path / f"walker.{form}")
         assert path.read_bytes() == told.read_bytes()
-    with pytest.raises(InputError, match=r"must end in one of \.stl, \.3mf"):
+    run("export", "koumakis2016", "--tilt", "12", "--scene", "plane-90hz", "--format", "mjcf",
+        "--out", "parts", "--quiet")  # fmt: skip
+    path = wg.export(
+        PAPER.variant(tilt_deg=12.0), tmp_path / "moving" / "it.xml", scene="plane-90hz"
+    )
+    for file in (tmp_path / "parts" / "mjcf").iterdir():
+        named = path if file.suffix == ".xml" else path.with_name(file.name)
+        assert named.read_bytes() == file.read_bytes()
+    assert len(list(path.parent.iterdir())) == 4
+    with pytest.raises(InputError, match=r"must end in one of \.stl, \.3mf.* \.xml"):
         wg.export(PAPER, tmp_path / "walker.step")
 
 
 def test_a_family_takes_copies_weights_and_measured_speeds_as_the_command(
     run, tmp_path, monkeypatch
 ):
-    for name in ("files.figures.png", "files.figures.pdf", "jobs.family.preview.preview_figure"):
+    for name in (
+        "files.figures.png",
+        "files.figures.pdf",
+        "jobs.make.family.preview.preview_figure",
+    ):
         monkeypatch.setattr(f"walkergen.{name}", lambda *_: b"undrawn")  # which takes long
     names = ["walker_t05.0_flexible_s0.40", "walker_t10.0_flexible_s0.40"]
     Path("weights.csv").write_text(

@@ -6,7 +6,7 @@ By day `walkergen selftest`, in the README's tour, runs its own; here each is to
 import pytest
 from hard import bounces, cascades, extremes, friction, landings, steps, symmetries
 
-from walkergen.jobs.selftest.catalogue import CASES
+from walkergen.jobs.trust.selftest.catalogue import CASES
 
 MODULES = bounces, cascades, extremes, friction, landings, steps, symmetries
 PLANAR = [case for module in MODULES for case in module.CASES]

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from walkergen.jobs.selftest.scenes import design_of, masses
+from walkergen.jobs.trust.selftest.scenes import design_of, masses
 from walkergen.simulation.relaxed.cascade import cascade
 from walkergen.simulation.relaxed.state import Tensor
 from walkergen.simulation.world import Contact

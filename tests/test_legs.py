@@ -6,7 +6,7 @@ import soundness
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config
-from walkergen.jobs.movie import make as movie
+from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare
 from walkergen.theory.speed import factors

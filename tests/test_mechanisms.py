@@ -8,10 +8,10 @@ import pytest
 
 from walkergen.analysis.values import Value
 from walkergen.files import templates
-from walkergen.jobs.orders import make as orders
-from walkergen.jobs.paper import mechanisms
-from walkergen.jobs.paper.mechanisms import Mechanism
-from walkergen.jobs.paper.sweeps import Point
+from walkergen.jobs.make.check import make as checks
+from walkergen.jobs.trust.reproduce import mechanisms
+from walkergen.jobs.trust.reproduce.mechanisms import Mechanism
+from walkergen.jobs.trust.reproduce.sweeps import Point
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
@@ -53,8 +53,8 @@ def test_template_prints_and_predicts(name):
     design = load(name)
     printer = templates.load("prusa-mk3s", "printers", Printer)
     members = design.members()
-    found = orders.check(members, [1] * len(members), printer)
-    assert not [one for one in found.findings if one.level == "error"]
+    report = checks.check(members, [1] * len(members), printer)
+    assert not [finding for finding in report.findings if finding.level == "error"]
     row = prediction.predict(design, solids.mass_of(design), scene_of(1.0))
     assert "balanced over" in row.note
     if name == "rotator":

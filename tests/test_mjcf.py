@@ -12,7 +12,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.orders import mjcf
+from walkergen.jobs.make.export import mjcf
 from walkergen.scene import Scene
 from walkergen.simulation.plan import prepare
 from walkergen.simulation.space.walker import mobility

@@ -16,8 +16,8 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.movie import bounce, footage, impacts, race
-from walkergen.jobs.movie import make as movie
+from walkergen.jobs.run.movie import bounce, footage, impacts, race
+from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.plan import prepare
@@ -350,8 +350,8 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
     assert result.exit_code == 0, result.output
     name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz.gif"
     assert "koumakis2016, 10°, flexible: " in result.stdout
-    assert f"{name}: 5 frames, 20 a second, 100 times slower" in result.stdout
-    assert "no MP4: ffmpeg is not installed" in result.stdout
+    assert "\n5 frames, 20 a second, 100 times slower\n" in result.stdout
+    assert f"no MP4: ffmpeg is not installed\n{name}\n" in result.stdout
     found = (tmp_path / name).parent.glob("[!.]*")
     assert [path.name for path in found] == [Path(name).name]
 

@@ -13,8 +13,8 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.movie import above, footage, impacts, perspective, raster, shot
-from walkergen.jobs.movie import make as movie
+from walkergen.jobs.run.movie import above, footage, impacts, perspective, raster, shot
+from walkergen.jobs.run.movie import make as movie
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation import poses

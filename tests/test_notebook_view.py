@@ -20,8 +20,8 @@ from test_page_browser import BROWSER, DRIVER, WANTED, browser_at
 import walkergen as wg
 from walkergen.errors import InputError
 from walkergen.files import output, viewer
-from walkergen.jobs.page import contents, members, play
-from walkergen.jobs.page import make as page
+from walkergen.jobs.page.report import contents, members, play
+from walkergen.jobs.page.report import make as page
 from walkergen.shapes import stl
 from walkergen.walker import solids
 

@@ -17,9 +17,9 @@ from walkergen.analysis.values import Value
 from walkergen.errors import InputError
 from walkergen.files import figures as pictures
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, curves, plane, plane_figure, sweeps
-from walkergen.jobs.paper import make as reproduce
-from walkergen.jobs.paper.sweeps import Assumption, Case, Point
+from walkergen.jobs.trust.reproduce import compare, curves, plane, plane_figure, sweeps
+from walkergen.jobs.trust.reproduce import make as reproduce
+from walkergen.jobs.trust.reproduce.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
 from walkergen.simulation.run import Outcome
 from walkergen.walker.design import Design

@@ -14,7 +14,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.orders import order_list
+from walkergen.jobs.make.plate import order_list
 from walkergen.printing import checks, packing, plate_map, plates
 from walkergen.printing.printers import Printer
 from walkergen.walker import names, solids, weights

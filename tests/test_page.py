@@ -20,10 +20,10 @@ import walkergen
 from walkergen.cli import app
 from walkergen.errors import InputError, OutputError
 from walkergen.files import viewer
-from walkergen.jobs.page import chart, chart_data, contents, members, references
+from walkergen.jobs.page.report import chart, chart_data, contents, members, references
 
 ROOT = Path(__file__).parent.parent
-ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "assets"
+ASSETS = Path(walkergen.__file__).parent / "jobs" / "page" / "report" / "assets"
 HOSTILE = "</script><script>alert(1)</script><img src=//example.org/x onerror=alert(1)>"
 
 

@@ -17,8 +17,8 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.page import contents, play
-from walkergen.jobs.page import make as page
+from walkergen.jobs.page.report import contents, play
+from walkergen.jobs.page.report import make as page
 from walkergen.scene import Scene
 from walkergen.simulation import poses
 from walkergen.simulation.plan import prepare

@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from walkergen.published import FACTS, Fact, judge
+from walkergen.jobs.trust.published import FACTS, Fact, judge
 
 VALUE = Fact("a", 2, "around ten", "text", "tilt", "deg", 10.0, 8.0, 12.0, "ours")
 ABOVE = Fact("b", 3, "more than 95%", "text", "share", "%", 95.0, 95.0, math.inf, "stated")

@@ -18,7 +18,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import InputError, PlateError
 from walkergen.files import templates
-from walkergen.jobs.orders import make as batch
+from walkergen.jobs.make.plate import make as batch
 from walkergen.printing import plates
 from walkergen.printing.printers import Printer
 from walkergen.walker import solids
@@ -139,7 +139,7 @@ def test_how_many_fit_is_answered_without_writing(run, tmp_path):
     ]  # fmt: skip
     assert not list(tmp_path.iterdir())
     limited = run("plate", "--how-many", "--max-parts", "40").stdout
-    assert "40 x walker_t10.0_flexible_s0.40" in limited
+    assert " prusa-mk3s   40  walker_t10.0_flexible_s0.40 \n" in limited
     for row in rows:  # the answer is what a plate really holds
         tilt = row["name"].split("_")[1].removeprefix("t")
         words = ("plate", "--tilt", tilt, "--printer", row["printer"], "--no-pictures", "--quiet")
@@ -158,18 +158,18 @@ def test_a_thousand_parts_are_planned_in_one_pass_over_solids_built_once(tmp_pat
 
     def plan(copies):
         order, steps = batch.Order(members, [copies, copies], PRINTERS[:1], pictures=False), []
-        made = batch.make_plates(
+        made = batch.make(
             order, tmp_path / str(copies), lambda *step: steps.append(step[1:]), lambda found: None
         )
-        plans.append((*made, steps))
+        plans.append((made, steps))
 
     monkeypatch.setattr(solids, "build", build)
     half, whole = (executed.lines(lambda copies=copies: plan(copies)) for copies in (250, 500))
     assert built == [*members, *members]
     assert whole < 2.1 * half  # no part is compared with those of another plate: 1.96 measured
-    rows, paths, steps = plans[1]
-    assert len(rows) == 1000
-    own = len(paths) - 1  # the form for weighing lies beside the plates, and is no step
+    report, steps = plans[1]
+    assert len(report.places) == 1000
+    own = len(report.files) - 1  # the form for weighing lies beside the plates, and is no step
     assert steps == [(k, own) for k in range(1, own + 1)]
 
 
@@ -183,7 +183,7 @@ def test_one_command_makes_a_family_of_many_copies_with_its_legend(run, tmp_path
     assert [row["plate"] for row in rows] == ["1"] * 5 + ["2"] * 2
     assert {row["mark"] for row in rows} == {"### # # ## #", "### # # ## ##"}
     told = run("plate", "my.toml", "--copies", "5:1,10:1", "--no-pictures").stdout
-    assert "1 x walker_t10.0_flexible_s0.40  ### # # ## ##" in told
+    assert " 1       walker_t10.0_flexible_s0.40  ### # # ## ## \n" in told
     assert "read from the start" in told
     page = (folder / "family.md").read_text()
     assert "| 10 | `### # # ## ##` |" in page

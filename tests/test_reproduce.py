@@ -12,10 +12,10 @@ from walkergen.analysis.values import Value, mean
 from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.paper import compare, curves, sweeps, theory
-from walkergen.jobs.paper import make as reproduce
-from walkergen.jobs.paper.report import number
-from walkergen.jobs.paper.sweeps import Assumption, Case, Point
+from walkergen.jobs.trust.reproduce import compare, curves, sweeps, theory
+from walkergen.jobs.trust.reproduce import make as reproduce
+from walkergen.jobs.trust.reproduce.report import number
+from walkergen.jobs.trust.reproduce.sweeps import Assumption, Case, Point
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble
 from walkergen.simulation.plan import prepare

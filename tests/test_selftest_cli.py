@@ -9,9 +9,9 @@ from typer.testing import CliRunner
 
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.selftest import catalogue
-from walkergen.jobs.selftest import make as selftest
-from walkergen.jobs.selftest.case import Case, Check
+from walkergen.jobs.trust.selftest import catalogue
+from walkergen.jobs.trust.selftest import make as selftest
+from walkergen.jobs.trust.selftest.case import Case, Check
 
 LAW = ("impact law",)
 

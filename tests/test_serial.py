@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 from walkergen.cli import app
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
-from walkergen.jobs.orders import make as batch
+from walkergen.jobs.make.plate import make as batch
 from walkergen.printing.printers import Printer
 from walkergen.walker import marks, names, solids
 from walkergen.walker.design import Design
@@ -87,7 +87,7 @@ def test_numbers_out_of_range_are_refused(number):
 def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
     members = PAPER.members([5.0, 10.0], ["flexible", "braced"])
     order = batch.Order(members, [2, 1, 1, 2], [PRINTER], pictures=False, serial=98)
-    rows, _ = batch.make_plates(order, tmp_path, lambda *_: None, lambda _: None)
+    rows = batch.make(order, tmp_path, lambda *_: None, lambda _: None).places
     assert [row.copy for row in rows] == list(range(98, 104))
     assert [row.mark for row in rows] == [str(number) for number in range(98, 104)]
     assert all(row.item == f"{row.name}-{row.copy}" for row in rows)

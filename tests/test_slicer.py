@@ -15,7 +15,8 @@ import pytest
 from slicing import Walker, laid_out, print_of, program, sliced, walkers_of
 
 from walkergen.files import templates
-from walkergen.jobs.orders import make as batch
+from walkergen.jobs.make.export import make as exports
+from walkergen.jobs.make.plate import make as batch
 from walkergen.printing import checks, estimate, export, plates, slicer, walls
 from walkergen.printing.packing import Part, Placement, Plate
 from walkergen.printing.printers import Printer
@@ -50,7 +51,8 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     paper = templates.load("koumakis2016", "walkers", Design)
     members = paper.members(TILTS, ["flexible", "braced"])
     order = batch.Order(members, [2] * len(members), [printer], pictures=False)
-    rows, files = batch.make_plates(order, folder, lambda *step: None, lambda findings: None)
+    report = batch.make(order, folder, lambda *step: None, lambda findings: None)
+    rows, files = report.places, report.files
     (model,) = [path for path in files if path.suffix == ".3mf"]
     (model.parent / "yours.ini").write_text(maker.ini(printer))
     printed = print_of(model, model.with_name(f"plate_{printer.name}.ini"))
@@ -139,7 +141,7 @@ def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name
     printer = templates.load("prusa-mk3s", "printers", Printer)
     design = templates.load(name, "walkers", Design)
     order = batch.Order([design], [3], [printer], pictures=False)
-    batch.make_plates(order, tmp_path, lambda *step: None, lambda findings: None)
+    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
     folder = tmp_path / "plates"
     (folder / "yours.ini").write_text(maker.ini(printer))
     model = folder / "plate_prusa-mk3s_1.3mf"
@@ -153,7 +155,7 @@ def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     program("prusa-slicer")
     printer = templates.load("ender3", "printers", Printer)
     order = batch.Order([Design()], [2], [printer], pictures=False)
-    batch.make_plates(order, tmp_path, lambda *step: None, lambda findings: None)
+    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
     (folder / "yours.ini").write_text(maker.ini(printer))
@@ -278,9 +280,7 @@ def test_admesh_finds_every_stl_sound(tmp_path):
     ]
     members += Design.model_validate({"legs": {"foot": "round"}}).members([0.0, 10.0, -30.0])
     seen = set()
-    for index, path in enumerate(
-        batch.export_parts(members, ["stl"], tmp_path, lambda *told: None)
-    ):
+    for index, path in enumerate(exports.make(members, ["stl"], tmp_path, lambda *told: None)):
         # ADMesh prints the header beyond its end, where the number of facets is no text.
         result = subprocess.run(
             [program("admesh"), str(path)],

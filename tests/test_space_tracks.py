@@ -10,7 +10,7 @@ from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.simulate import make, trajectories
+from walkergen.jobs.run.simulate import make, trajectories
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, record, trajectory
 from walkergen.simulation.plan import prepare

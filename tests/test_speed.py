@@ -7,7 +7,7 @@ import pytest
 from scipy.optimize import brentq
 
 from walkergen.errors import TheoryError
-from walkergen.jobs.selftest import scenes
+from walkergen.jobs.trust.selftest import scenes
 from walkergen.theory.impact import Kind, Law, resolve
 from walkergen.theory.speed import LAWS, factor, factors
 from walkergen.theory.tensors import InverseMass, feet

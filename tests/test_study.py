@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.accuracy import choose, report, shape, space_steps, statistics, steps
-from walkergen.jobs.accuracy.ladder import Ladder, Rung, order
-from walkergen.jobs.accuracy.setting import Measured
-from walkergen.jobs.accuracy.speeds import Survey
+from walkergen.jobs.trust.accuracy import choose, report, shape, space_steps, statistics, steps
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, order
+from walkergen.jobs.trust.accuracy.setting import Measured
+from walkergen.jobs.trust.accuracy.speeds import Survey
 from walkergen.points import tolerance
 from walkergen.points.tolerance import Tolerance
 from walkergen.scene import Scene

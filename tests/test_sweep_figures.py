@@ -10,8 +10,8 @@ from matplotlib.text import Text
 
 from walkergen.files import figures as files
 from walkergen.files import key_names
-from walkergen.jobs.sweep import figures, panels, scales
-from walkergen.jobs.sweep.figures import Columns
+from walkergen.jobs.run.sweep import figures, panels, scales
+from walkergen.jobs.run.sweep.figures import Columns
 
 TILT, DRIVE, MU = "legs.tilt_deg", "scene.drive.peak_speed_mm_s", "scene.contact.friction"
 LAW = "scene.contact.law"

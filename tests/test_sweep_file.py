@@ -3,7 +3,7 @@
 import pytest
 
 from walkergen.errors import InputError
-from walkergen.jobs.sweep import sweep_file
+from walkergen.jobs.run.sweep import sweep_file
 from walkergen.points.axes import Axis, Sample, Span
 from walkergen.points.tolerance import Tolerance
 

@@ -16,8 +16,8 @@ from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.output import Folder
-from walkergen.jobs.sweep import budget, make, table
-from walkergen.jobs.sweep.make import Job
+from walkergen.jobs.run.sweep import budget, make, table
+from walkergen.jobs.run.sweep.make import Job
 from walkergen.points import axes, evaluate
 from walkergen.points.request import Request
 from walkergen.points.store import Store

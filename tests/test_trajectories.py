@@ -10,8 +10,8 @@ from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
 from walkergen.errors import InputError
 from walkergen.files.progress import silent
-from walkergen.jobs.simulate import make, trajectories
-from walkergen.jobs.simulate.trajectories import Written
+from walkergen.jobs.run.simulate import make, trajectories
+from walkergen.jobs.run.simulate.trajectories import Written
 from walkergen.scene import Scene
 from walkergen.simulation import poses
 from walkergen.simulation.plan import prepare

@@ -19,7 +19,7 @@ from worlds import (
 )
 
 from walkergen.errors import InputError
-from walkergen.jobs.selftest.scenes import masses
+from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.scene import GRAVITY, Scene
 from walkergen.simulation import record
 from walkergen.simulation.compliant import steps

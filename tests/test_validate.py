@@ -13,7 +13,7 @@ from walkergen.analysis import values
 from walkergen.analysis.values import Value
 from walkergen.cli import app
 from walkergen.errors import InputError
-from walkergen.jobs.validate import (
+from walkergen.jobs.trust.validate import (
     bodies,
     claims_bounce,
     claims_closed,
@@ -24,7 +24,7 @@ from walkergen.jobs.validate import (
     make,
     page,
 )
-from walkergen.jobs.validate.claim import Claim, Effort, exact, missing
+from walkergen.jobs.trust.validate.claim import Claim, Effort, exact, missing
 from walkergen.theory import speed, tensors
 from walkergen.theory.tensors import InverseMass
 

@@ -6,9 +6,9 @@ import sys
 import numpy as np
 import pytest
 
+import walkergen as wg
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.jobs.orders import make as orders
 from walkergen.printing import packing, plates
 from walkergen.printing.printers import Printer
 from walkergen.shapes import meshes, threemf
@@ -70,7 +70,7 @@ def test_the_stl_holds_what_the_3mf_holds():
 @pytest.mark.usefixtures("missing")
 def test_what_needs_3mf_is_refused_in_a_line(tmp_path):
     for ask in (
-        lambda: orders.export_part(PAPER, tmp_path / "one.3mf"),
+        lambda: wg.export(PAPER, tmp_path / "one.3mf"),
         lambda: dict(plates.files(arranged([1, 1]), "plate", False, prusaslicer=True)),
         lambda: threemf.read(b"PK", "robot.3mf"),
     ):

@@ -2,7 +2,7 @@
 
 import math
 
-from walkergen.jobs.selftest.scenes import masses
+from walkergen.jobs.trust.selftest.scenes import masses
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.compliant import state as hinged

@@ -3,7 +3,7 @@
 import math
 from typing import Any
 
-from walkergen.jobs.selftest.scenes import Array, masses, scene_of
+from walkergen.jobs.trust.selftest.scenes import Array, masses, scene_of
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.model import Plan

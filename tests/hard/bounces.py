@@ -7,8 +7,8 @@ from fractions import Fraction
 import numpy as np
 
 from hard import COMPLIANT, EVERY, RIGID, THREE_COORDINATES, fall_time, lift, with_legs
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import HALF, STILL, TALL, Array, advance, plan_of, shaken
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import HALF, STILL, TALL, Array, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI, velocity

@@ -5,8 +5,8 @@ from collections.abc import Iterator
 
 import numpy as np
 
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import design_of, masses
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import design_of, masses
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.relaxed.cascade import Landing, cascade, stopping_impulse
 from walkergen.simulation.relaxed.state import Tensor

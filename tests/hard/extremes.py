@@ -9,8 +9,8 @@ import numpy as np
 from hard import COMPLIANT, EVERY, RIGID, lift, with_legs
 from hard.survival import survives
 from walkergen.errors import InputError
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, shaken
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation import record
 from walkergen.simulation.drive import velocity

@@ -8,8 +8,8 @@ import numpy as np
 
 from hard import EVERY, lift, with_legs
 from hard.survival import survives
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, advance, plan_of, shaken
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import STILL, advance, plan_of, shaken
 from walkergen.scene import GRAVITY
 from walkergen.simulation.run import Outcome
 from walkergen.simulation.world import MODE_BACK, MODE_FRONT, PITCH, STICK, V_X, V_Y, X

@@ -16,8 +16,8 @@ from hard import (
     lift,
     with_legs,
 )
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, plan_of, shaken
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, plan_of, shaken
 from walkergen.simulation.compliant.chain import LOOSE, chain_of
 from walkergen.simulation.compliant.flight import clear_time
 from walkergen.simulation.model import Plan

@@ -6,8 +6,8 @@ from typing import Any
 import numpy as np
 
 from hard import COMPLIANT, drawn
-from walkergen.jobs.selftest.case import Case, Check, exactly
-from walkergen.jobs.selftest.scenes import STILL, Array, advance, shaken
+from walkergen.jobs.trust.selftest.case import Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import STILL, Array, advance, shaken
 from walkergen.simulation.model import Plan
 from walkergen.simulation.run import ENDED_WELL, Outcome, simulate
 

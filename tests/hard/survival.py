@@ -5,8 +5,8 @@ from collections.abc import Iterator
 import numpy as np
 
 from hard import energy_error, lift
-from walkergen.jobs.selftest.case import Check, exactly
-from walkergen.jobs.selftest.scenes import advance
+from walkergen.jobs.trust.selftest.case import Check, exactly
+from walkergen.jobs.trust.selftest.scenes import advance
 from walkergen.simulation import record
 from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.model import Plan

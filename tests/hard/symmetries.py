@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 
 from hard import COMPLIANT, EVERY, THREE_COORDINATES, lift
-from walkergen.jobs.selftest.case import Case, Check
-from walkergen.jobs.selftest.scenes import (
+from walkergen.jobs.trust.selftest.case import Case, Check
+from walkergen.jobs.trust.selftest.scenes import (
     STILL,
     Array,
     advance,
@@ -17,7 +17,7 @@ from walkergen.jobs.selftest.scenes import (
     scene_of,
     shaken,
 )
-from walkergen.jobs.selftest.scenes import masses as masses_of
+from walkergen.jobs.trust.selftest.scenes import masses as masses_of
 from walkergen.simulation.compliant.chain import chain_of, mobility_of
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare

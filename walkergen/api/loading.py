@@ -6,7 +6,7 @@ from pathlib import Path
 from typing import Any, Literal, TypeVar, overload
 
 from walkergen.errors import InputError
-from walkergen.files import config, report
+from walkergen.files import config
 from walkergen.files import templates as shipped
 from walkergen.files.config import Section
 from walkergen.files.report import Table
@@ -62,7 +62,7 @@ def load(name: Name, kind: str | None = None) -> Any:
 
 def templates() -> Table:
     """Table of the shipped walkers, scenes and printers: kind, name, description."""
-    return report.table("templates", shipped.listing(), title="templates")
+    return shipped.listing().table
 
 
 def walker_of(design: Walker) -> Design:

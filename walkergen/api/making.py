@@ -20,9 +20,9 @@ from walkergen.api.loading import (
 from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.family import make as families
-from walkergen.jobs.family.report import FamilyReport
-from walkergen.jobs.orders import make as batch
+from walkergen.jobs.make.export import make as exports
+from walkergen.jobs.make.family import make as families
+from walkergen.jobs.make.family.report import FamilyReport
 from walkergen.printing import checks
 from walkergen.printing.checks import Finding
 from walkergen.printing.packing import MOST_PARTS
@@ -127,14 +127,13 @@ def _measured(
     return measured, [f"{path}: {measured.bad}"] if measured.bad else []
 
 
-def export(design: Walker, path: str | os.PathLike[str]) -> Path:
-    """Write a walker as the STL, 3MF, DXF or SVG file that the path's ending names.
+def export(design: Walker, path: str | os.PathLike[str], *, scene: Ground = SCENE) -> Path:
+    """Write a walker as the STL, 3MF, DXF or SVG file that the path's ending names, or for MuJoCo.
 
-    Solids lie as they print. Raises InputError for other endings, OutputError.
+    Solids lie as they print. A path that ends in .xml is MJCF of the walker in the scene, its STL
+    files beside it; other files have no scene. Raises InputError for other endings and for scenes
+    that MJCF cannot hold, OutputError.
     """
     target = Path(path)
-    if target.suffix.removeprefix(".").lower() not in batch.FORMATS:
-        endings = ", ".join(f".{form}" for form in batch.FORMATS)
-        raise InputError(f"{str(path)!r}: must end in one of {endings}")
-    batch.export_part(walker_of(design), target)
+    exports.one(walker_of(design), target, scene_of(scene))
     return target

@@ -4,8 +4,8 @@ from collections.abc import Iterable
 
 from walkergen.api.loading import Ground, Walker, members_of, scene_of, walker_of
 from walkergen.errors import InputError
-from walkergen.jobs.predict import make
-from walkergen.jobs.predict.report import PredictReport
+from walkergen.jobs.run.predict import make
+from walkergen.jobs.run.predict.report import PredictReport
 from walkergen.theory.speed import MODES, Mode
 from walkergen.walker.limbs import Kind
 

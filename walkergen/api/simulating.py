@@ -4,8 +4,8 @@ from walkergen.api.loading import Ground, Walker, one_of, scene_of
 from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.simulate import make, report
-from walkergen.jobs.simulate.report import SimulationReport
+from walkergen.jobs.run.simulate import make, report
+from walkergen.jobs.run.simulate.report import SimulationReport
 from walkergen.points.tolerance import parse
 from walkergen.walker import solids
 from walkergen.walker.limbs import Kind

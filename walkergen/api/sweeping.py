@@ -13,9 +13,9 @@ from walkergen.api.loading import Ground, Machine, Walker, printer_of, scene_of,
 from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.sweep import ask, make
-from walkergen.jobs.sweep.ask import Ask
-from walkergen.jobs.sweep.report import SweepReport
+from walkergen.jobs.run.sweep import ask, make
+from walkergen.jobs.run.sweep.ask import Ask
+from walkergen.jobs.run.sweep.report import SweepReport
 from walkergen.points import axes, tolerance, worker_pool
 from walkergen.points.axes import Sample, Space, Span
 from walkergen.points.point import PREDICTION

@@ -6,9 +6,9 @@ from pathlib import Path
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.track import make
-from walkergen.jobs.track.report import TrackReport
-from walkergen.jobs.track.result import Options
+from walkergen.jobs.measure.track import make
+from walkergen.jobs.measure.track.report import TrackReport
+from walkergen.jobs.measure.track.result import Options
 
 
 def track(

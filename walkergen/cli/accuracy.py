@@ -32,7 +32,7 @@ def accuracy(
     quiet: opt.Quiet = False,
 ) -> None:
     """Measure what accuracy costs in time: models, steps, statistics, shape."""
-    from walkergen.jobs.accuracy import make as study
+    from walkergen.jobs.trust.accuracy import make as study
     from walkergen.walker import names
 
     chosen = study.check(only)

@@ -45,7 +45,7 @@ def analyse(
     from walkergen.analysis.tracks import Units
     from walkergen.files import output
     from walkergen.files.measured import measured
-    from walkergen.jobs.analyse import make
+    from walkergen.jobs.measure.analyse import make
 
     folder = output.results(file, out, "analysis")
     scale, scale_se = measured(mm_per_px, "--mm-per-px")

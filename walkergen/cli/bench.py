@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 
     from walkergen.files.progress import Progress
     from walkergen.files.report import Report
-    from walkergen.jobs.bench.make import Drop, Test
+    from walkergen.jobs.measure.bench.make import Drop, Test
     from walkergen.walker.design import Design
 
 app = typer.Typer(
@@ -82,7 +82,7 @@ def drop(
 ) -> None:
     """Drop a walker on a still plate: from its rebound to the restitution of its feet."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.bench import make
+    from walkergen.jobs.measure.bench import make
 
     if movie is not None and movie.suffix.lower() != ".gif":
         raise InputError(f"--movie {str(movie)[:80]!r}: must end in .gif (the MP4 comes beside it)")
@@ -109,7 +109,7 @@ def drop(
 
 def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     """Film the first of the drops from the hand, from the release to where it rises no more."""
-    from walkergen.jobs.movie import make as movies
+    from walkergen.jobs.run.movie import make as movies
     from walkergen.points import drops, resting
 
     let = drops.from_hand(how.height, how.turn_deg, how.drops, test.scene.run.seed)[0]
@@ -141,7 +141,7 @@ def slide(
 ) -> None:
     """Tilt a still plate until the walker slides: from that slope to the friction of its feet."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.bench import make
+    from walkergen.jobs.measure.bench import make
 
     inputs = loading.inputs(keys, "design scene")
     chosen = inputs.one(design, tilt, legs)
@@ -181,7 +181,7 @@ def pluck(
 ) -> None:
     """Pluck a leg, its body held: from its tone to Young's modulus, from its decay to damping."""
     from walkergen.analysis import inverse
-    from walkergen.jobs.bench import make
+    from walkergen.jobs.measure.bench import make
 
     inputs = loading.inputs(keys, "design scene")
     chosen = inputs.one(design, tilt, legs)
@@ -200,7 +200,7 @@ def _report(
     test: "Callable[[Path, Progress], Report]",
 ) -> None:
     """Make a test's report in `out`, or below out/ and the walker's name, and print it."""
-    from walkergen.jobs.bench import make
+    from walkergen.jobs.measure.bench import make
 
     folder = out or make.folder_of(what, design)
     with show.progress(f"bench {what}", wanted=not quiet) as progress:

@@ -54,7 +54,7 @@ def calibrate(
     walker is simulated (a minute), the rest takes a second.
     """
     from walkergen.files import output
-    from walkergen.jobs.calibration import make
+    from walkergen.jobs.measure.calibrate import make
 
     inputs = loading.inputs(keys, "design scene", seed=seed)
     walker, surroundings = inputs.one(design, tilt, legs), inputs.scene(scene)

@@ -60,9 +60,9 @@ def design(
     quiet: opt.Quiet = False,
 ) -> None:
     """Find designs that meet a wish: predictions first, then simulations, then a fresh run."""
-    from walkergen.jobs.design import box, make
-    from walkergen.jobs.design import wish as wishes
-    from walkergen.jobs.design.lab import Bench, Job
+    from walkergen.jobs.make.design import box, make
+    from walkergen.jobs.make.design import wish as wishes
+    from walkergen.jobs.make.design.lab import Bench, Job
     from walkergen.points import tolerance
     from walkergen.points.store import Store
 

@@ -37,20 +37,23 @@ def export(
     quiet: opt.Quiet = False,
 ) -> None:
     """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
-    from walkergen.jobs.orders import make as batch
+    from walkergen.jobs.make.export import make as exports
 
-    wanted, allowed = [word.strip() for word in formats.split(",")], (*batch.FORMATS, batch.MJCF)
+    wanted, allowed = (
+        [word.strip() for word in formats.split(",")],
+        (*exports.FORMATS, exports.MJCF),
+    )
     for word in wanted:
         if word not in allowed:
             raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(allowed)}")
-    moving = batch.MJCF in wanted
+    moving = exports.MJCF in wanted
     if scene is not None and not moving:
-        raise InputError(f"--scene {scene[:60]}: only --format {batch.MJCF} has a scene")
+        raise InputError(f"--scene {scene[:60]}: only --format {exports.MJCF} has a scene")
     inputs = loading.inputs(keys, "design scene" if moving else "design")
     ground = inputs.scene(scene or opt.SCENE) if moving else None
     chosen = inputs.design(design)
     members = inputs.members(chosen, tilt, legs, whole=False)
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
-        files = batch.export_parts(members, wanted, folder, progress, ground)
-    show.files(files, json, quiet)
+        report = exports.make(members, wanted, folder, progress, ground)
+    show.report(report, json, quiet)

@@ -52,7 +52,7 @@ def family(
     quiet: opt.Quiet = False,
 ) -> None:
     """Make a family of walkers: STL files, plates, predicted speeds, pictures."""
-    from walkergen.jobs.family import make as families
+    from walkergen.jobs.make.family import make as families
 
     inputs = loading.inputs(
         keys, "design scene printer",

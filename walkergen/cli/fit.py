@@ -64,7 +64,7 @@ def fit(
     scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
-    from walkergen.jobs.fit import request
+    from walkergen.jobs.measure.fit import request
 
     simulated = model in ("compliant", "space")
     if seed is not None and model == "theory":

@@ -1,16 +1,13 @@
 """The command `movie`."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated
 
 import typer
 
 from walkergen.cli import loading, show
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
-
-if TYPE_CHECKING:
-    from walkergen.jobs.movie.make import Job, Made
 
 
 def movie(
@@ -59,7 +56,8 @@ def movie(
     A walker in space is seen in perspective in a lane, in slow motion, and from above on a plane,
     as are several; --view above or --view perspective says otherwise.
     """
-    from walkergen.jobs.movie import make as movies
+    from walkergen.jobs.run.movie import make as movies
+    from walkergen.jobs.run.movie import report
 
     if out is not None and out.suffix.lower() != ".gif":
         raise InputError(f"--out {str(out)[:80]!r}: must end in .gif (the MP4 comes beside it)")
@@ -76,35 +74,4 @@ def movie(
     path = out or Path("out") / chosen.name / movies.file_name(job)
     with show.progress("movie", wanted=not quiet) as progress:
         film = movies.make(job, path, progress, named=out is not None)
-    if json:
-        show.as_json(
-            {
-                "gif": str(film.gif),
-                "mp4": None if film.mp4 is None else str(film.mp4),
-                "without_mp4": film.without_mp4,
-                "frames": film.frames,
-                "fps": job.fps,
-                "slow": job.slow,
-                "view": job.view,
-                "walkers": [
-                    {"name": shot.name, "model": shot.model, "seconds": shot.times[-1],
-                     "distance_mm": shot.distance, "impacts": len(shot.impacts),
-                     "ended": shot.ended}
-                    for shot in film.footage
-                ],
-            }
-        )  # fmt: skip
-    elif not quiet:
-        _show(job, film)
-
-
-def _show(job: "Job", film: "Made") -> None:
-    from walkergen.jobs.movie.footage import pace
-
-    for shot in film.footage:
-        seconds, distance = shot.times[-1], shot.distance
-        ended = f"; {shot.ended}" if shot.ended else ""
-        print(f"{shot.name}: {distance:.2f} mm in {seconds:.3g} s, {distance / seconds:.1f} mm/s, "
-              f"{len(shot.impacts)} impacts{ended}")  # fmt: skip
-    print(f"{film.gif}: {film.frames} frames, {job.fps} a second, {pace(job.slow)}")
-    print(film.mp4 if film.mp4 is not None else f"no MP4: {film.without_mp4}")
+    show.report(report.of(job, film), json, quiet)

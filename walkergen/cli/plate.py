@@ -1,7 +1,7 @@
 """The command `plate`."""
 
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
@@ -13,9 +13,7 @@ from walkergen.cli import options as opt
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.jobs.calibration.plate import Order
-    from walkergen.jobs.orders.make import Room
-    from walkergen.printing.plates import Place
+    from walkergen.jobs.measure.calibrate.plate import Order
     from walkergen.walker.design import Design
 
 
@@ -83,8 +81,8 @@ def plate(
     ruler and a phone for `walkergen calibrate`.
     """
     from walkergen.files import output
-    from walkergen.jobs.calibration import plate as plates
-    from walkergen.jobs.orders import make as batch
+    from walkergen.jobs.make.plate import make as plates
+    from walkergen.jobs.measure.calibrate import plate as calibration_plate
 
     inputs = loading.inputs(keys, "design printer")
     if calibration:
@@ -93,7 +91,9 @@ def plate(
         _refuse("--calibration makes a plate of its own", beside)
         walker = inputs.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
         machines = inputs.printers(printers)
-        to_measure = plates.Order(walker, machines, max_plates, pictures, prusaslicer, strict)
+        to_measure = calibration_plate.Order(
+            walker, machines, max_plates, pictures, prusaslicer, strict
+        )
         _calibrate(to_measure, out or Path("out") / walker.name, json, quiet)
         return
     if orders is not None:
@@ -112,45 +112,30 @@ def plate(
         name = chosen.name
     machines = inputs.printers(printers)
     if how_many:
-        room = batch.how_many(members, machines, max_parts)
-        if json:
-            show.rows_as_json(room)
-        else:
-            _show_room(room)
+        show.report(plates.how_many(members, machines, max_parts), json, quiet=False)
         return
     folder = out or Path("out") / name
-    order = batch.Order(
+    order = plates.Order(
         members, counts, machines, max_plates, max_parts, pictures, prusaslicer, serial, strict
     )
     with show.progress(name, wanted=not quiet) as progress:
         tell = partial(show.warnings, quiet=quiet)
-        rows, files = batch.make_plates(order, folder, progress, tell)
-    if json:
-        show.rows_as_json(rows, files=files)
-    elif not quiet:
-        _show_placements(rows, files, members)
-        if serial is not None:
-            print(f"copies bear numbers {serial} to {serial + sum(counts) - 1}, last in each mark")
+        report = plates.make(order, folder, progress, tell)
+    show.report(report, json, quiet)
     show.kept_forms(folder, members)
 
 
 def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
     """Make a calibration plate, and print what lies on it and where its files are."""
-    from walkergen.jobs.calibration import form
-    from walkergen.jobs.calibration import plate as plates
+    from walkergen.jobs.measure.calibrate import form
+    from walkergen.jobs.measure.calibrate import plate as plates
 
     with show.progress("calibration", wanted=not quiet) as progress:
-        rows, files = plates.make(order, folder, progress, partial(show.warnings, quiet=quiet))
+        report = plates.make(order, folder, progress, partial(show.warnings, quiet=quiet))
     kept = folder / plates.STEM / form.FILE
-    if kept not in files:
+    if kept not in report.files:
         print(f"{kept}: somebody has written in it: left as it is", file=sys.stderr)
-    if json:
-        show.rows_as_json(rows, files=files)
-    elif not quiet:
-        for row in rows:
-            print(f"{row.printer}, plate {row.plate}: {row.item}")
-        print("\n".join(str(path) for path in files))
-        print(f"measure by the sheet (.md), fill in {form.FILE}, then: walkergen calibrate {kept}")
+    show.report(report, json, quiet)
 
 
 def _one_tilt(text: str | None) -> float | None:
@@ -174,38 +159,7 @@ def _refuse(why: str, flags: "Mapping[str, object]") -> None:
 
 def _ordered(path: Path, flags: "Mapping[str, object]") -> "tuple[list[Design], list[int]]":
     """Read an order list. Raises InputError for what is `given` beside it on the command line."""
-    from walkergen.jobs.orders import order_list
+    from walkergen.jobs.make.plate import order_list
 
     _refuse(f"--orders {str(path)[:80]!r} names designs, tilts, legs and copies", flags)
     return order_list.read(path)
-
-
-def _show_placements(
-    rows: "Sequence[Place]", paths: Sequence[Path], members: "Sequence[Design]"
-) -> None:
-    """Print the number of copies of each part on each plate, the files, and how to read marks."""
-    from walkergen.walker import names
-
-    counts: dict[tuple[str, int, str], list[str]] = {}
-    for row in rows:
-        counts.setdefault((row.printer, row.plate, row.name), []).append(row.mark)
-    for printer, number in dict.fromkeys((row.printer, row.plate) for row in rows):
-        print(f"{printer}, plate {number}")
-        for (machine, plate, name), marks in counts.items():
-            if (machine, plate) == (printer, number):
-                mark = names.span(marks)
-                print(f"  {len(marks):4d} x {name}" + (f"  {mark}" if mark else ""))
-    print("\n".join(str(path) for path in paths))
-    for printer in dict.fromkeys(row.printer for row in rows):
-        own = [row.plate for row in rows if row.printer == printer]
-        count = max(own)
-        print(f"{printer}: {len(own)} parts on {count} plate{'s' if count > 1 else ''}")
-    for advice in dict.fromkeys(names.how_to_read(design.marks) for design in members):
-        if advice:
-            print(advice)
-
-
-def _show_room(rows: "Sequence[Room]") -> None:
-    """Print how many copies of each walker fit on one plate of each printer."""
-    for row in rows:
-        print(f"{row.printer:14s}  {row.fit:5d} x {row.name}")

@@ -24,7 +24,7 @@ def predict(
 
     With --uncertain it says, for each, which input to measure next to narrow the bounds.
     """
-    from walkergen.jobs.predict import make
+    from walkergen.jobs.run.predict import make
 
     inputs = loading.inputs(
         keys, "design scene",

@@ -11,7 +11,7 @@ from walkergen.cli import options as opt
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.jobs.page.contents import Contents
+    from walkergen.jobs.page.report.contents import Contents
     from walkergen.scene import Scene
 
 
@@ -39,8 +39,8 @@ def report(
     """
     from walkergen import __version__
     from walkergen.files import output
-    from walkergen.jobs.page import contents
-    from walkergen.jobs.page import make as page
+    from walkergen.jobs.page.report import contents
+    from walkergen.jobs.page.report import make as page
 
     inputs = loading.inputs(keys, "scene")
     if run is None and inputs.values:
@@ -56,29 +56,16 @@ def report(
     output.check_ours(target)
     played = None if scene is None else _played(contents_of, scene, tilt, legs)
     output.renew(target, page.render(contents_of, __version__, played))
-    _show_page(target, contents_of, json)
+    show.report(page.report_of(target, contents_of), json, quiet=False)
 
 
 def _played(
     contents_of: "Contents", scene: "Scene", tilt: float | None, legs: str | None
 ) -> "dict[str, Any]":
     """Simulate the member that the command line asks for."""
-    from walkergen.jobs.page import play
+    from walkergen.jobs.page.report import play
 
     kinds = [None] if legs is None else variants.parse_kinds(legs)
     if len(kinds) != 1:
         raise InputError(f"--legs {legs!r}: one kind at a time")
     return play.simulate(contents_of.manifest, scene, tilt, kinds[0])
-
-
-def _show_page(path: Path, contents_of: "Contents", json: bool) -> None:
-    """Print where the page is, and which of the family's files were changed or are missing."""
-    changed, missing = contents_of.named("changed"), contents_of.named("missing")
-    if json:
-        show.as_json({"file": str(path), "changed": changed, "missing": missing})
-        return
-    for name in changed:
-        print(f"{name}: changed since the family was made")
-    for name in missing:
-        print(f"{name}: missing")
-    print(f"{path}: {path.stat().st_size / 1e6:.1f} MB, opens in any browser, offline")

@@ -30,7 +30,7 @@ def reproduce(
     quiet: opt.Quiet = False,
 ) -> None:
     """Compare the paper's figures and mechanisms with theory and simulation (takes minutes)."""
-    from walkergen.jobs.paper import make as side_by_side
+    from walkergen.jobs.trust.reproduce import make as side_by_side
 
     inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
     inputs.refuse(

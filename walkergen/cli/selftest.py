@@ -18,8 +18,8 @@ def selftest(
     quiet: opt.Quiet = False,
 ) -> None:
     """Run the hard cases, each with an exact outcome or an invariant; exit code 1 if any fails."""
-    from walkergen.jobs.selftest import make as hard
-    from walkergen.jobs.selftest import report
+    from walkergen.jobs.trust.selftest import make as hard
+    from walkergen.jobs.trust.selftest import report
 
     jobs = hard.choose(only)
     with show.progress("selftest", wanted=not quiet) as progress:

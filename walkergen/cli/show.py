@@ -15,12 +15,11 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from walkergen.files.report import Report
-    from walkergen.files.templates import Entry
     from walkergen.printing.checks import Finding
     from walkergen.walker.design import Design
 
 
-def as_json(data: dict[str, Any]) -> None:
+def _as_json(data: dict[str, Any]) -> None:
     """Print JSON, refusing NaN and infinity, which JSON does not have.
 
     Letters that the stream's encoding has not are escaped, not replaced: no name is lost.
@@ -31,28 +30,6 @@ def as_json(data: dict[str, Any]) -> None:
     except UnicodeEncodeError:
         text = json.dumps(data, indent=2)
     print(text)
-
-
-def rows_as_json(
-    rows: Sequence[Any], *more: Sequence[Any], files: Sequence[Path] = ()
-) -> None:  # fmt: skip
-    """Print {"rows": [...]} of named tuples, each row joined with those of `more`, and of files."""
-    listed = [row._asdict() for row in rows]
-    for table in more:
-        for row, extra in zip(listed, table, strict=False):
-            row |= extra._asdict()
-    data: dict[str, Any] = {"rows": listed}
-    if files:
-        data["files"] = [str(path) for path in files]
-    as_json(data)
-
-
-def files(paths: Sequence[Path], json: bool, quiet: bool) -> None:
-    """Print the paths of the files written, one per line or as JSON."""
-    if json:
-        as_json({"files": [str(path) for path in paths]})
-    elif not quiet:
-        print("\n".join(str(path) for path in paths))
 
 
 def table(content: "Table", width: int | None = None) -> None:
@@ -74,7 +51,7 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
         print(f"warning: {warning}", file=sys.stderr)
     folder = {} if result.folder is None else {"folder": str(result.folder)}
     if json:
-        as_json({**result.facts, **folder})
+        _as_json({**result.facts, **folder})
     elif not quiet:
         if result.caption:
             text(result.caption)
@@ -84,6 +61,8 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
                 text(note)
         for line in result.lines:
             text(line)
+        for path in result.files:
+            print(path)
         if folder:
             print(f"written into {result.folder}/")
 
@@ -112,15 +91,6 @@ def kept_forms(folder: Path, members: "Sequence[Design]") -> None:
         path = folder / weights.form(members, name)
         if weights.filled(path):
             print(f"{path}: somebody has written in it: left as it is", file=sys.stderr)
-
-
-def templates(rows: "Sequence[Entry]") -> None:
-    """Print the names and descriptions of the shipped templates, by kind."""
-    for kind in dict.fromkeys(row.kind for row in rows):
-        print(kind)
-        for row in rows:
-            if row.kind == kind:
-                print(f"  {row.name:18s}  {row.description}")
 
 
 FIRST_S, NEXT_S = 5.0, 15.0

@@ -74,7 +74,7 @@ def simulate(
 
     Several tilts, or both kinds of legs, make a table.
     """
-    from walkergen.jobs.simulate import make, report, trajectories
+    from walkergen.jobs.run.simulate import make, report, trajectories
     from walkergen.points.tolerance import parse
     from walkergen.walker import solids
 
@@ -140,7 +140,7 @@ def _simulate_several(scene: "Scene", members: "Sequence[Design]", json: bool, q
 
     Raises InputError for one that cannot be simulated, before any is.
     """
-    from walkergen.jobs.simulate import several
+    from walkergen.jobs.run.simulate import several
 
     wanted, rows = several.asked(scene, members), []
     with show.progress("simulate", wanted=not quiet) as progress:
@@ -160,8 +160,8 @@ def _simulate_uncertain(
     scene: "Scene", design: "Design", draws: int, out: Path | None, json: bool, quiet: bool
 ) -> None:
     """Simulate uncertain prints and print their speeds, with what to measure next."""
-    from walkergen.jobs.simulate import prints
-    from walkergen.jobs.simulate import uncertain as drawing
+    from walkergen.jobs.run.simulate import prints
+    from walkergen.jobs.run.simulate import uncertain as drawing
 
     with show.progress("simulate", wanted=not quiet) as progress:
         measured = drawing.measure(scene, design, draws, progress)

@@ -12,7 +12,7 @@ from walkergen.cli.worker_pools import Workers, pool_of
 from walkergen.errors import InputError
 
 if TYPE_CHECKING:
-    from walkergen.jobs.sweep.ask import Ask
+    from walkergen.jobs.run.sweep.ask import Ask
     from walkergen.points.request import Request
     from walkergen.points.store import Store
     from walkergen.points.worker_pool import WorkerPool
@@ -87,7 +87,7 @@ def sweep(
     quiet: opt.Quiet = False,
 ) -> None:
     """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
-    from walkergen.jobs.sweep import ask, make
+    from walkergen.jobs.run.sweep import ask, make
     from walkergen.points.point import PREDICTION
     from walkergen.points.store import Store
 
@@ -119,7 +119,7 @@ def _ask(
     error: str | None, sample: str | None, seed: int, keep: str,
 ) -> "Ask":  # fmt: skip
     """Sweep that a command line asks for. Raises InputError."""
-    from walkergen.jobs.sweep import ask
+    from walkergen.jobs.run.sweep import ask
     from walkergen.points.tolerance import parse
 
     space, constants = ask.space_of(values, sample, seed)
@@ -139,7 +139,7 @@ def _check_file(**flags: object) -> None:
 
 def _check_cost(request: "Request", store: "Store", pool: "WorkerPool | None", yes: bool) -> None:
     """Say what a large sweep costs and refuse it without --yes. Raises InputError."""
-    from walkergen.jobs.sweep import cost
+    from walkergen.jobs.run.sweep import cost
 
     if yes or request.space.points <= cost.UNASKED:
         return

@@ -36,11 +36,7 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
         return
     from walkergen.files import templates
 
-    rows = templates.listing()
-    if json:
-        show.rows_as_json(rows)
-    else:
-        show.templates(rows)
+    show.report(templates.listing(), json, quiet=False)
 
 
 @app.command("show", cls=Command, epilog=epilog("templates show"))

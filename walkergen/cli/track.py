@@ -60,8 +60,8 @@ def track(
     """
     from walkergen.files import output
     from walkergen.files.measured import measured
-    from walkergen.jobs.track import make
-    from walkergen.jobs.track.result import Options
+    from walkergen.jobs.measure.track import make
+    from walkergen.jobs.measure.track.result import Options
 
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
     long, long_se = measured(length, "--length")

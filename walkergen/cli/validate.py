@@ -26,8 +26,8 @@ def validate(
     quiet: opt.Quiet = False,
 ) -> None:
     """Put every prediction beside what is known outside: number, error, source, verdict."""
-    from walkergen.jobs.validate import make
-    from walkergen.jobs.validate.claim import Effort
+    from walkergen.jobs.trust.validate import make
+    from walkergen.jobs.trust.validate.claim import Effort
 
     groups = make.choose(only)
     folder = out or Path("out") / "validation"

@@ -225,6 +225,8 @@ class Report:
     """What went wrong or may mislead; on the error stream of a command."""
     figures: "Mapping[str, Callable[[], Figure]]" = field(default_factory=dict)
     """What draws each figure, by the stems of their files."""
+    files: Sequence[Path] = ()
+    """Files that people are told of, a line each."""
     folder: Path | None = None
     """Where it was written."""
 

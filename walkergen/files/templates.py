@@ -8,7 +8,9 @@ from typing import NamedTuple
 import tomli_w
 
 from walkergen.errors import InputError
+from walkergen.files import report
 from walkergen.files.config import Model, Section, read
+from walkergen.files.report import Report
 
 KINDS = ("walkers", "scenes", "printers")
 
@@ -92,11 +94,17 @@ def dump(model: Section, comment: str, every: bool = True) -> str:
     return f"# {line}\n\n" + tomli_w.dumps(data)
 
 
-def listing() -> list[Entry]:
-    """Every template with its description."""
+def listing() -> Report:
+    """Every template with its description, kind by kind."""
     entries = []
     for kind in KINDS:
         for name in names(kind):
             data = tomllib.loads((folder() / kind / f"{name}.toml").read_text(encoding="utf-8"))
             entries.append(Entry(kind, name, data["description"]))
-    return entries
+    columns = [report.text(key, key) for key in Entry._fields]
+    return Report(
+        name="templates",
+        title="Shipped templates",
+        tables=[report.table("templates", entries, columns)],
+        facts={"rows": [entry._asdict() for entry in entries]},
+    )

@@ -1,1 +1,1 @@
-"""Jobs: what each command makes. No job imports another."""
+"""Jobs: what each command makes, in five wings. No job imports another."""

@@ -1,1 +1,1 @@
-"""The job `report`: a family on one HTML page that opens offline."""
+"""The wing of the job that shows a family in a browser."""

@@ -1,0 +1,1 @@
+"""The wing of jobs that make walkers: their files, plates and designs."""

@@ -1,0 +1,1 @@
+"""The job `check`: whether walkers will print as designed, without any file."""

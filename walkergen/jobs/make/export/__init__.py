@@ -1,0 +1,1 @@
+"""The job `export`: single walkers as files of any format."""

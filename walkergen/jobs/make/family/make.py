@@ -1,0 +1,192 @@
+"""The main job: from one design to solids, STL, plates, predicted speeds, pictures in a folder."""
+
+import math
+import time
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+from types import MappingProxyType
+from typing import Any, NamedTuple
+
+from walkergen.analysis.speeds import SAME_PLATE, Measured
+from walkergen.errors import GeometryError
+from walkergen.files.output import Folder, versions
+from walkergen.files.progress import Progress
+from walkergen.jobs.make.family import chart_data, report, runs
+from walkergen.jobs.make.family.chart_data import ChartData
+from walkergen.jobs.make.family.report import FamilyReport
+from walkergen.points import members
+from walkergen.points.members import Member
+from walkergen.printing import checks, export, plates, sheet
+from walkergen.printing import packing as plate
+from walkergen.printing.checks import Finding
+from walkergen.printing.printers import Printer
+from walkergen.scene import Drive, Scene
+from walkergen.theory import discrepancy, prediction
+from walkergen.theory.prediction import Curve
+from walkergen.theory.speed import Mode
+from walkergen.walker import names, solids, weights
+from walkergen.walker.body import Body
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind, Legs
+from walkergen.walker.weights import Weighings
+
+AROUND_DEG = 10.0
+"""Tilts around a single one at which its theory is drawn as well."""
+STEEPEST_DEG = 85.0
+"""Largest tilt of a design's legs."""
+
+
+class Job(NamedTuple):
+    """Choices of the family command."""
+
+    design: Design
+    members: Sequence[Design]
+    scene: Scene
+    printer: Printer
+    mode: Mode
+    pictures: bool
+    simulate: bool = False
+    copies: Sequence[int] = ()
+    """Number of copies of each member on the plates; one of each by default."""
+    max_parts: int = plate.MOST_PARTS
+    """Largest number of parts on a plate."""
+    prusaslicer: bool = False
+    """True to declare the 3MF files PrusaSlicer's own."""
+    weighed: Mapping[str, Weighings] = MappingProxyType({})
+    """Masses from a balance by the members' names."""
+    strict: bool = False
+    """True to refuse what prints otherwise than predicted, not only what fails."""
+    measured: Measured | None = None
+    """Measured speeds of printed walkers, for the figure."""
+
+
+Tell = Callable[[Sequence[Finding]], None]
+"""Function called once, before writing, with the findings of the printability checks."""
+
+
+def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
+    """Write a family's folder; finished files stay whole whatever happens later.
+
+    Writes stl/, plates/, family.csv, family.md, weights.csv (unless somebody filled it in),
+    speed.csv (what speed.png shows beside the members), speed.png, speed.pdf, preview.png,
+    manifest.json. Files of an earlier run that this run does not
+    make, and that nobody changed since, are removed at the end. Raises PlateError when a part is
+    too large for the printer, PrintabilityError when a part would not print and InputError when
+    weighed masses are impossible, all before anything is written, and OutputError when a file
+    cannot be written.
+    """
+    started = time.perf_counter()
+    steps = len(job.members) + 2
+    built = [solids.build(design) for design in job.members]
+    layout = plates.arrange(
+        job.members,
+        built,
+        job.copies or [1] * len(job.members),
+        job.printer,
+        max_parts=job.max_parts,
+    )
+    tell(layout.findings)
+    checks.refuse(layout.findings, job.strict)
+    with Folder(path) as folder:
+        walkers: list[Member] = []
+        every = members.predicted(job.members, built, job.scene, job.mode, job.weighed)
+        for member, mesh in zip(every, layout.meshes, strict=True):
+            folder.write(f"stl/{member.name}.stl", export.stl_bytes(mesh, member.name))
+            walkers.append(member)
+            progress(member.name, len(walkers), steps)
+        for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
+            folder.write(f"plates/{name}", data)
+        parts = (member.name for member in walkers)
+        weights.write_template(path, parts)  # people's: not in the manifest
+        progress("plates", len(walkers) + 1, steps)
+        written = report.of(job.design, job.scene, job.mode, walkers, path)
+        written.write(folder, pictures=False)
+        if job.simulate:  # takes long: everything else is already safe in the folder
+            walkers = runs.simulated(job.scene, walkers, progress)
+        if job.simulate or job.pictures:
+            shown = _beside(job, walkers) if job.pictures else None
+            written = report.of(job.design, job.scene, job.mode, walkers, path, shown)
+            written.write(folder, job.pictures)
+        if job.pictures:
+            folder.write("preview.png", _preview(job, walkers))
+        folder.finish(_facts(job, layout.findings, time.perf_counter() - started))
+        progress("done", steps, steps)
+    return written
+
+
+def _preview(job: Job, walkers: Sequence[Member]) -> bytes:
+    """Picture (PNG) of all members, side by side."""
+    from walkergen.files import figures
+    from walkergen.jobs.make.family import preview
+
+    parts = [preview.Part(member.design, member.mesh) for member in walkers]
+    return figures.png(preview.preview_figure(parts, job.design.name), 150)
+
+
+def _beside(job: Job, walkers: Sequence[Member]) -> ChartData:
+    """Speeds that speed.png shows beside the members."""
+    measured = job.measured
+    if measured is not None and not job.design.follows:
+        measured = chart_data.of_members(
+            measured, {walker.row.legs: walker.row.tilt_deg for walker in walkers}
+        )
+    return ChartData(_curves(job, walkers), measured, _stated(job.design, job.scene))
+
+
+def _curves(job: Job, walkers: Sequence[Member]) -> dict[Kind, Curve]:
+    """Speed against tilt by the members' kinds of legs; none where only the members can be drawn.
+
+    A single tilt is shown with the tilts around it. There is no curve of legs whose tilts are their
+    own, nor on a body on which the walker cannot be built at every tilt in between (legs would meet
+    a hole, or miss it).
+    """
+    if not job.design.follows:
+        return {}
+    tilts = [member.design.tilt_deg for member in walkers]
+    low, high = min(tilts), max(tilts)
+    if low == high:
+        low, high = max(low - AROUND_DEG, -STEEPEST_DEG), min(high + AROUND_DEG, STEEPEST_DEG)
+    curves = {}
+    for kind in dict.fromkeys(member.design.kind for member in walkers):
+        design = job.design.variant(kind=kind)
+        try:
+            curves[kind] = prediction.curve(design, job.scene, job.mode, low, high)
+        except GeometryError:  # at a tilt in between; of members it would have been told before
+            return {}
+    return curves
+
+
+def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
+    """Tilt (deg) and speed (mm/s) that the paper states; None unless walker and plate are its."""
+    if not isinstance(design.legs, Legs):
+        return None
+    legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
+    same = design.body == Body() and legs == Legs()
+    drive, paper = scene.drive, Drive(frequency_hz=90.0, gamma=1.8)
+    if same and math.isclose(drive.peak_speed, paper.peak_speed, rel_tol=SAME_PLATE):
+        return 10.0, 60.0
+    return None
+
+
+def _facts(job: Job, findings: Sequence[Finding], seconds: float) -> dict[str, Any]:
+    """Facts for the manifest: inputs resolved, versions of the software, time taken."""
+    return {
+        "design": job.design.model_dump(mode="json"),
+        "body": sheet.body_facts(job.design),
+        "members": [names.part(member) for member in job.members],
+        "legs_up": [names.part(member) for member in job.members if not solids.on_side(member)],
+        "copies": list(job.copies),
+        "weighed": {
+            name: {what: fact and fact._asdict() for what, fact in facts_of._asdict().items()}
+            for name, facts_of in job.weighed.items()
+        },
+        "scene": job.scene.model_dump(mode="json"),
+        "printer": job.printer.model_dump(mode="json"),
+        "print": sheet.facts(job.printer, findings),
+        "mode": job.mode,
+        "draws": prediction.DRAWS,
+        "seed": prediction.SEED,
+        "discrepancy": discrepancy.digest(),
+        "versions": versions(),
+        "time_taken_s": round(seconds, 3),
+    }

@@ -1,0 +1,75 @@
+"""Report of a family: a row a walker, as `predict` has, with runs, marks, and the figure."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from walkergen.files.report import Report
+from walkergen.jobs.make.family import chart_data
+from walkergen.jobs.make.family.chart_data import ChartData
+from walkergen.points import speed_table
+from walkergen.points.members import Member
+from walkergen.scene import Scene
+from walkergen.walker import names
+from walkergen.walker.design import Design
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class FamilyReport(Report):
+    """Family that was made, in its folder."""
+
+    members: Sequence[Member]
+
+    def markdown(self) -> str:
+        """Page of the tables and lines, and of the marks that tell parts apart."""
+        marks = names.legend([member.design for member in self.members])
+        return super().markdown() + (f"\n## Marks\n\n{marks}" if marks else "")
+
+    def _repr_html_(self) -> str:
+        from walkergen.files import viewer
+        from walkergen.walker import view
+
+        parts = [view.part_of(member.design, member.mesh) for member in self.members]
+        return viewer.frame(parts, str(self.folder)) + super()._repr_html_()
+
+
+def of(
+    design: Design, scene: Scene, mode: str, walkers: Sequence[Member], folder: Path,
+    shown: ChartData | None = None,
+) -> FamilyReport:  # fmt: skip
+    """Report of a design's walkers, and of what the figure shows beside them, if it is drawn."""
+    tables = speed_table.tables("family", design.name, walkers)
+    facts = {"rows": list(tables[0])}
+    if shown is not None:
+        tables.append(chart_data.table(shown))
+    return FamilyReport(
+        name="family", title=design.name, caption=speed_table.caption(design, scene, mode),
+        tables=tables, facts=facts, lines=speed_table.lines(walkers), folder=folder,
+        members=walkers,
+        figures={} if shown is None else {"speed": _figure(design, scene, walkers, shown)},
+    )  # fmt: skip
+
+
+def _figure(
+    design: Design, scene: Scene, walkers: Sequence[Member], shown: ChartData
+) -> "Callable[[], Figure]":
+    """What draws speed against tilt."""
+    drive, contact = scene.drive, scene.contact
+    title = (
+        f"{design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
+        f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
+        f"friction {contact.friction:g} ± {contact.friction_sd:g}"
+    )
+    simulated = [member.simulated for member in walkers if member.simulated is not None]
+
+    def draw() -> "Figure":
+        from walkergen.jobs.make.family import figures
+
+        rows = [member.row for member in walkers]
+        return figures.speed_figure(rows, shown, title, simulated, not design.follows)
+
+    return draw

@@ -1,0 +1,1 @@
+"""The job `plate`: copies of walkers arranged on print-ready plates."""

@@ -1,1 +1,0 @@
-"""Jobs that prepare a print: `export`, `check` and `plate`."""

@@ -1,0 +1,1 @@
+"""The job `report`: a family on one HTML page that opens offline."""

@@ -1,0 +1,296 @@
+"""Page of a family: one HTML file that shows its folder and needs nothing but itself.
+
+Everything that comes from files is escaped by the template engine, and a content security policy
+lets only the page's own scripts run and nothing be fetched.
+"""
+
+import base64
+from collections.abc import Iterator, Mapping, Sequence
+from functools import cache
+from itertools import pairwise
+from pathlib import Path, PurePosixPath
+from typing import Any, NamedTuple
+
+import jinja2
+import markupsafe
+from markdown_it import MarkdownIt
+
+from walkergen.files import viewer, words
+from walkergen.files.ledger import BLANK, sealed
+from walkergen.files.report import Report
+from walkergen.jobs.page.report import chart, chart_data, members, references
+from walkergen.jobs.page.report.contents import Contents
+from walkergen.jobs.page.report.members import Member
+
+TABLE_PAGE, PREVIEW = "family.md", "preview.png"
+
+DOWNLOADS = {
+    ".3mf": "model/3mf", ".csv": "text/csv", ".ini": "text/plain", ".json": "application/json",
+    ".pdf": "application/pdf", ".stl": "model/stl",
+}  # fmt: skip
+"""Types of files that the page hands out, by their ends; it holds them whole."""
+
+HEADINGS = {
+    "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
+    "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)", "factor_front": "front (v/w)",
+    "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
+    "speed_sd_mm_s": "sd (mm/s)", "speed_by": "speed by", "theory_mm_s": "eq. 15 (mm/s)",
+    "speed_low_68_mm_s": "68 % (mm/s)",
+    "speed_low_95_mm_s": "95 % (mm/s)", "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
+    "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
+}  # fmt: skip
+"""Headings of columns of family.csv, as in its Markdown; other columns keep their names."""
+
+ERRORS = {"sim_speed_mm_s": "sim_se_mm_s", "mass_g": "mass_se_g"}
+"""Column of the error that stands behind ± in a column's cells, by that column."""
+
+RANGES = {
+    "speed_low_68_mm_s": "speed_high_68_mm_s", "speed_low_95_mm_s": "speed_high_95_mm_s",
+    "sim_low_95_mm_s": "sim_high_95_mm_s",
+}  # fmt: skip
+"""Column of the upper bound that stands in the cells of the lower one, by that column."""
+
+FIRST = ("tilt_deg", "legs", "speed_mm_s", "speed_low_68_mm_s", "speed_low_95_mm_s",
+         "sim_speed_mm_s", "sim_low_95_mm_s", "verdict")  # fmt: skip
+"""Columns that are seen without scrolling; the others follow as in the table."""
+
+NOTE = "note"
+
+
+class Cell(NamedTuple):
+    """Cell of a table: the text that is shown, and the value that the table is sorted by."""
+
+    text: str
+    value: str
+
+
+class Table(NamedTuple):
+    """Table of the family as the page shows it."""
+
+    headings: list[str]
+    rows: list[list[Cell]]
+    common: dict[str, str]
+    """Words that are equal in every row, and therefore said once, by heading."""
+    notes: list[str]
+    """Notes on rows; note k is marked [k]."""
+
+
+class Download(NamedTuple):
+    """File that the page hands out."""
+
+    path: str
+    """Name of the file in its folder."""
+    name: str
+    """Name under which it is saved."""
+    url: str
+    size: str
+
+
+def render(contents: Contents, version: str, run: Mapping[str, Any] | None = None) -> bytes:
+    """Page as UTF-8, with a run to be played (see `play`), if any; equal input gives equal bytes.
+
+    Its last line is a hash of all others, by which it is known to be ours.
+
+    Raises InputError when a table or an STL file of the folder is not as `family` writes it.
+    """
+    walkers = members.of(contents)
+    manifest = contents.manifest
+    values: dict[str, Any] = {
+        "name": str(manifest.design.get("name", "walkers")),
+        "description": str(manifest.design.get("description", "")),
+        "version": version,
+        "contents": contents,
+        "members": walkers,
+        "parts": [_part(member, manifest.legs_up) for member in walkers],
+        "table": table(walkers),
+        "chart": chart.speeds(walkers, chart_data.of(contents)),
+        "frame": (chart.WIDTH, chart.HEIGHT, chart.LEFT, chart.RIGHT, chart.TOP, chart.BOTTOM),
+        "caption": caption(contents),
+        "preview": _picture(contents, PREVIEW),
+        "downloads": [_download(contents, name) for name in contents.files if _offered(name)],
+        "stl": {
+            member.name: _download(contents, f"stl/{member.name}.stl")
+            for member in walkers
+            if member.corners is not None
+        },
+        "plates": {name: _picture(contents, name) for name in _plates(contents, ".png")},
+        "maps": {name: contents.records(name) for name in _plates(contents, ".csv")},
+        "sheets": {name: markup(data) for name, data in contents.files.items() if _is_sheet(name)},
+        "settings": settings(
+            manifest.model_dump(exclude={"members", "legs_up", "files", "sealed"})
+        ),
+        "references": references.cited(
+            {member.row["law"] for member in walkers},
+            {method for member in walkers if (method := member.row.get("sim_method"))},
+            list(manifest.files),
+            played=run is not None,
+        ),
+        "run": run,
+    }
+    scripts = {"viewer": viewer.script(), "page": _asset("page.js")}
+    values |= {
+        "style": markupsafe.Markup(_asset("page.css")),
+        "scripts": {name: markupsafe.Markup(text) for name, text in scripts.items()},
+        "script_hashes": [viewer.hashed(text) for text in scripts.values()],
+    }
+    return sealed(_template().render(values).encode() + b"<!-- sealed: %s -->\n" % BLANK)
+
+
+def table(walkers: Sequence[Member]) -> Table:
+    """Table of the family: numbers to four digits or to their errors; equal words said once."""
+    notes = list(dict.fromkeys(note for member in walkers if (note := member.row.get(NOTE))))
+    seconds = {*ERRORS.values(), *RANGES.values()}
+    listed = [column for column in walkers[0].row if column not in seconds]
+    columns = [column for column in FIRST if column in listed]
+    columns += [column for column in listed if column not in FIRST]
+    common = {
+        column: first
+        for column in columns
+        if (first := walkers[0].row[column]) == ""
+        or (words.value(first) is None and column != NOTE)
+        if all(member.row[column] == first for member in walkers)
+    }
+    shown = [column for column in columns if column not in common]
+    return Table(
+        [HEADINGS.get(column, column) for column in shown],
+        [[_cell(member, column, notes) for column in shown] for member in walkers],
+        {HEADINGS.get(column, column): text for column, text in common.items() if text},
+        notes,
+    )
+
+
+def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
+    """Settings of a manifest, text by key, in a group for every table of its top level."""
+    groups: dict[str, dict[str, str]] = {"run": {}}
+    for key, value in data.items():
+        if isinstance(value, Mapping):
+            groups[key] = dict(_flat(value))
+        else:
+            groups["run"][key] = _in_words(value)
+    return groups
+
+
+def caption(contents: Contents) -> str:
+    """Caption of the speeds, which says what they rest on: the first paragraph of family.md."""
+    source = contents.files.get(TABLE_PAGE, b"").decode("utf-8", "replace")
+    tokens = MarkdownIt("js-default").parse(source)
+    following = (after for token, after in pairwise(tokens) if token.type == "paragraph_open")
+    first = next(following, None)
+    return first.content if first is not None else ""
+
+
+def markup(source: bytes) -> markupsafe.Markup:
+    """HTML of a Markdown file, without its pictures and with its own HTML shown as text."""
+    text = source.decode("utf-8", "replace")
+    return markupsafe.Markup(MarkdownIt("js-default").disable("image").render(text))
+
+
+def _is_sheet(name: str) -> bool:
+    """True for a print sheet: any Markdown file of the folder but the table's."""
+    return name.endswith(".md") and name != TABLE_PAGE
+
+
+def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
+    text = member.row[column]
+    value = words.value(text)
+    if column == NOTE and text:
+        return Cell(f"[{notes.index(text) + 1}]", text)
+    if value is None:
+        return Cell(text or ("" if column == NOTE else "-"), text)
+    if column in ERRORS and ERRORS[column] in member.row:
+        bar = member.number(ERRORS[column])
+        return Cell(f"{_fixed(value)} ± {'?' if bar is None else _fixed(bar)}", text)
+    if column in RANGES and (upper := member.number(RANGES[column])) is not None:
+        return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
+    if column in ("speed_mm_s", "speed_sd_mm_s", "theory_mm_s"):
+        return Cell(_fixed(value), text)
+    exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
+    return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
+
+
+def _fixed(value: float) -> str:
+    """Number with one decimal, without a minus on zero."""
+    return _minus(f"{round(value, 1) + 0.0:.1f}")
+
+
+def _minus(text: str) -> str:
+    return text.replace("-", "−")
+
+
+def _part(member: Member, legs_up: Sequence[str]) -> dict[str, Any]:
+    """Data of a member for the viewer, which takes its mesh from the download of its STL file.
+
+    The file has members as they print; the viewer, whose y is up, stands them on their feet.
+    """
+    seen = member.corners is not None
+    up = member.name in legs_up
+    return {"name": member.name, "legs": member.legs, "tilt_deg": member.tilt_deg, "seen": seen,
+            "legs_up": up}  # fmt: skip
+
+
+def _offered(name: str) -> bool:
+    """True for a file that is handed out beside the parts' meshes."""
+    path = PurePosixPath(name)
+    return path.suffix in DOWNLOADS and path.parts[0] != "stl"
+
+
+def _download(contents: Contents, name: str) -> Download:
+    """File of the folder, whole, as a link that needs nothing but the page."""
+    kind, data = DOWNLOADS[PurePosixPath(name).suffix], contents.files[name]
+    url = f"data:{kind};base64,{base64.b64encode(data).decode()}"
+    return Download(name, PurePosixPath(name).name, url, f"{len(data) / 1e3:,.1f} kB")
+
+
+def _plates(contents: Contents, suffix: str) -> list[str]:
+    return [name for name in contents.files if name.startswith("plates/") and name.endswith(suffix)]
+
+
+def _picture(contents: Contents, name: str) -> str | None:
+    """Data URL of a PNG file; None when the folder has none."""
+    data = contents.files.get(name)
+    return None if data is None else f"data:image/png;base64,{base64.b64encode(data).decode()}"
+
+
+def _flat(data: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, str]]:
+    for key, value in data.items():
+        if isinstance(value, Mapping):
+            yield from _flat(value, f"{prefix}{key}.")
+        else:
+            yield f"{prefix}{key}", _in_words(value)
+
+
+def _in_words(value: Any) -> str:
+    if value is None:
+        return "-"
+    if isinstance(value, bool):
+        return "yes" if value else "no"
+    return ", ".join(map(_in_words, value)) if isinstance(value, list) else str(value)
+
+
+def _asset(name: str) -> str:
+    """Text of a file that is shipped beside this module."""
+    return Path(__file__).with_name("assets").joinpath(name).read_text(encoding="utf-8")
+
+
+@cache
+def _template() -> jinja2.Template:
+    environment = jinja2.Environment(
+        autoescape=True, undefined=jinja2.StrictUndefined, trim_blocks=True, lstrip_blocks=True
+    )
+    return environment.from_string(_asset("page.html.jinja"))
+
+
+def report_of(path: Path, contents: Contents) -> Report:
+    """Report of a page that was written, and of the family's files that are not as they were."""
+    changed, missing = contents.named("changed"), contents.named("missing")
+    size = f"{path.stat().st_size / 1e6:.1f} MB"
+    return Report(
+        name="page", title="Page of a family", tables=[],
+        facts={"file": str(path), "changed": changed, "missing": missing},
+        lines=[
+            *(f"{name}: changed since the family was made" for name in changed),
+            *(f"{name}: missing" for name in missing),
+            f"{size}, opens in any browser, offline",
+        ],
+        files=[path],
+    )  # fmt: skip

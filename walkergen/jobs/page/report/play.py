@@ -1,0 +1,112 @@
+"""Run of one member in space, for the page's viewer to play."""
+
+import base64
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.errors import InputError
+from walkergen.files.config import validate
+from walkergen.files.output import MANIFEST
+from walkergen.jobs.page.report.contents import Manifest
+from walkergen.scene import Scene
+from walkergen.simulation import poses
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.walker import names, solids
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Kind
+from walkergen.walker.mass import from_centre
+
+SECONDS = 1.0
+"""Length of the run, s."""
+
+RATE = 2000.0
+"""Poses a second: a hundredth of real time shows every bounce."""
+
+
+def simulate(
+    manifest: Manifest, scene: Scene, tilt_deg: float | None, kind: Kind | None
+) -> dict[str, Any]:
+    """Simulate one member of a family and pack what the viewer plays.
+
+    Without a tilt or a kind of legs those of the design. Raises InputError for a walker that the
+    family has not, and for a scene in which walkers do not move in space.
+    """
+    family = validate(manifest.design, Design, f"{MANIFEST}: design")
+    tilt = family.tilt_deg if tilt_deg is None else tilt_deg
+    (design,) = family.members([tilt], [kind or family.kind])
+    name = names.part(design)
+    if name not in manifest.members:
+        raise InputError(
+            f"--run: the family has no {name}; it has {', '.join(manifest.members[:20])}"
+        )
+    mass = solids.mass_of(design)
+    model = resolve(scene, design, mass).model
+    if model != "space":
+        raise InputError(
+            f"--run {scene.name}: there the walker moves in a plane (model '{model}'); the viewer "
+            "plays runs in space: choose a scene with a plane to run on, or legs.model = 'space'"
+        )
+    run = scene.run.model_copy(update={"seconds": SECONDS})
+    motion = poses.sample(prepare(scene.model_copy(update={"run": run}), design, mass), 1.0 / RATE)
+    if len(motion.times) < 2:
+        raise InputError(f"--run {scene.name}: the run ended at once ({motion.outcome.value})")
+    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
+    O[1] -= _lowered(design)
+    return _packed(motion, O) | {
+        "member": manifest.members.index(name),
+        "words": _words(motion, scene, name),
+    }
+
+
+def _lowered(design: Design) -> float:
+    """Distance by which the viewer's mesh lies lower than the design's, mm.
+
+    A part that prints with its legs up has its upper side at z = 0 of its file, hence at y = 0 once
+    the viewer has turned it onto its feet.
+    """
+    if solids.on_side(design):
+        return 0.0
+    return float(solids.build(design).walker.vertices[:, 1].max())
+
+
+def _packed(motion: poses.Poses, O: npt.NDArray[np.float64]) -> dict[str, Any]:  # noqa: E741
+    """Poses and landings of a walker whose point O lies there in its mesh, as the page reads them.
+
+    A pose is a shift (mm) and a quaternion (x, y, z, scalar) of the mesh; a landing is its time
+    (s), its corner and its impulse over the largest. Both are little-endian float32.
+    """
+    R = motion.rotations
+    shift = motion.places - R @ O
+    rows = np.column_stack([shift, motion.turns[:, [1, 2, 3, 0]]])
+    times, corner, along, upward = motion.landings[:, :4].T
+    impulse = np.hypot(along, upward)
+    landings = np.column_stack([times, corner, impulse / max(impulse.max(initial=0), 1e-9)])
+    corners = (motion.corners[0] - motion.places[0]) @ R[0] + O
+    return {
+        "interval": float(motion.times[1]),
+        "poses": _text(rows),
+        "landings": _text(landings),
+        "closed": base64.b64encode(np.packbits(motion.closed, axis=1).tobytes()).decode(),
+        "corners": corners.round(4).tolist(),
+    }
+
+
+def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
+    """Sentence that says what is played."""
+    drive = scene.drive
+    ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
+    return (
+        f"{name} in {scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± "
+        f"{1e3 * drive.amplitude:.3g} µm, {scene.feet.damping} feet of restitution "
+        f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
+        f"{motion.times[-1]:.3g} s{ended}"
+    )
+
+
+def _text(values: npt.NDArray[np.float64]) -> str:
+    return base64.b64encode(values.astype("<f4").tobytes()).decode()

@@ -1,0 +1,1 @@
+"""The wing of jobs that run walkers in a scene."""

@@ -1,0 +1,1 @@
+"""The job `explain`: the effects that a scene calls for, and what they cost."""

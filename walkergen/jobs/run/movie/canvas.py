@@ -1,0 +1,81 @@
+"""Canvas: a picture with moving parts; what stands still is drawn once, the rest on top of it."""
+
+from typing import Any, NamedTuple
+
+import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
+from matplotlib.text import Text
+from matplotlib.transforms import IdentityTransform
+
+from walkergen.jobs.run.movie.animation import Pixels
+
+DPI = 100
+
+INK, PLATE, BODY, LIMB = "#222222", "#c4c4c4", "#a9c7e4", "#2f6c9f"
+SMALL, NORMAL, LARGE = 8.0, 9.5, 11.0
+"""Sizes of fonts, points."""
+
+
+class Place(NamedTuple):
+    """Rectangle of a picture, pixels from its lower left corner."""
+
+    left: float
+    bottom: float
+    width: float
+    height: float
+
+
+class Canvas:
+    """Figure of fixed size; places are in pixels from its lower left corner."""
+
+    def __init__(self, width: int, height: int) -> None:
+        self.figure = Figure(figsize=(width / DPI, height / DPI), dpi=DPI, facecolor="white")
+        self._agg: Any = FigureCanvasAgg(self.figure)  # matplotlib leaves it untyped
+        self._moving: list[Artist] = []
+        self._still: Any = None
+
+    def axes(self, left: float, bottom: float, width: float, height: float) -> Axes:
+        """Add axes at a place."""
+        _, _, whole_width, whole_height = self.figure.bbox.bounds
+        return self.figure.add_axes(
+            (left / whole_width, bottom / whole_height, width / whole_width, height / whole_height)
+        )
+
+    def text(self, x: float, y: float, words: str, **style: Any) -> Text:
+        """Write words at a place."""
+        style = {"color": INK, "fontsize": NORMAL, "transform": IdentityTransform(), **style}
+        return self.figure.text(x, y, words, **style)
+
+    def line(self, x: float, y: float, words: str) -> None:
+        """Write a small line that stays inside the picture, in smaller letters if it is long."""
+        room = (self.figure.bbox.width - 2 * x) / 5.5  # pixels a letter of size SMALL
+        self.text(x, y, words, fontsize=SMALL * min(1.0, room / len(words)))
+
+    def move(self, *artists: Artist) -> None:
+        """Draw these artists anew in every frame from now on, in the order given."""
+        for artist in artists:
+            artist.set_animated(True)
+            self._moving.append(artist)
+
+    def pixels(self) -> Pixels:
+        """Draw the picture as it is now."""
+        if self._still is None:
+            self._agg.draw()
+            self._still = self._agg.copy_from_bbox(self.figure.bbox)
+        self._agg.restore_region(self._still)
+        for artist in self._moving:
+            (artist.axes or self.figure).draw_artist(artist)
+        return np.asarray(self._agg.buffer_rgba())[..., :3].copy()
+
+
+def to_scale(axes: Axes, centre: tuple[float, float], pixels_per_mm: float) -> None:
+    """Show the surroundings of a point (mm), both axes to one scale, without frame or ticks."""
+    _, _, width, height = axes.bbox.bounds
+    half_x, half_y = 0.5 * width / pixels_per_mm, 0.5 * height / pixels_per_mm
+    axes.set_xlim(centre[0] - half_x, centre[0] + half_x)
+    axes.set_ylim(centre[1] - half_y, centre[1] + half_y)
+    axes.set_xticks([])
+    axes.set_yticks([])

@@ -1,0 +1,133 @@
+"""Impacts in a movie: a colour, a sign and a name for each kind, and their course in time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+
+from walkergen.jobs.run.movie.canvas import INK, PLATE, SMALL, Canvas, Place
+from walkergen.jobs.run.movie.footage import Array, Struck
+from walkergen.theory.impact import Kind
+
+Dashes = str | tuple[float, tuple[float, ...]]
+"""Style of a line, as matplotlib has it."""
+
+
+class Style(NamedTuple):
+    """Look of one kind of impact; colours after Okabe and Ito, with a sign for readers in grey."""
+
+    colour: str
+    marker: str
+    name: str
+    words: str
+
+
+STYLES = {
+    Kind.I: Style("#E69F00", "o", "I", "slides forward"),
+    Kind.II: Style("#0072B2", "s", "II", "stops on rebound"),
+    Kind.III: Style("#009E73", "^", "III", "stops in compression"),
+    Kind.IV: Style("#CC3311", "v", "IV", "slides backward"),
+    Kind.FROM_REST: Style("#555555", "D", "0", "from rest"),
+}
+
+FEET: tuple[tuple[str, str, Dashes], ...] = (
+    ("back foot", "#222222", "-"),
+    ("front foot", "#AA4499", (0, (4, 1.5))),
+)
+"""Name, colour and line of either foot."""
+
+FURTHER = ("#0072B2", "#009E73", "#B8860B", "#CC3311", "#56B4E9", "#7A5195")
+"""Colours of feet beyond two, from the first of them on, again and again."""
+
+
+def colour_of(foot: int) -> str:
+    """Colour of a foot by its number."""
+    return FEET[foot][1] if foot < len(FEET) else FURTHER[(foot - len(FEET)) % len(FURTHER)]
+
+
+def colours(feet: int) -> tuple[str, ...]:
+    """Colours that a movie of a walker on so many feet needs whole."""
+    named = max(feet, len(FEET))
+    return (
+        *(style.colour for style in STYLES.values()),
+        *dict.fromkeys(colour_of(foot) for foot in range(named)),
+    )
+
+
+def style_of(kind: Kind) -> Style:
+    """Look of a kind; mirrored kinds look like their twins, with a minus to their name."""
+    if kind in STYLES:
+        return STYLES[kind]
+    twin = STYLES[Kind(-kind)]
+    return twin._replace(name=f"\N{MINUS SIGN}{twin.name}")
+
+
+def legend(canvas: Canvas, x: float, y: float) -> None:
+    """Draw the possible kinds in a row, by sign, colour and words."""
+    axes = canvas.axes(0, 0, *canvas.figure.bbox.bounds[2:])
+    axes.set_axis_off()
+    axes.set_xlim(0, canvas.figure.bbox.width)
+    axes.set_ylim(0, canvas.figure.bbox.height)
+    for style in STYLES.values():
+        axes.plot([x], [y], style.marker, color=style.colour, markersize=5)
+        words = f"{style.name} {style.words}"
+        canvas.text(x + 8, y, words, fontsize=SMALL, va="center")
+        x += 26 + 5.4 * len(words)
+    canvas.text(x - 4, y, "\N{MINUS SIGN} moving backward", fontsize=SMALL, va="center")
+
+
+class Course(NamedTuple):
+    """Heights of something in time, with its look."""
+
+    name: str
+    colour: str
+    line: Dashes
+    heights: Array
+    """Heights at the times of the footage, shape (n,), mm."""
+
+
+def strip(canvas: Canvas, place: Place, footage: Struck, feet: list[Course]) -> Line2D:
+    """Draw heights of plate and feet in time, with impacts; returns the line that marks now.
+
+    `feet`: in the order of their numbers in the impacts.
+    """
+    axes = canvas.axes(*place)
+    times, heights = 1e3 * footage.times, 1e3 * np.array([course.heights for course in feet])
+    plate = 1e3 * footage.plate
+    low, high = min(plate.min(), heights.min()), max(plate.max(), heights.max())
+    margin = 0.08 * max(high - low, 1e-6)
+    axes.set_ylim(low - margin, high + margin)
+    axes.set_xlim(0.0, times[-1])
+    axes.fill_between(times, plate, low - margin, color=PLATE, linewidth=0)
+    for (name, colour, line, _), height in zip(feet, heights, strict=True):
+        axes.plot(times, height, color=colour, linestyle=line, linewidth=1.2, label=name or "_")
+    _mark(axes, footage, feet)
+    axes.legend(
+        loc="lower right", bbox_to_anchor=(1.02, 0.98), ncols=2, frameon=False, fontsize=SMALL,
+        handlelength=1.8, columnspacing=1.0, borderaxespad=0.1,
+    )  # fmt: skip
+    axes.tick_params(labelsize=SMALL - 1, length=3, pad=2)
+    axes.set_xlabel("time, ms", fontsize=SMALL, labelpad=1)
+    axes.spines[["top", "right"]].set_visible(False)
+    (now,) = axes.plot([0.0, 0.0], [low - margin, high + margin], color=INK, linewidth=1.0)
+    canvas.move(now)
+    return now
+
+
+def _mark(axes: Axes, footage: Struck, feet: list[Course]) -> None:
+    """Draw a sign for every impact at the height of the plate, larger for larger impulses."""
+    largest = largest_impulse(footage)
+    for hit in footage.impacts:
+        style, size = style_of(hit.kind), float(np.hypot(*hit.impulse)) / largest
+        height = 1e3 * np.interp(hit.time, footage.times, footage.plate)
+        edge = feet[hit.foot].colour
+        axes.plot(
+            [1e3 * hit.time], [height], style.marker, color=style.colour, markeredgecolor=edge,
+            markeredgewidth=0.6, markersize=2.0 + 4.0 * size, zorder=3,
+        )  # fmt: skip
+
+
+def largest_impulse(footage: Struck) -> float:
+    """Largest impulse of all impacts, g mm/s; 1 when there are none."""
+    return max((float(np.hypot(*hit.impulse)) for hit in footage.impacts), default=1.0)

@@ -1,0 +1,333 @@
+"""Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
+
+from collections.abc import Callable, Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Literal, NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.files import output
+from walkergen.files.progress import Progress
+from walkergen.jobs.run.movie.footage import Footage, Shape, Title, impact_of, pace
+from walkergen.jobs.run.movie.shot import Shot, shot_of
+from walkergen.scene import Scene
+from walkergen.simulation import poses
+from walkergen.simulation.drive import height
+from walkergen.simulation.effects import walls
+from walkergen.simulation.effects.effect import Case
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, RunResult, impacts_of, with_impacts
+from walkergen.walker import names, solids
+from walkergen.walker.design import Design
+from walkergen.walker.limbs import Limb
+from walkergen.walker.mass import MassProperties, as_rigid, from_centre
+from walkergen.walker.planar import in_plane
+
+if TYPE_CHECKING:
+    from walkergen.jobs.run.movie.animation import Draw
+
+View = Literal["side", "above", "perspective"]
+"""Ways to see a walker: in the plane that the planar models move in, or in space."""
+
+IN_SPACE: tuple[View, ...] = ("above", "perspective")
+
+FPS = (1, 2, 4, 5, 10, 20, 25, 50)
+"""Frames per second that a GIF can have: it counts in hundredths of a second."""
+
+PERIODS, PLAYING_S = 6.0, 10.0
+"""Slow motion by default: periods of the drive that are shown, and seconds to watch."""
+
+RACE_S = 3.0
+"""Length of a race by default, s, in real time."""
+
+AT_REST_UM = 1e-6
+"""Amplitude below which a plate is said to be at rest, um."""
+
+FEWEST_FRAMES, MOST_FRAMES, MOST_LANES = 2, 1000, 8
+
+FINE = 8
+"""Poses for each frame in slow motion: the curves show what happens between frames."""
+
+TRAIL = 4
+"""Poses for each frame from above: the trail bends between frames."""
+
+HOLD_S = 1.5
+"""Time for which the last frame stays before the GIF starts again, s."""
+
+LEAST, LARGEST = 1e-3, 1e6
+"""Limits of times (s), of periods and of slowing down."""
+
+
+class Job(NamedTuple):
+    """Choice of what to film: members, in a scene, how they are seen, how long and how slowly."""
+
+    members: Sequence[Design]
+    scene: Scene
+    seconds: float
+    """Simulated time to show, s."""
+    slow: float
+    """Seconds of the movie for each second of the run."""
+    fps: int
+    view: View = "side"
+    let_go: Callable[[Plan], Plan] | None = None
+    """Changes how a plan's walker starts; None: as in the ensemble's first run."""
+
+    @property
+    def frames(self) -> int:
+        """Number of frames, the first at time 0."""
+        return 1 + int(self.seconds * self.slow * self.fps + 1e-9)
+
+
+def file_name(job: Job) -> str:
+    """Default name of the GIF: the walker's, or the tilts and kinds of legs, and the scene's."""
+    what = names.part(job.members[0]) if len(job.members) == 1 else names.race(job.members)
+    seen = "_perspective" if job.view == "perspective" else ""
+    return f"{what}_{job.scene.name}{seen}.gif"
+
+
+class Made(NamedTuple):
+    """Files that were written, and the runs that they show."""
+
+    gif: Path
+    mp4: Path | None
+    without_mp4: str
+    """Reason why there is no MP4; '' when there is an MP4."""
+    frames: int
+    footage: Sequence[Footage | Shot]
+
+
+def plan(
+    members: Sequence[Design],
+    scene: Scene,
+    *,
+    seconds: float | None = None,
+    periods: float | None = None,
+    slow: float | None = None,
+    fps: int = 25,
+    view: str | None = None,
+) -> Job:
+    """Make a job, with defaults for all that is None. Raises InputError."""
+    if fps not in FPS:
+        rates = ", ".join(str(rate) for rate in FPS)
+        raise InputError(f"--fps {fps}: must be one of {rates} (a GIF counts in 1/100 s)")
+    for flag, value in (("--seconds", seconds), ("--periods", periods), ("--slow", slow)):
+        if value is not None and not LEAST <= value <= LARGEST:
+            raise InputError(f"{flag} {value:g}: must lie in {LEAST:g}..{LARGEST:g}")
+    if len(members) > MOST_LANES:
+        raise InputError(f"{len(members)} walkers in one movie; at most {MOST_LANES}")
+    if seconds is not None and periods is not None:
+        raise InputError("--seconds and --periods: both say how long; leave one of them out")
+    seen = _view(members, scene, view)
+    if seen != "side":  # also walkers for which a lane calls for less
+        scene = scene.model_copy(update={"legs": scene.legs.model_copy(update={"model": "space"})})
+    single = len(members) == 1 and seen != "above"
+    if periods is not None:
+        seconds = periods / scene.drive.frequency
+    elif seconds is None:
+        seconds = PERIODS / scene.drive.frequency if single else RACE_S
+    if slow is None:
+        slow = max(1.0, float(f"{PLAYING_S / seconds:.2g}")) if single else 1.0
+    job = Job(members, scene, seconds, slow, fps, seen)
+    if not FEWEST_FRAMES <= job.frames <= MOST_FRAMES:
+        raise InputError(
+            f"{job.frames:.6g} frames ({seconds:g} s of the run, {pace(slow)}, {fps} a second): "
+            f"must lie in {FEWEST_FRAMES}..{MOST_FRAMES}; change --seconds, --slow or --fps"
+        )
+    return job
+
+
+def _view(members: Sequence[Design], scene: Scene, wanted: str | None) -> View:
+    """How the members are seen; the models decide unless it is said. Raises InputError."""
+    models = [resolve(scene, design, solids.mass_of(design)).model for design in members]
+    if wanted is None and "space" not in models:
+        return "side"
+    if wanted is None:
+        return "above" if scene.arena.kind == "plane" or len(members) > 1 else "perspective"
+    chosen = next((view for view in IN_SPACE if view == wanted), None)
+    if chosen is None:
+        raise InputError(f"--view {wanted[:30]!r}: must be one of {', '.join(IN_SPACE)}")
+    if "space" not in models:
+        raise InputError(
+            f"--view {wanted}: the model '{models[0]}' moves in a plane, which is seen from its "
+            "side: leave --view out, or choose --model space or a scene with a plane to run on"
+        )
+    if chosen == "perspective" and len(members) > 1:
+        raise InputError(f"--view perspective: shows one walker, seen {len(members)}")
+    return chosen
+
+
+def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
+    """Simulate and film; writes `path` (a GIF) and, with ffmpeg, an MP4 beside it.
+
+    Both files are written whole at the end; over one that is not ours only the GIF is, and only
+    where a person `named` it. Raises InputError when a run ends before two frames.
+    """
+    from walkergen.jobs.run.movie import animation, impacts
+
+    draw, frames, footage = (
+        _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)
+    )
+    colours = impacts.colours(max(len(design.limbs) for design in job.members))
+    encoded = animation.encode(draw, frames, job.fps, HOLD_S, colours, progress)
+    mp4 = path.with_suffix(".mp4") if encoded.mp4 is not None else None
+    with output.Folder(path.parent, "") as target:
+        if named:
+            output.write(path, encoded.gif)
+        else:
+            target.write(path.name, encoded.gif)
+        if mp4 is not None and encoded.mp4 is not None:
+            target.write(mp4.name, encoded.mp4)
+    return Made(path, mp4, encoded.without_mp4, frames, footage)
+
+
+def _in_plane(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Footage]]:
+    """Movie of planar models: what draws its frames, their number, and what they show."""
+    from walkergen.jobs.run.movie import bounce, race
+
+    every = FINE if len(job.members) == 1 else 1
+    footage = [film(job, design, every) for design in _counted(job, progress)]
+    frames = 1 + max(len(clip.times) - 1 for clip in footage) // every
+    words = settings(job.scene, list(dict.fromkeys(clip.model for clip in footage)))
+    words += _of_their_own(job.members)
+    if len(footage) == 1:
+        return bounce.draw_bounce(footage[0], every, job.slow, words), frames, footage
+    return race.draw_race(footage, job.slow, words), frames, footage
+
+
+def _in_space(job: Job, progress: Progress) -> tuple["Draw", int, Sequence[Shot]]:
+    """Movie of walkers in space, as `_in_plane`."""
+    from walkergen.jobs.run.movie import above
+
+    every = TRAIL if job.view == "above" else FINE
+    shots = [shoot(job, design, every) for design in _counted(job, progress)]
+    frames = 1 + max(len(shot.times) - 1 for shot in shots) // every
+    words, lane = settings(job.scene, ["space"]), job.scene.arena.kind == "lane"
+    words += _of_their_own(job.members)
+    if job.view == "perspective":
+        from walkergen.jobs.run.movie import perspective
+
+        return perspective.draw_perspective(shots[0], every, job.slow, words), frames, shots
+    case = Case(job.scene, job.members[0], solids.mass_of(job.members[0]), "space")
+    gap, period = walls.gap(case) if lane else None, 1.0 / job.scene.drive.frequency
+    return above.draw_above(shots, every, job.slow, words, period, gap), frames, shots
+
+
+def _counted(job: Job, progress: Progress) -> Iterator[Design]:
+    for number, design in enumerate(job.members):
+        progress(f"simulating {title(design)}", number, len(job.members))
+        yield design
+
+
+def film(job: Job, design: Design, every: int) -> Footage:
+    """Simulate the ensemble's first run, with `every` poses for a frame, and its impacts."""
+    mass, prepared, interval = _prepared(job, design, every)
+    result = with_impacts(prepared, 0, sample_interval=interval)
+    footage = footage_of(design, mass, prepared, result)
+    _check(design, len(footage.times), every, result.outcome)
+    return footage
+
+
+def shoot(job: Job, design: Design, every: int) -> Shot:
+    """Simulate the ensemble's first run in space, with `every` poses for a frame."""
+    mass, prepared, interval = _prepared(job, design, every)
+    shot = shot_of(title(design), design, mass, poses.sample(prepared, interval))
+    _check(design, len(shot.times), every, shot.poses.outcome)
+    return shot
+
+
+def _prepared(job: Job, design: Design, every: int) -> tuple[MassProperties, Plan, float]:
+    """Masses, plan of a run as long as the movie, and time between its poses, s."""
+    interval = 1.0 / (job.fps * job.slow * every)
+    # Half an interval more, so that rounding cannot lose the last pose.
+    seconds = ((job.frames - 1) * every + 0.5) * interval
+    run = job.scene.run.model_copy(update={"seconds": seconds})
+    scene = job.scene.model_copy(update={"run": run})
+    mass = solids.mass_of(design)
+    prepared = prepare(scene, design, mass)
+    return mass, prepared if job.let_go is None else job.let_go(prepared), interval
+
+
+def _check(design: Design, frames: int, every: int, outcome: Outcome) -> None:
+    """Raise InputError when a run ended before its second frame."""
+    if frames <= every:
+        raise InputError(
+            f"{title(design)}: the run ended before the second frame ({outcome.value})"
+        )
+
+
+def title(design: Design) -> Title:
+    """Words of the picture on a walker."""
+    return Title(design.name, f"{design.tilt_deg:g}°", design.kind)
+
+
+def footage_of(design: Design, mass: MassProperties, plan: Plan, result: RunResult) -> Footage:
+    """What a recorded run shows, in the terms of the picture."""
+    samples = result.tally.samples
+    rows = samples.rows[: samples.cursor[0]]
+    column = dict(zip(plan.model.columns, rows[:, 1:].T, strict=False))
+    none = np.zeros(len(rows))
+    drive = plan.world.drive
+    places = np.column_stack([column["x_mm"] - column["x_mm"][:1], column["y_mm"]])
+    return Footage(
+        title=title(design),
+        model=plan.resolved.model,
+        shape=_shape(design, as_rigid(mass) if plan.resolved.model == "rigid" else mass),
+        times=rows[:, 0],
+        places=places,
+        pitch=column["pitch_rad"],
+        angles=np.column_stack(
+            [column.get(f"alpha_{side}_rad", none) for side in ("back", "front")]
+        ),
+        plate=np.array([height(drive, phase) for phase in column["phase_rad"]]),
+        phase=column["phase_rad"],
+        impacts=tuple(map(impact_of, impacts_of(result))),
+        ended="" if result.outcome is Outcome.OK else result.outcome.value,
+    )
+
+
+def _shape(design: Design, mass: MassProperties) -> Shape:
+    """Outline about the centre of mass that the simulated state follows."""
+    outline, planar = solids.outline(design), in_plane(design, mass)
+    return Shape(
+        from_centre(design, mass, outline.body),
+        tuple(_polygons(outline, design, limb) for limb in planar.limbs),
+        np.array([leg.anchor for leg in planar.mass.legs]),
+        np.array([limb.anchor_to_foot for limb in planar.limbs]),
+    )
+
+
+def _polygons(outline: solids.Outline, design: Design, limb: Limb) -> tuple[solids.Polygon, ...]:
+    """Polygons of a leg of the plane: those of the first leg that it stands for."""
+    alike = [own._replace(width=limb.width) for own in design.limbs]
+    return outline.limbs[alike.index(limb)]
+
+
+def _of_their_own(members: Sequence[Design]) -> str:
+    """Addition to the settings where feet have a friction of their own; "" where none has."""
+    limbs = [limb for design in members for limb in design.limbs]
+    own = {limb.friction for limb in limbs if limb.friction is not None}
+    if not own:
+        return ""
+    return f" (feet of their own: {', '.join(f'{friction:g}' for friction in sorted(own))})"
+
+
+def settings(scene: Scene, models: Sequence[str]) -> str:
+    """Line that says what was simulated."""
+    drive, contact = scene.drive, scene.contact
+    law = f"({contact.law})"
+    if "space" in models:
+        law = f"(label of {scene.feet.damping} feet)"
+    shaken = (
+        f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
+        if 1e3 * drive.amplitude > AT_REST_UM
+        else "plate at rest"
+    )
+    slope = f", plate's slope {scene.plate.slope_deg:g}° (drawn level)"
+    return (
+        f"{scene.name}: {shaken}; simulated: {', '.join(models)}, restitution "
+        f"{contact.restitution:g} {law}, friction {contact.friction:g}"
+        + (slope if scene.plate.slope_deg else "")
+    )

@@ -1,0 +1,343 @@
+"""Slow motion in perspective: the printed mesh to scale, feet magnified, landings flashed."""
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import LineCollection, PolyCollection
+from matplotlib.image import FigureImage
+from matplotlib.lines import Line2D
+from matplotlib.patches import FancyArrowPatch
+from matplotlib.text import Text
+
+from walkergen.jobs.run.movie import raster
+from walkergen.jobs.run.movie.animation import Draw, Pixels
+from walkergen.jobs.run.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
+from walkergen.jobs.run.movie.footage import Impact, pace, strongest
+from walkergen.jobs.run.movie.impacts import (
+    Course,
+    colour_of,
+    largest_impulse,
+    legend,
+    strip,
+    style_of,
+)
+from walkergen.jobs.run.movie.raster import Camera
+from walkergen.jobs.run.movie.shot import Array, Shot
+
+WIDTH, HEIGHT = 800, 620
+MAIN = Place(10, 272, 780, 262)
+CLOSE = Place(12, 12, 484, 214)
+STRIP = Place(544, 42, 242, 166)
+"""Places of the views."""
+
+LONGEST_STILL = 1.5
+"""Length of a run, in body lengths, up to which the view stands still."""
+
+AFTERGLOW_S = 0.45
+"""Time in which a flash fades, s, as the spectator sees it."""
+
+ZOOMS = (2000, 1000, 500, 200, 100, 50, 20, 10, 5, 2, 1)
+
+LIFT = 0.35
+"""Largest gap as the magnified view shows it, over the distance of the feet."""
+
+BEND = 0.3
+"""Largest bending of a leg as the magnified view shows it, over the largest gap."""
+
+MOST_LABELS = 8
+"""Largest number of corners whose heights are written beside them."""
+
+GROUND, LINES = "#e4e4e1", "#c9c9c5"
+
+
+class Flash(NamedTuple):
+    """Signs of a landing at one corner."""
+
+    arrow: FancyArrowPatch
+    burst: Line2D
+    dot: Line2D
+    """Shown while the corner presses on the plate."""
+
+
+class View(NamedTuple):
+    """View of the plate in perspective."""
+
+    axes: Axes
+    camera: Camera
+    area: tuple[tuple[float, float], tuple[float, float]]
+    """Ends of the plate that is shown, along x and z from what the view follows, mm."""
+    ground: PolyCollection
+    lines: LineCollection
+    flashes: list[Flash]
+    longest: float
+    """Length of the largest impulse's arrow, mm."""
+
+
+class Close(NamedTuple):
+    """View of the feet, their heights over the plate magnified."""
+
+    view: View
+    zoom: int
+    bend: int
+    """Magnification of what legs give way by: unbent, their feet were so far below the plate."""
+    edges: list[Line2D]
+    drops: LineCollection
+    labels: list[Text]
+
+
+def draw_perspective(shot: Shot, every: int, slow: float, settings: str) -> Draw:
+    """Make a function that draws frame k: pose k * every of the shot, `slow` times slower."""
+    canvas = Canvas(WIDTH, HEIGHT)
+    canvas.text(12, 598, f"{shot.name} legs", fontsize=LARGE, weight="bold")
+    canvas.line(12, 579, settings)
+    readout = canvas.text(12, 547, "", family="DejaVu Sans Mono")
+    centres, model = _centres(shot), raster.model_of(shot.mesh)
+    main = _main(canvas, shot, centres)
+    picture = FigureImage(canvas.figure)
+    picture.set_data(np.zeros((1, 1, 4), np.uint8))
+    canvas.figure.images.append(picture)
+    canvas.move(main.ground, main.lines, picture)
+    _on_top(canvas, main)
+    close = _close(canvas, shot, centres)
+    now = strip(canvas, STRIP, shot, _courses(shot))
+    canvas.text(STRIP.left - 34, STRIP.bottom + STRIP.height + 8, "heights, µm", fontsize=SMALL)
+    legend(canvas, 20, 252)
+    canvas.move(readout)
+    canvas.text(788, 547, pace(slow), ha="right", weight="bold")
+    afterglow, R = AFTERGLOW_S / slow, shot.poses.rotations
+
+    def draw(frame: int) -> Pixels:
+        at = min(frame * every, len(shot.times) - 1)
+        place = shot.poses.places[at] - centres[at]
+        pixels, left, low = raster.render(model, R[at], place, main.camera, BODY, INK)
+        picture.set_data(pixels)
+        picture.ox, picture.oy = left + MAIN.left, low + MAIN.bottom
+        glows = [
+            strongest(shot, float(shot.times[at]), afterglow, corner)
+            for corner in range(len(shot.poses.names))
+        ]
+        corners = shot.poses.corners[at] - centres[at]
+        _set(main, shot, at, centres[at], corners, glows)
+        _set_close(close, shot, at, centres[at], corners, glows)
+        now.set_xdata([1e3 * shot.times[at]] * 2)
+        over = at + every >= len(shot.times)
+        readout.set_text(_readout(shot, at) + (f"   {shot.ended}" if over else ""))
+        return canvas.pixels()
+
+    return draw
+
+
+def _readout(shot: Shot, at: int) -> str:
+    time, distance = float(shot.times[at]), float(shot.advance[at])
+    speed = f"{distance / time:6.1f} mm/s" if time > 0 else "     - mm/s"
+    phase, heading = (np.degrees(angle[at]) for angle in (shot.poses.phase, shot.poses.heading))
+    return (
+        f"{1e3 * time:6.1f} ms   phase {phase % 360.0:3.0f}°   ran {distance:6.2f} mm   "
+        f"so far {speed}   heading {heading:+.1f}°"
+    )
+
+
+def _centres(shot: Shot) -> Array:
+    """Places that the views follow, shape (n, 3), mm: the origin, or O in long runs."""
+    flat = shot.poses.places * (1.0, 0.0, 1.0)
+    return flat if np.ptp(flat, axis=0).max() > LONGEST_STILL * shot.size[0] else 0.0 * flat
+
+
+def _main(canvas: Canvas, shot: Shot, centres: Array) -> View:
+    """View of the whole walker, to scale, with a plate that is larger than its run."""
+    poses = shot.poses
+    shown = range(0, len(shot.times), max(1, len(shot.times) // 100))
+    covered = np.concatenate(
+        [
+            shot.mesh.vertices @ poses.rotations[at].T + poses.places[at] - centres[at]
+            for at in shown
+        ]
+    )
+    margin = 0.14 * float(shot.size[0])
+    (left, _, near), (right, top, far) = covered.min(axis=0), covered.max(axis=0)
+    x, z = (left - 1.2 * margin, right + 1.2 * margin), (near - margin, far + margin)
+    points = np.array([(a, b, c) for a in x for c in z for b in (0.0,)])
+    fitted = np.vstack([points, covered, [(right, top + 0.1, far)]])
+    spacing = _nice(0.05 * float(shot.size[0]))
+    canvas.text(788, 530, f"to scale; lines {spacing:g} mm apart", fontsize=SMALL, ha="right")
+    count = len(poses.names)
+    return _view(canvas, MAIN, fitted, (x, z), 0.16 * float(shot.size[0]), count)
+
+
+def _nice(least: float) -> float:
+    """Round up to 1, 2 or 5 times a power of ten."""
+    power = 10.0 ** math.floor(math.log10(least))
+    return next(power * step for step in (1, 2, 5, 10) if power * step >= least * (1 - 1e-9))
+
+
+def _view(
+    canvas: Canvas,
+    place: Place,
+    points: Array,
+    area: tuple[tuple[float, float], tuple[float, float]],
+    longest: float,
+    corners: int,
+) -> View:
+    """View in which `points` fit, of a plate that covers `area` (along x and z), mm."""
+    axes = canvas.axes(*place)
+    axes.set_axis_off()
+    axes.set_xlim(0, place.width)
+    axes.set_ylim(0, place.height)
+    camera = raster.camera_for(points, (place.width, place.height))
+    (left, right), (near, far) = area
+    rim = np.array([(left, 0, near), (right, 0, near), (right, 0, far), (left, 0, far)])
+    ground = PolyCollection(
+        [camera.project(rim)[:, :2]], facecolor=GROUND, edgecolor=PLATE, linewidths=1.0
+    )
+    lines = LineCollection([], colors=LINES, linewidths=0.7)
+    for artist in (ground, lines):
+        axes.add_artist(artist)
+    flashes = []
+    for _ in range(corners):
+        arrow = FancyArrowPatch((0, 0), (0, 0), arrowstyle="-|>", shrinkA=0, shrinkB=0, zorder=4)
+        axes.add_patch(arrow)
+        (burst,) = axes.plot([], [], marker=(9, 1, 0), markeredgewidth=0)
+        (dot,) = axes.plot([], [], "o", color=INK, markersize=4.5)
+        flashes.append(Flash(arrow, burst, dot))
+    return View(axes, camera, area, ground, lines, flashes, longest)
+
+
+def _on_top(canvas: Canvas, view: View) -> None:
+    canvas.move(*(part for flash in view.flashes for part in (flash.burst, flash.dot, flash.arrow)))
+
+
+def _close(canvas: Canvas, shot: Shot, centres: Array) -> Close:
+    """View of the feet alone, their heights magnified to a share of their distance."""
+    corners = shot.poses.corners - centres[:, None]
+    flat = corners[..., [0, 2]].reshape(-1, 2)
+    (left, near), (right, far) = flat.min(axis=0), flat.max(axis=0)
+    largest = max(float(shot.poses.gaps.max()), 1e-6)
+    room = LIFT * (right - left)
+    zoom = next((zoom for zoom in ZOOMS if zoom * largest <= room), ZOOMS[-1])
+    pressed = max(-float(shot.poses.gaps.min()), 0.0)
+    bend = next((bend for bend in ZOOMS if bend * pressed <= BEND * room), ZOOMS[-1])
+    margin = 0.12 * (right - left)
+    x, z = (left - margin, right + margin), (near - margin, far + margin)
+    rim = np.array([(a, b, c) for a in x for c in z for b in (-bend * pressed, zoom * largest)])
+    names = shot.poses.names
+    view = _view(canvas, CLOSE, rim, (x, z), 0.22 * (right - left), len(names))
+    bent = f", bending of legs (below it) × {bend}" if pressed > 0.0 else ""
+    words = f"feet, heights over the plate × {zoom}{bent}; numbers: µm"
+    canvas.text(CLOSE.left, CLOSE.bottom + CLOSE.height + 4, words, fontsize=SMALL)
+    drops = LineCollection([], colors=INK, linewidths=0.8, linestyles=[(0, (2, 2))])
+    view.axes.add_artist(drops)
+    edges = [
+        view.axes.plot([], [], color=colour_of(k), linewidth=3.0)[0] for k in range(len(names) // 2)
+    ]
+    # Names stand outside: of the left corners, which are farther away, above; of the right below
+    labels = [
+        view.axes.text(0, 0, "", fontsize=SMALL, ha="center", va="bottom" if k % 2 == 0 else "top",
+                       visible=len(names) <= MOST_LABELS)
+        for k in range(len(names))
+    ]  # fmt: skip
+    canvas.move(view.ground, view.lines, drops, *edges)
+    _on_top(canvas, view)
+    canvas.move(*labels)
+    return Close(view, zoom, bend, edges, drops, labels)
+
+
+def _courses(shot: Shot) -> list[Course]:
+    """Heights of the corners in time: colours of the feet, left corners full, right dashed.
+
+    Of more than two feet the legend names the feet alone, of many none.
+    """
+    heights, names = shot.poses.corners[:, :, 1], shot.poses.names
+    if len(names) > 4:
+        several = len(names) > MOST_LABELS
+        names = tuple(
+            "" if several or k % 2 else shot.poses.legs[k // 2] for k in range(len(names))
+        )
+    return [
+        Course(name, colour_of(k // 2), ("-", (0, (3, 1.5)))[k % 2], heights[:, k])
+        for k, name in enumerate(names)
+    ]
+
+
+def _set(
+    view: View,
+    shot: Shot,
+    at: int,
+    centre: Array,
+    corners: Array,
+    glows: list[tuple[Impact, float] | None],
+) -> None:
+    """Show the plate's lines, and flash the corners at the places `corners` of the view."""
+    view.lines.set_segments(_lines(view, shot, centre))
+    seen = view.camera.project(corners)[:, :2]
+    heading, largest = shot.poses.heading[at], largest_impulse(shot)
+    for k, flash in enumerate(view.flashes):
+        flash.dot.set_data(*seen[k][:, None])
+        flash.dot.set_visible(bool(shot.poses.closed[at, k]))
+        for artist in (flash.arrow, flash.burst):
+            artist.set_visible(glows[k] is not None)
+        if (glow := glows[k]) is not None:
+            hit, left = glow
+            along, up = hit.impulse / largest * view.longest
+            push = np.array([along * math.cos(heading), up, -along * math.sin(heading)])
+            tail = view.camera.project(corners[k] - push)[:2]
+            _light(flash, hit, left, largest, tail, seen[k])
+
+
+def _light(flash: Flash, hit: Impact, left: float, largest: float, tail: Array, tip: Array) -> None:
+    """Draw a landing: an arrow that ends at the corner, and a burst, in the colour of its kind."""
+    colour, size = style_of(hit.kind).colour, float(np.hypot(*hit.impulse)) / largest
+    flash.arrow.set_positions(tuple(tail), tuple(tip))
+    flash.arrow.set(color=colour, alpha=left, linewidth=0.5 + 3.0 * size)
+    flash.arrow.set_mutation_scale(4.0 + 12.0 * size)
+    flash.burst.set_data(*tip[:, None])
+    flash.burst.set(color=colour, markersize=38.0 * math.sqrt(size) * left**3)
+
+
+def _lines(view: View, shot: Shot, centre: Array) -> list[Array]:
+    """Lines of the plate, at rest in it, as the view shows them."""
+    spacing = _nice(0.05 * float(shot.size[0]))
+    (left, right), (near, far) = view.area
+    ends = []
+    for low, high, axis in ((left, right, 0), (near, far, 2)):
+        first = math.ceil((low + centre[axis]) / spacing)
+        count = math.floor((high + centre[axis]) / spacing) - first + 1
+        for at in spacing * (first + np.arange(count)) - centre[axis]:
+            ends.append([(at, 0, near), (at, 0, far)] if axis == 0 else
+                        [(left, 0, at), (right, 0, at)])  # fmt: skip
+    return list(view.camera.project(np.array(ends, float))[..., :2])
+
+
+def _set_close(
+    close: Close,
+    shot: Shot,
+    at: int,
+    centre: Array,
+    corners: Array,
+    glows: list[tuple[Impact, float] | None],
+) -> None:
+    """Show the feet at their magnified heights over the plate, bent ones where unbent they were."""
+    gaps = shot.poses.gaps[at]
+    below = corners * (1.0, 0.0, 1.0)
+    shown = np.where(gaps < 0.0, close.bend, close.zoom) * gaps
+    raised = below + np.outer(shown, (0.0, 1.0, 0.0))
+    _set(close.view, shot, at, centre, raised, glows)
+    project = close.view.camera.project
+    tips, feet = project(raised)[:, :2], project(below)[:, :2]
+    for side, edge in enumerate(close.edges):
+        edge.set_data(*tips[2 * side : 2 * side + 2].T)
+    close.drops.set_segments([*np.stack([feet, tips], axis=1), *feet.reshape(-1, 2, 2)])
+    for k, label in enumerate(close.labels):
+        # Numbers keep away from the foot: above the left corner, under the plate's right one
+        outer = max(tips[k][1], feet[k][1]) + 7.0, min(tips[k][1], feet[k][1]) - 7.0
+        x, y = tips[k][0], outer[k % 2]
+        label.set_position((x, y))
+        label.set_text(_micrometres(gaps[k]))
+
+
+def _micrometres(length: float) -> str:
+    """Length in mm as whole µm, with a decimal where legs bend, without a minus on zero."""
+    micrometres = round(1e3 * length, 1 if length < 0.0 else 0) + 0.0
+    text = f"{micrometres:.1f}" if micrometres < 0.0 else f"{micrometres:.0f}"
+    return text.replace("-", "\N{MINUS SIGN}")

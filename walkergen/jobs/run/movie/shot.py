@@ -1,0 +1,122 @@
+"""Shot of one run in space for a movie: the printed mesh, its poses and the landings."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.jobs.run.movie.footage import Impact, Title, impact_of
+from walkergen.shapes.mesh import Mesh
+from walkergen.simulation.poses import Poses
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.walker import landing, solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, from_centre
+
+Array = npt.NDArray[np.float64]
+
+
+class Shot(NamedTuple):
+    """One simulated run in space, with the walker that ran."""
+
+    title: Title
+    mesh: Mesh
+    """Printed part about the point O that the poses follow, mm."""
+    base: Array
+    """Middle of the body's rectangle from O, along it and across, shape (2,), mm."""
+    size: Array
+    """Length and depth of the body, shape (2,), mm."""
+    contours: tuple[Array, ...]
+    """Body seen from above, from the middle of its rectangle: polygons, holes clockwise, mm."""
+    poses: Poses
+    impacts: tuple[Impact, ...]
+    """Landings in the order of their times; feet are the numbers of the corners."""
+
+    @property
+    def name(self) -> str:
+        """Name of the walker, as the picture shows it."""
+        return str(self.title)
+
+    @property
+    def model(self) -> str:
+        """Model of the walker in the simulation."""
+        return "space"
+
+    @property
+    def times(self) -> Array:
+        """Times of the poses, shape (n,), s, from 0."""
+        return self.poses.times
+
+    @property
+    def plate(self) -> Array:
+        """Height of the plate over its mean, shape (n,), mm."""
+        return self.poses.plate
+
+    @property
+    def ended(self) -> str:
+        """Reason why the run ended early; '' when it did not."""
+        outcome = self.poses.outcome
+        return "" if outcome in ENDED_WELL else outcome.value
+
+    @property
+    def track(self) -> Array:
+        """Places of O seen from above: along the first axis and to the left of it, (n, 2), mm."""
+        return self.poses.places[:, [0, 2]] * (1.0, -1.0)
+
+    @property
+    def advance(self) -> Array:
+        """Distance run along the heading of each moment, from 0, shape (n,), mm."""
+        heading = 0.5 * (self.poses.heading[1:] + self.poses.heading[:-1])
+        ahead = np.column_stack([np.cos(heading), np.sin(heading)])
+        return np.append(0.0, np.cumsum((np.diff(self.track, axis=0) * ahead).sum(axis=1)))
+
+    @property
+    def distance(self) -> float:
+        """Distance run along the heading, mm."""
+        return float(self.advance[-1])
+
+
+def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) -> Shot:
+    """What a run in space shows, in the terms of the picture."""
+    mesh = solids.build(design).walker
+    O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
+    O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
+    return Shot(
+        title=title,
+        mesh=Mesh(mesh.vertices - O, mesh.triangles),
+        base=np.array([-O[0], 0.0]),
+        size=np.array([design.size.length, design.size.depth]),
+        contours=_from_above(design),
+        poses=poses,
+        impacts=tuple(map(impact_of, poses.landings)),
+    )
+
+
+def _from_above(design: Design) -> tuple[Array, ...]:
+    """Polygons of a body seen from above, holes clockwise: x to the right, up is to the left."""
+    shape, half = design.body.shape, 0.5 * np.array([design.size.length, design.size.depth])
+    if shape.side is not None:
+        return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
+    if shape.mesh is None:
+        return shape.plan
+    turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    return tuple(np.add(polygon, (0.0, half[1])) for polygon in turned_up.project().to_polygons())
+
+
+def outline(shot: Shot, at: int) -> list[Array]:
+    """Polygons of the body seen from above at pose `at`, shape (n, 2) each, mm."""
+    place: Array = shot.track[at]
+    heading = shot.poses.heading[at]
+    return [place + turned(shot.base + contour, heading) for contour in shot.contours]
+
+
+def feet(shot: Shot, at: int) -> Array:
+    """Edges of the feet seen from above, two ends each, shape (feet, 2, 2), mm."""
+    ends: Array = shot.poses.corners[at][:, [0, 2]] * (1.0, -1.0)
+    return ends.reshape(-1, 2, 2)
+
+
+def turned(points: Array, angle: float) -> Array:
+    """Turn points (..., 2) counter-clockwise."""
+    c, s = np.cos(angle), np.sin(angle)
+    return np.asarray(points @ np.array([[c, s], [-s, c]]))

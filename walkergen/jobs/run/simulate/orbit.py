@@ -1,0 +1,64 @@
+"""Orbits that all runs share: these then agree to rounding, and prints tell the scatter."""
+
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress
+from walkergen.jobs.run.simulate import uncertain
+from walkergen.jobs.run.simulate.uncertain import Bounds
+from walkergen.simulation import orbits
+from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.experiments import Experiment, Results
+from walkergen.simulation.run import ENDED_WELL
+
+DRAWS, LONGEST_S = 24, 4.0
+"""Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
+
+
+class Orbit(NamedTuple):
+    """Orbit on which all runs end, and how speeds differ from print to print."""
+
+    kind: str
+    """Name of it, of `orbits`: one periodic orbit, or at rest."""
+    draws: int
+    """Prints simulated for the bounds."""
+    bounds_mm_s: Bounds | None
+    """Speeds below which 2.5, 16, 84 and 97.5 % of prints run; None where it is not known."""
+    reason: str = ""
+    """Reason why it is not known; "" where it is."""
+
+
+def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | None:
+    """Orbit that all runs of a point share, with bounds by draws of the print; None for none.
+
+    Nothing is drawn after Ctrl-C, which left runs out.
+    """
+    scene = experiment.scene
+    good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
+    kind = orbits.shared(np.array(good), scene.drive.peak_speed)
+    if not kind or len(good) < scene.run.runs:
+        return None
+    run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
+    short = scene.model_copy(update={"run": run})
+    try:
+        drawn = uncertain.simulated(short, experiment.design, DRAWS, progress)
+    except InputError as error:
+        return Orbit(kind, 0, None, str(error))
+    ends = uncertain.bounds(drawn.halves.mean(axis=1), uncertain.statistical_error(drawn.halves))
+    mean = float(drawn.halves.mean())
+    return Orbit(kind, len(drawn.halves), uncertain.widened(ends, mean, drawn.by_step_mm_s))
+
+
+def of_prints(summary: Summary, orbit: Orbit) -> Summary:
+    """Summary of runs on one orbit: without errors by their scatter, its bounds those of prints."""
+    low2, low1, high1, high2 = orbit.bounds_mm_s or (None, None, None, None)
+    return summary._replace(
+        speed_se_mm_s=None,
+        speed_low_68_mm_s=low1,
+        speed_high_68_mm_s=high1,
+        speed_low_95_mm_s=low2,
+        speed_high_95_mm_s=high2,
+        errors=dict.fromkeys(summary.errors),
+    )

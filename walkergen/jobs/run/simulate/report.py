@@ -1,0 +1,217 @@
+"""Report of simulated runs: what was simulated, the mean speed, and all that came with it."""
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+from walkergen.analysis import facts
+from walkergen.analysis.motion import Motion
+from walkergen.errors import InputError
+from walkergen.files import report, words
+from walkergen.files.progress import Progress, silent
+from walkergen.files.report import Report, Table
+from walkergen.jobs.run.simulate import tables, trajectories
+from walkergen.jobs.run.simulate.make import Simulated
+from walkergen.points.runs import tracks_of
+from walkergen.scene import Scene
+from walkergen.simulation.ensemble import Summary
+from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.run import ENDED_WELL, Outcome
+from walkergen.theory.prediction import Speed, speed_of
+from walkergen.walker.design import Design
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+RATE_HZ = 1000.0
+"""Samples per second of trajectories, as on the command line."""
+
+
+class Line(NamedTuple):
+    """Name and value in words."""
+
+    name: str
+    value: str
+
+
+LINES = (report.text("", "name"), report.text("", "value"))
+
+FIRST = ("walker", "plate", "model", "mean speed", "95 % bounds", "prints", "chosen", "error, 95 %",
+         "turning", "persistence", "runs")  # fmt: skip
+"""Names of the lines that people read unless they ask for all."""
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SimulationReport(Report):
+    """Runs of one walker in a scene, and what they say of its speed and motion."""
+
+    asked: Experiment
+    """Walker and scene, with the runs and the step that were taken."""
+    simulated: Simulated
+    """Everything that was measured."""
+
+    @property
+    def summary(self) -> Summary:
+        """Statistics of all runs, with units in the names."""
+        return self.simulated.point.summary
+
+    @property
+    def motion(self) -> Motion | None:
+        """Motion of a walker in space: turning, persistence, spread; None where it is not known."""
+        return self.simulated.motion
+
+    @property
+    def speed(self) -> Speed:
+        """Mean speed in mm/s with its standard error by the runs; bounds by runs and step.
+
+        Where all runs end on one orbit they tell no error, and bounds are those of prints.
+        """
+        return _speed_of(self.simulated)
+
+    def trajectory(self, rate_hz: float = RATE_HZ, progress: Progress | None = None) -> Table:
+        """States of all runs, `rate_hz` a second, as `simulate --trajectory` writes them.
+
+        What `analyse` and trackpy take: frame, particle (the number of the run), x, y (mm) and
+        theta (rad) from above, then t_s and the model's own. The runs are simulated again. Raises
+        InputError for more samples than can be kept.
+        """
+        if not 1e-3 <= rate_hz <= 1e7:
+            raise InputError(f"rate_hz={rate_hz:g}: must be a number >= 0.001 and <= 1e7")
+        experiment = self.asked._replace(sample_interval=1.0 / rate_hz)
+        states = trajectories.of(experiment, self.simulated.point, progress or silent)
+        title = f"trajectories of {self.summary.runs} runs"
+        return Table("trajectory", list(states.rows), states.columns, title=title)
+
+
+def of(experiment: Experiment, simulated: Simulated, whole: bool = False) -> SimulationReport:
+    """Report of the runs of a walker in a scene, and of what an error that was asked for took.
+
+    People read the first lines of the summary, or the `whole` of it.
+    """
+    scene, design = simulated.scene, experiment.design
+    lines = [Line(*line) for line in _lines(simulated, scene, design)]
+    first = None if whole else _first(lines, simulated)
+    return SimulationReport(
+        name="simulate", title=f"{design.name}, {design.tilt_deg:g} deg, on {scene.name}",
+        tables=[_row(simulated, design), Table("summary", lines, (), LINES, read=first)],
+        lines=[] if whole else ["--all: how it turns and spreads, impacts, contact, power"],
+        facts=_facts(simulated, scene), warnings=simulated.point.warnings,
+        figures=_figures(simulated, design),
+        asked=experiment._replace(scene=scene), simulated=simulated,
+    )  # fmt: skip
+
+
+def _first(lines: Sequence[Line], simulated: Simulated) -> list[Line]:
+    """Lines that people read first: without refused numbers; how runs ended if not well."""
+    ended_well = set(simulated.point.summary.outcomes) == {Outcome.OK.value}
+    unknown = {
+        title
+        for name, (title, _) in tables.MOVED.items()
+        if simulated.motion is None or simulated.motion.estimates[name].value is None
+    }
+    names = {*FIRST, *(() if ended_well else ("outcomes",))} - unknown
+    first = [line for line in lines if line.name in names]
+    marks = " ".join(line.value for line in first)
+    return [
+        line for line in lines if line in first or (line.name[:1] == "(" and line.name in marks)
+    ]
+
+
+def _row(simulated: Simulated, design: Design) -> Table:
+    """Table of the summary in one row; tables within it become columns with a dot."""
+    named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind,
+             "scene": simulated.scene.name, "model": simulated.point.model,
+             "method": simulated.point.method}  # fmt: skip
+    values = named | _flat(simulated.point.summary._asdict())
+    return Table("simulation", [tuple(values.values())], tuple(values))
+
+
+def _flat(values: Mapping[str, Any], before: str = "") -> dict[str, Any]:
+    """Values of tables within tables, by names with dots."""
+    flat: dict[str, Any] = {}
+    for name, value in values.items():
+        if isinstance(value, Mapping):
+            flat |= _flat(value, f"{before}{name}.")
+        else:
+            flat[f"{before}{name}"] = value
+    return flat
+
+
+def _speed_of(simulated: Simulated) -> Speed:
+    summary = simulated.point.summary
+    kind = "" if simulated.orbit is None else simulated.orbit.kind
+    return speed_of(
+        summary.speed_mm_s, summary.speed_se_mm_s, summary.speed_low_95_mm_s,
+        summary.speed_high_95_mm_s, kind,
+    )  # fmt: skip
+
+
+def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Figure]]":
+    """What draws the runs: way against time in a lane, on a plane as seen from above.
+
+    Nothing where no run ended well.
+    """
+    good = [result for result in simulated.point.results if result.outcome in ENDED_WELL]
+
+    def draw() -> "Figure":
+        from walkergen.points.track_figure import tracks_figure
+
+        tracks = tracks_of(good, simulated.scene.arena.kind == "lane", None)
+        title = f"{design.name}, {design.tilt_deg:g} deg: {_speed_of(simulated)}"
+        return tracks_figure(tracks, title)
+
+    return {"runs": draw} if good else {}
+
+
+def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
+    """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
+    data = tables.model_as_dict(simulated, scene) | simulated.point.summary._asdict()
+    data["partial"] = simulated.point.summary.runs < scene.run.runs
+    if simulated.motion is not None:
+        data["motion"] = facts.of(simulated.motion)
+    if simulated.untold:
+        data["motion"] = {"refused": simulated.untold}
+    if simulated.landings:
+        data["landings"] = tables.landings_as_dict(simulated)
+    data["step"] = tables.step_as_dict(simulated)
+    orbit = simulated.orbit
+    data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
+    chosen = simulated.chosen
+    return data if chosen is None else data | {"chosen": chosen.facts}
+
+
+def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str]]:
+    summary = simulated.point.summary
+    yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
+    yield "plate", tables.plate_in_words(scene)
+    yield "model", tables.model_in_words(simulated, scene)
+    yield "mean speed", _speed(simulated, scene)
+    yield from tables.bound_rows(simulated)
+    if simulated.chosen is not None:
+        yield from simulated.chosen.lines
+    yield from tables.motion_rows(simulated)
+    yield "runs", f"{summary.runs}, {summary.simulated_s:.1f} s simulated in all"
+    correlation = summary.correlation_time_s
+    yield "correlation time", "unknown" if correlation is None else f"{1e3 * correlation:.0f} ms"
+    yield from tables.statistic_rows(simulated)
+    yield "largest pitch", f"{summary.max_pitch_deg:.2f} deg, an extreme: the more, the longer"
+    outcomes = (f"{count} x {name}" for name, count in summary.outcomes.items())
+    yield "outcomes", ", ".join(outcomes)
+    rate = summary.simulated_s / summary.cpu_s if summary.cpu_s else 0.0
+    yield "time", f"{summary.wall_s:.1f} s, {rate:.0f} simulated s per CPU s"
+
+
+def _speed(simulated: Simulated, scene: Scene) -> str:
+    """Mean speed with the error of the runs and that of the step, or why it has none."""
+    summary = simulated.point.summary
+    se = summary.speed_se_mm_s
+    if summary.speed_mm_s is None:
+        return "none: no run ended well"
+    mean = summary.speed_mm_s
+    speed = f"{words.fixed(mean, 2) if se is None else words.with_error(mean, se)} mm/s"
+    if simulated.point.model == "space":
+        speed += " along the " + ("heading" if scene.arena.kind == "plane" else "lane")
+    speed += tables.speed_by_step(simulated)
+    if simulated.orbit is not None:
+        return f"{speed}; {simulated.orbit.kind}: all runs end so, and tell no error"
+    return speed if se is not None else f"{speed}; standard error unknown: needs 4 runs"

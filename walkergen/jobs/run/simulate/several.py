@@ -1,0 +1,117 @@
+"""Simulation of several walkers in one scene: a row each, predicted and simulated."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from typing import Any, NamedTuple
+
+from walkergen.files import report, words
+from walkergen.files.progress import Progress
+from walkergen.files.report import Column, Report, Table
+from walkergen.jobs.run.simulate import orbit, tables
+from walkergen.scene import Scene
+from walkergen.simulation import experiments
+from walkergen.simulation.ensemble import listed
+from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.plan import prepare
+from walkergen.theory import prediction
+from walkergen.walker import names, solids
+from walkergen.walker.design import Design
+
+ORBIT = "(o)"
+"""Mark of a speed whose runs all end on one orbit."""
+
+
+class Row(NamedTuple):
+    """Walker with its predicted speed and that of its runs; the field names are keys of JSON."""
+
+    name: str
+    tilt_deg: float
+    legs: str
+    model: str
+    method: str
+    predicted_mm_s: float
+    theory_mm_s: float
+    speed_mm_s: float | None
+    """Mean speed of the runs; None when none ended well."""
+    speed_se_mm_s: float | None
+    speed_low_95_mm_s: float | None
+    speed_high_95_mm_s: float | None
+    """Bounds of 95 % by runs and step, or of prints on an orbit; None when they are unknown."""
+    runs: int
+    outcomes: Mapping[str, int]
+    warnings: Sequence[str]
+    orbit: Mapping[str, Any] | None
+    """Orbit that all runs share, so that they tell no error; None where they differ."""
+
+
+def asked(scene: Scene, members: Sequence[Design]) -> list[Experiment]:
+    """Points of walkers in a scene, weighed. Raises InputError for one that cannot be simulated."""
+    experiments_of = [Experiment(scene, member, solids.mass_of(member)) for member in members]
+    for experiment in experiments_of:
+        prepare(*experiment[:3])
+    return experiments_of
+
+
+def each(wanted: Sequence[Experiment], progress: Progress) -> Iterator[Row]:
+    """Simulate walkers in turn, all from the same random starts, and yield a row when one is done.
+
+    Raises KeyboardInterrupt rather than yield a row with runs missing.
+    """
+    titles = [names.part(experiment.design) for experiment in wanted]
+    for experiment, name, point in zip(
+        wanted, titles, experiments.each(wanted, titles, progress, None), strict=True
+    ):
+        summary = point.summary
+        shared = orbit.of(point, experiment, progress)
+        if shared is not None:
+            summary = orbit.of_prints(summary, shared)
+        predicted = prediction.predict(experiment.design, experiment.mass, experiment.scene)
+        yield Row(
+            name, experiment.design.tilt_deg, experiment.design.kind, point.model, point.method,
+            predicted.speed_mm_s, predicted.theory_mm_s, summary.speed_mm_s, summary.speed_se_mm_s,
+            summary.speed_low_95_mm_s, summary.speed_high_95_mm_s, summary.runs, summary.outcomes,
+            point.warnings, None if shared is None else tables.orbit_as_dict(shared),
+        )  # fmt: skip
+
+
+def of(rows: Sequence[Row], scene: Scene, wanted: Sequence[Experiment]) -> Report:
+    """Report of walkers that were simulated; it is partial when Ctrl-C left some out."""
+    title = f"{wanted[0].design.name} on {scene.name}, {tables.plate_in_words(scene)}"
+    facts = {"rows": [row._asdict() for row in rows], "partial": len(rows) < len(wanted)}
+    kinds = {row.orbit["kind"]: None for row in rows if row.orbit is not None}
+    note = f"{ORBIT}: all runs end so ({' or '.join(kinds)}) and tell no error; 95 % are of prints"
+    return Report(
+        name="simulate", title=title, facts=facts, lines=[note] if kinds else [],
+        tables=[Table("simulate", rows, Row._fields, COLUMNS, title)] if rows else [],
+        warnings=list(dict.fromkeys(warning for row in rows for warning in row.warnings)),
+    )  # fmt: skip
+
+
+def _speed(row: Row) -> str:
+    """Mean speed of the runs with its standard error."""
+    if row.speed_mm_s is None:
+        return "none"
+    if row.orbit is not None:
+        return f"{words.fixed(row.speed_mm_s, 2)} {ORBIT}"
+    if row.speed_se_mm_s is None:
+        return f"{words.fixed(row.speed_mm_s, 2)} ± ?"
+    return words.with_error(row.speed_mm_s, row.speed_se_mm_s)
+
+
+def _bounds(row: Row) -> str:
+    low, high = row.speed_low_95_mm_s, row.speed_high_95_mm_s
+    if low is None or high is None:
+        return "unknown"
+    return f"{words.fixed(low, 1)} to {words.fixed(high, 1)}"
+
+
+COLUMNS = (
+    Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
+    report.text("legs", "legs"),
+    report.text("model", "model"),
+    report.fixed("predicted\nmm/s", "predicted_mm_s", 1),
+    Column("simulated\nmm/s", _speed, right=True),
+    Column("95 %\nmm/s", _bounds, right=True),
+    Column("runs", lambda row: str(row.runs), right=True),
+    Column("outcomes", lambda row: listed(row.outcomes)),
+)
+"""At most 80 letters while outcomes are few."""

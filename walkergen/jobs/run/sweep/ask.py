@@ -1,0 +1,133 @@
+"""What is asked of a sweep, from a command line or from a file: a request, checked."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, NamedTuple, get_args
+
+from walkergen.errors import InputError
+from walkergen.files import assignments, columns, templates
+from walkergen.jobs.run.sweep import sweep_file
+from walkergen.points import axes, request
+from walkergen.points.axes import Axis, Method, Sample, Space, Span
+from walkergen.points.point import PREDICTION
+from walkergen.points.request import SCENE as SCENES
+from walkergen.points.request import Request
+from walkergen.points.tolerance import Tolerance, parse
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+PAPER, LANE = "koumakis2016", "lane-90hz"
+"""Templates of the design and the scene that a file need not name."""
+
+ERROR = parse("5%")
+"""Error of simulated speeds unless asked otherwise."""
+
+
+class Ask(NamedTuple):
+    """A sweep as it is asked for; None for what is left to defaults."""
+
+    design: Design
+    data: Mapping[str, Any] | None
+    """Data of the design as in its file; None for a design that comes from none."""
+    scene: Scene
+    printer: Printer | None
+    space: Space
+    constants: tuple[str, ...]
+    """Keys that design and scene have set for all points."""
+    model: str
+    error: Tolerance | None
+    keep: Sequence[str]
+
+    def request(self) -> Request:
+        """Checked request. Raises InputError.
+
+        Simulated speeds meet ERROR unless another is asked for, or the runs are set.
+        """
+        keys = (*self.space.keys, *self.constants)
+        own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
+        default = None if self.model == PREDICTION or own_runs else ERROR
+        request = Request(
+            self.design, self.scene, self.space, self.model, tuple(dict.fromkeys(self.keep)),
+            default if self.error is None else self.error, self.printer, self.data,
+        )  # fmt: skip
+        request.check()
+        return request
+
+    def title(self) -> str:
+        """Title of the pictures: the walker, where it runs, and by what."""
+        model = "predicted" if self.model == PREDICTION else f"model {self.model}"
+        return f"{self.design.name}, {self.scene.name}, {model}"
+
+    def name(self) -> str:
+        """Name of the folder, after the design and the keys that vary."""
+        keys = "-".join(key.rpartition(".")[2] for key in self.space.keys) or "point"
+        return f"{self.design.name}-{keys}"[:100]
+
+
+def of(
+    names: tuple[str | None, str | None, str | None], near: Path, space: Space,
+    constants: Mapping[str, Any], model: str, error: Tolerance | None, keep: Sequence[str],
+    source: str,
+) -> Ask:  # fmt: skip
+    """Sweep of a design, a scene and a printer by name, with keys set for all points.
+
+    Paths begin at the folder `near`. Raises InputError, for constants with `source`.
+    """
+    design, scene, printer = names
+    for key in constants:
+        request.check(key, f"{source} {key}")
+    own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
+    scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
+    walkers = templates.path_of(design or PAPER, "walkers", near)
+    ground = templates.path_of(scene or LANE, "scenes", near)
+    walker, data = assignments.with_data(walkers, Design, own, source)
+    return Ask(
+        walker,
+        data,
+        assignments.read(ground, Scene, scenes, source, SCENES),
+        None if printer is None else templates.load(printer, "printers", Printer, near),
+        space, tuple(constants), model, error, keep,
+    )  # fmt: skip
+
+
+def of_file(path: Path) -> Ask:
+    """Sweep that a file asks for. Raises InputError."""
+    file = sweep_file.read(path)
+    names = file.design, file.scene, file.printer
+    model, keep = file.model or PREDICTION, file.keep or ("speed",)
+    near, error = file.folder, file.error
+    return of(names, near, file.space, file.constants, model, error, keep, f"{path}: set")
+
+
+def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:
+    """Space of KEY=VALUES as on a command line, and the keys of a single value. InputError."""
+    parsed = [axes.parse(text) for text in texts]
+    axes.check(parsed)
+    spans = tuple(entry for entry in parsed if isinstance(entry, Span))
+    lists = [entry for entry in parsed if isinstance(entry, Axis)]
+    fixed = {axis.key: axis.values[0] for axis in lists if len(axis.values) == 1}
+    varied = tuple(axis for axis in lists if len(axis.values) > 1)
+    if sample is None:
+        for span in spans:
+            raise InputError(
+                f"--set {span.key}={span.low:g}:{span.high:g}: write FIRST:LAST:STEP, or give "
+                "--sample sobol:256 to sample between the two"
+            )
+        return Space(varied), fixed
+    samples = sample_of(sample, spans, seed, f"--sample {sample[:30]!r}")
+    if not spans:
+        raise InputError(f"--sample {sample}: no key to sample: --set KEY=LOW:HIGH")
+    return Space(varied, samples), fixed
+
+
+def sample_of(text: str, spans: tuple[Span, ...], seed: int, source: str) -> Sample:
+    """Samples of spans as sobol:N or latin:N asks for them. Raises InputError."""
+    method, _, count = text.partition(":")
+    samples = columns.whole(count, axes.MOST_VALUES)
+    if method not in get_args(Method) or samples is None:
+        raise InputError(
+            f"{source}: write sobol:N or latin:N, N a whole number in 1..{axes.MOST_VALUES}"
+        )
+    sequence: Method = "sobol" if method == "sobol" else "latin"
+    return Sample(spans, samples, sequence, seed)

@@ -1,0 +1,108 @@
+"""Report of a sweep: how many points, what is wrong with some, their rows, and their figure."""
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from walkergen.files.report import Report, Table
+from walkergen.points.point import OK, STATUS
+from walkergen.points.request import Request
+from walkergen.points.run import Done
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass
+class Points:
+    """Points of a sweep as they are evaluated, counted by how they went."""
+
+    names: Sequence[str]
+    """Names of the numbers of a row, beyond those of the keys."""
+    kept: bool
+    """True for rows that are kept in memory, for a figure or for whoever goes on with them."""
+    count: int = 0
+    stored: int = 0
+    """Number of those that an earlier run, or another sweep, had evaluated."""
+    bad: dict[str, int] = field(default_factory=dict)
+    """Number of points by what their status says, for all but "ok"."""
+    rows: list[tuple[Any, ...]] = field(default_factory=list)
+
+    def add(self, values: Sequence[Any], done: Done) -> None:
+        """Count a point, and keep its row where rows are kept."""
+        self.count += 1
+        self.stored += done.stored
+        if done.record[STATUS] != OK:
+            name = str(done.record[STATUS]).partition(":")[0].partition(" of ")[0]
+            name = "error not met" if name.startswith("error ") else name
+            self.bad[name] = self.bad.get(name, 0) + 1
+        if self.kept:
+            self.rows.append((*values, *map(done.record.get, self.names)))
+
+
+@dataclass(frozen=True, kw_only=True, repr=False)
+class SweepReport(Report):
+    """Points of a sweep, a row each: the keys that vary, then speeds with their bounds."""
+
+    keys: tuple[str, ...]
+    """Keys that vary."""
+
+    def _repr_html_(self) -> str:
+        return self.table._repr_html_()
+
+
+def of(request: Request, title: str, points: Points, warnings: Sequence[str] = ()) -> SweepReport:
+    """Report of points; without kept rows its table is empty, and there is no figure.
+
+    The warnings are those on an earlier table in the folder.
+    """
+    keys = request.space.keys
+    rows = Table("table", points.rows, (*keys, *points.names), title=title)
+    return SweepReport(
+        name="sweep", title=title, tables=[rows], lines=_lines(points),
+        facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
+        figures=_figures(rows, keys), keys=keys, warnings=warnings,
+    )  # fmt: skip
+
+
+def written(sweep: SweepReport, folder: Path, names: Sequence[str]) -> SweepReport:
+    """The report with the files of these names that were written into a folder."""
+    facts = {**sweep.facts, "files": [str(folder / name) for name in names]}
+    return replace(sweep, facts=facts, lines=[*sweep.lines, f"in {folder}: {', '.join(names)}"])
+
+
+def _lines(points: Points) -> list[str]:
+    before = f", {points.stored} of them known before" if points.stored else ""
+    counted = f"{points.count} points{before}"
+    if points.stored == points.count:
+        counted = f"all {points.count} points were known before"
+    bad = points.bad.items()
+    return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
+
+
+def _figures(rows: Table, keys: Sequence[str]) -> "Mapping[str, Callable[[], Figure]]":
+    """What draws speed over the keys: lines, a map or clouds.
+
+    Nothing where no key has two values, or no point a speed: there is nothing to compare.
+    """
+    columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
+    varied = any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys)
+    if not varied or all(speed is None for speed in columns["speed_mm_s"]):
+        return {}
+
+    def draw() -> "Figure":
+        from walkergen.jobs.run.sweep import figures
+        from walkergen.jobs.run.sweep.panels import Columns
+
+        unknown = np.full(len(rows), np.nan)
+        low, high = (
+            rows[end] if end in columns else unknown for end in ("low_95_mm_s", "high_95_mm_s")
+        )
+        values = {key: columns[key] for key in keys}
+        drawn = Columns(values, rows["speed_mm_s"], low, high, columns[STATUS])
+        return figures.figure(drawn, keys, rows.title)
+
+    return {"sweep": draw}

@@ -1,0 +1,1 @@
+"""The wing of jobs that say how far walkergen's numbers hold."""

@@ -1,0 +1,182 @@
+"""The ladder of shape: what tessellation, float32 files and far origins do to masses and speed."""
+
+import io
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.errors import GeometryError
+from walkergen.files.progress import Progress
+from walkergen.jobs.trust.accuracy.ladder import Ladder, Rung, cpu_time, order
+from walkergen.jobs.trust.accuracy.speeds import Survey
+from walkergen.printing.export import stl_bytes
+from walkergen.scene import Scene
+from walkergen.shapes.mesh import Mesh
+from walkergen.theory.stationary import stationary
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, assemble
+
+SEGMENTS = (2, 4, 8, 16, 32, 64, 128, 256, 512)
+EXACT_SEGMENTS = 4096
+"""Number of edges of a half circle that counts as round: its error, of second order, is
+(512/4096)^2 of the last rung's. tests/test_study.py compares it with the closed form."""
+
+DISTANCES = (0.0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6)
+"""Distances of the part from the coordinates' origin, mm."""
+
+QUANTITIES = ("M", "J", "m", "j", "speed")
+
+
+class Errors(NamedTuple):
+    """Relative errors; m and j the largest of all legs, None of braced ones: part of M and J."""
+
+    M: float
+    J: float
+    m: float | None
+    j: float | None
+    speed: float
+
+
+def ladder(survey: Survey, progress: Progress) -> Ladder:
+    """Relative errors of M, J, m, j and of the predicted speed, with the time each shape takes."""
+    design, scene = survey.design, survey.scene
+    progress("tessellated", 0, 2)
+    try:
+        rungs = list(_tessellated(_rounded(design), scene))
+        note = _order_of(rungs)
+    except GeometryError as refused:
+        rungs, note = [], f"Left out: round feet, {refused}"
+    progress("far", 1, 2)
+    rungs += _far(design, scene)
+    return Ladder(
+        "shape",
+        "What tessellation, files and distance do to the masses and the predicted speed",
+        "largest relative error of M, J, m, j and the predicted speed",
+        "CPU time to make the solids and weigh them, s",
+        f"round feet: {EXACT_SEGMENTS} edges a half circle; files and distances: the mesh as built",
+        rungs,
+        (
+            note,
+            "Rectangles and flat feet are polygons: their meshes are exact, as is that of a file.",
+        ),
+    )
+
+
+def _order_of(rungs: Sequence[Rung]) -> str:
+    """Sentence on the order of the errors of round feet."""
+    counts = [float(rung.setting.split()[0]) for rung in rungs]
+    slope, se = order(counts, [rung.error or math.nan for rung in rungs])
+    return f"round foot: measured order {-slope:.2f} ± {se:.2f} in the number of edges, claimed 2"
+
+
+def _tessellated(rounded: Design, scene: Scene) -> Iterator[Rung]:
+    def weighed(segments: int) -> MassProperties:
+        return solids.weigh(rounded, solids.build(rounded, segments))
+
+    true = weighed(EXACT_SEGMENTS)
+    for segments in SEGMENTS:
+        seconds = cpu_time(partial(weighed, segments), repeats=3)
+        setting = f"{segments} edges"
+        yield _rung("round foot", setting, weighed(segments), true, rounded, scene, seconds)
+
+
+def _rounded(design: Design) -> Design:
+    """Design on round feet. Raises GeometryError where it does not stand on them."""
+    data = design.model_dump(exclude_unset=True)
+    if design.pair:
+        return Design.model_validate(data | {"legs": data.get("legs", {}) | {"foot": "round"}})
+    legs = [leg | {"foot": "round"} for leg in data["legs"]]
+    return Design.model_validate(data | {"legs": legs})
+
+
+def _far(design: Design, scene: Scene) -> Iterator[Rung]:
+    """Rungs at growing distance, in double precision and through a binary STL file."""
+    built = solids.build(design)
+    true = solids.weigh(design, built)
+    for series, form in (("double precision", _as_is), ("through STL (float32)", _through_stl)):
+        for distance in DISTANCES:
+            weighed = partial(_weighed_far, design, built, distance, form)
+            seconds = cpu_time(weighed, repeats=3)
+            setting = f"{distance:g} mm away"
+            yield _rung(series, setting, weighed(), true, design, scene, seconds)
+
+
+def _weighed_far(
+    design: Design, built: solids.Solids, distance: float, form: Callable[[Mesh], Mesh]
+) -> MassProperties:
+    shift = distance * np.array([0.6, 0.8, 0.0])
+    body, *legs = (
+        form(mesh._replace(vertices=mesh.vertices + shift)) for mesh in (built.body, *built.legs)
+    )
+    weighed = assemble(design, body, legs)
+    # Anchors stay where the design has them: only O and the leg's centre have moved.
+    at = shift[:2]
+    return weighed._replace(
+        legs=tuple(
+            leg._replace(anchor=leg.anchor + at, c_A=leg.c_A - at, c_T=leg.c_T + at)
+            for leg in weighed.legs
+        )
+    )
+
+
+def _as_is(mesh: Mesh) -> Mesh:
+    return mesh
+
+
+def _through_stl(mesh: Mesh) -> Mesh:
+    import trimesh
+
+    data = io.BytesIO(stl_bytes(mesh, "part"))
+    loaded = trimesh.load_mesh(data, file_type="stl", process=False)
+    return Mesh(np.asarray(loaded.vertices, dtype=np.float64), np.asarray(loaded.faces))
+
+
+def _rung(
+    series: str,
+    setting: str,
+    mass: MassProperties,
+    true: MassProperties,
+    design: Design,
+    scene: Scene,
+    seconds: float,
+) -> Rung:
+    errors = errors_of(mass, true, design, scene)
+    largest = max(error for error in errors if error is not None)
+    return Rung(series, setting, largest, None, seconds, errors._asdict())
+
+
+def errors_of(
+    weighed: MassProperties, true: MassProperties, design: Design, scene: Scene
+) -> Errors:
+    """Relative errors of a walker's masses and of its predicted speed.
+
+    The speed's error counts against the larger foot's factor: the mean of braced feet may vanish.
+    """
+    contact = scene.contact
+    predicted, true_prediction = (
+        stationary(design, mass, contact.restitution, contact.friction, "coulomb", contact.law)
+        for mass in (weighed, true)
+    )
+    size = max(*(abs(float(foot)) for foot in true_prediction.feet), 1e-300)
+
+    def relative(name: str) -> float:
+        return abs(float(getattr(weighed, name)) / float(getattr(true, name)) - 1.0)
+
+    def of_legs(name: str) -> float:
+        pairs = (
+            (getattr(a, name), getattr(b, name))
+            for a, b in zip(weighed.legs, true.legs, strict=True)
+        )
+        return max(abs(float(own) / float(exact) - 1.0) for own, exact in pairs if exact)
+
+    return Errors(
+        relative("M"),
+        relative("J"),
+        None if true.rigid else of_legs("m"),
+        None if true.rigid else of_legs("j"),
+        abs(float(predicted.factor - true_prediction.factor)) / size,
+    )

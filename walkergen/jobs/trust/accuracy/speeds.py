@@ -1,0 +1,320 @@
+"""Speeds and other observables by every model and step: measured once each, with costs."""
+
+import copy
+import math
+import os
+import time
+from collections.abc import Hashable, Sequence
+from functools import cached_property
+
+from walkergen.errors import InputError
+from walkergen.files.progress import Progress, part, silent
+from walkergen.jobs.trust.accuracy import observed
+from walkergen.jobs.trust.accuracy.budget import KINDS, RUNS, Budget, Runs, widened
+from walkergen.jobs.trust.accuracy.setting import PLANAR, Bias, Measured, Setting, Unit
+from walkergen.scene import Arena, Scene
+from walkergen.simulation import ensemble, experiments
+from walkergen.simulation.effects.effect import ModelName
+from walkergen.simulation.effects.resolve import resolve, without_space
+from walkergen.simulation.ensemble import listed
+from walkergen.simulation.experiments import Results
+from walkergen.simulation.model import Plan
+from walkergen.simulation.observables import SPEED
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import ENDED_WELL, RunResult, compile_kernels
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties
+
+STEPS_PER_PERIOD = (1000, 500, 300, 200, 100, 50, 30, 20)
+"""Numbers of steps per period of the drive at which the compliant model is measured."""
+
+STEPS_IN_SPACE = (0.25, 0.5, 1.0, 1.25, 1.6)
+"""Steps over that which resolves the feet, at which the model in space is measured."""
+
+FINEST_SHARE, CERTIFYING_SHARE = 0.3, 0.15
+"""Shares of the CPU budget for the finest step and for that next to it, which certifies it."""
+
+PILOT = 0.25
+"""Simulated time, s, of each run that tells what a setting costs."""
+
+
+CLEAR = 10.0
+"""Standard errors from which a mean speed is not zero, so that errors can be a share of it."""
+
+
+class Survey:
+    """Measurements of settings for one walker in one scene, each made once and kept."""
+
+    def __init__(
+        self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED
+    ) -> None:
+        """Survey of an observable; `budget_s`: wall time of all its simulations, s."""
+        self.of = of
+        self.scene, self.design, self.mass = scene, design, mass
+        self.cores = os.cpu_count() or 1
+        self.budget = Budget(budget_s, self.cores)
+        self.others: dict[str, float] = {}
+        """Weights of what else is to be simulated within the budget; all settings together: 1."""
+        self.scheduled: list[Setting] | None = None
+        """Settings that are to be measured within the budget; None: all."""
+        self.measured: dict[Setting, Measured] = {}
+        self._rates: dict[Setting, float] = {}
+        self.complete = complete(scene)
+
+    @property
+    def certifying(self) -> Setting:
+        """Setting that certifies the reference: the step next to the finest."""
+        return self.steps[1]
+
+    @property
+    def steps(self) -> list[Setting]:
+        """Settings of the complete model, finest step first, which is the reference."""
+        if self.complete == "space":
+            steps_us = [_round(share * self.resolving_us) for share in STEPS_IN_SPACE]
+        else:
+            period = 1e6 / self.scene.drive.frequency
+            steps_us = [_round(period / part) for part in STEPS_PER_PERIOD]
+        inside = dict.fromkeys(min(max(step, 0.01), 1000.0) for step in steps_us)
+        return [Setting(self.complete, step) for step in inside]
+
+    @cached_property
+    def resolving_us(self) -> float:
+        """Step that resolves elastic feet, us: the default of the model in space."""
+        run = self.scene.run.model_copy(update={"step_us": None})
+        scene = self.scene.model_copy(update={"run": run})
+        plan = prepare(_as(scene, Setting("space", None)), self.design, self.mass)
+        return float(1e6 * plan.world.options.step)
+
+    @property
+    def own(self) -> Setting:
+        """Setting of the complete model with the scene's own step."""
+        step = self.scene.run.step_us
+        if step is None and self.complete == "space":
+            step = _round(self.resolving_us)
+        return Setting(self.complete, step)
+
+    @property
+    def simpler(self) -> list[Setting]:
+        """Settings of the models that leave something out, and know this walker."""
+        return [setting for setting in self._planar if not self.refusals.get(setting.model)]
+
+    @property
+    def _planar(self) -> list[Setting]:
+        planar = PLANAR[:1] if self.design.braced else PLANAR
+        return [setting for setting in planar if setting.model != self.complete]
+
+    @cached_property
+    def refusals(self) -> dict[str, str]:
+        """Reasons for which planar models do not know this walker, by model; "" where one does."""
+        models = [setting.model for setting in self._planar]
+        return {model: refusal(self.scene, self.design, self.mass, model) for model in models}
+
+    def plan(self, setting: Setting) -> Plan:
+        """The plan of a setting."""
+        return prepare(self.scene_of(setting), self.design, self.mass)
+
+    def measure(self, settings: Sequence[Setting], progress: Progress) -> list[Measured]:
+        """Measure the settings that are not known yet; returns all of them in their order."""
+        for place, setting in enumerate(settings):
+            if setting not in self.measured:
+                part_progress = part(progress, place, len(settings))
+                self.measured[setting] = self._measured(setting, part_progress)
+        return [self.measured[setting].seen(self.of) for setting in settings]
+
+    def ensemble(
+        self, setting: Setting, runs: Runs, progress: Progress
+    ) -> tuple[Sequence[RunResult], float]:
+        """The runs of a setting one by one, and CPU seconds per simulated second."""
+        point = self._run(setting, runs, progress)
+        simulated = runs.number * (runs.seconds + self.scene.run.discard_seconds)
+        return point.results, point.summary.cpu_s / simulated
+
+    def showing(self, of: str) -> "Survey":
+        """The same survey, with the same measurements, of another observable."""
+        other = copy.copy(self)
+        other.of = of
+        return other
+
+    def rate(self, setting: Setting) -> float:
+        """CPU seconds per simulated second of a setting, by short runs; compiles its kernels.
+
+        They are one a core, at once: what else runs on the machine is learnt with them.
+        """
+        if setting in self.measured:
+            return self.measured[setting].cpu_per_s
+        if setting not in self._rates:
+            runs = min(self.cores, RUNS)
+            plan = self.plan(setting).lasting(seconds=PILOT, discard_seconds=0.0, runs=runs)
+            compile_kernels(plan)
+            started = time.perf_counter()
+            pilots = ensemble.run(plan, silent)
+            took = time.perf_counter() - started
+            cpu_s = sum(pilot.cpu_s for pilot in pilots) / runs
+            simulated_s = sum(pilot.measured_s for pilot in pilots) / runs
+            self._rates[setting] = max(cpu_s / max(simulated_s, 1e-3), 1e-6)
+            self.budget.pay_turns(cpu_s, took)
+        return self._rates[setting]
+
+    def granted(self, what: Hashable) -> float:
+        """Wall time for a setting or for one of `others`, s, of what is left of the budget."""
+        due: dict[Hashable, float] = {setting: self.share(setting) for setting in self.due}
+        if isinstance(what, Setting):
+            due[what] = self.share(what)
+        due.update(self.others)
+        return self.budget.grant(what, due)
+
+    def take(self, name: str) -> float:
+        """Wall time granted to one of `others`, s, which is then no longer due."""
+        granted = self.granted(name)
+        del self.others[name]
+        return granted
+
+    @property
+    def due(self) -> list[Setting]:
+        """Settings that are still to be measured."""
+        scheduled = [*self.steps, *self.simpler] if self.scheduled is None else self.scheduled
+        return [setting for setting in dict.fromkeys(scheduled) if setting not in self.measured]
+
+    def least(self, setting: Setting) -> float:
+        """Wall time (s) of the least measurement of a setting that means something."""
+        return self.budget.cost(KINDS[-1], self.rate(setting), self.scene.run.discard_seconds)
+
+    def reference(self, progress: Progress) -> Measured:
+        """Measure the setting that counts as true: the finest step of the complete model.
+
+        Raises InputError when it gives no value with an error bar.
+        """
+        (reference,) = self.measure(self.steps[:1], progress)
+        if reference.value is None or reference.se is None:
+            raise InputError(
+                f"{self.scene.name}: the runs end as {reference.outcomes}: there is no "
+                f"{self.title} whose error could be studied; try another drive, tilt or restitution"
+            )
+        return reference
+
+    @property
+    def title(self) -> str:
+        """Name of the observable in sentences."""
+        return "mean speed" if self.of == SPEED else self.of
+
+    def unit(self, reference: Measured) -> Unit:
+        """Unit of errors: the reference's value, or 1 (mm/s) where that may be zero."""
+        assert reference.value is not None
+        assert reference.se is not None
+        size = abs(reference.value)
+        if size > CLEAR * reference.se:
+            return Unit(size, f"share of the {self.title}", True, 0.01 * size)
+        if self.of == SPEED:
+            return Unit(1.0, "mm/s (the mean speed may be zero)", False, 0.1)
+        return Unit(1.0, f"{self.of} itself, which may be zero", False, reference.se)
+
+    def bias(self, measured: Measured, reference: Measured) -> Bias | None:
+        """Bias of a setting against the reference; None when it gave no value."""
+        if measured.value is None or measured.se is None:
+            return None
+        assert reference.value is not None
+        assert reference.se is not None
+        if measured.setting == reference.setting:
+            return Bias(0.0, reference.se)
+        difference = measured.value - reference.value
+        return Bias(difference, math.hypot(measured.se, reference.se))
+
+    def bound(self, measured: Measured, reference: Measured) -> float | None:
+        """Upper limit of a setting's bias with 95 % confidence; None without a value.
+
+        Significant biases of finer steps count as well: where a coarse step does better than a
+        finer step, errors of opposite signs happen to cancel.
+        """
+        bias = self.bias(measured, reference)
+        if bias is None:
+            return None
+        return max(bias.bound, self._finer(measured, reference) + 2.0 * bias.se)
+
+    def _finer(self, measured: Measured, reference: Measured) -> float:
+        """Largest significant bias of finer steps; infinite where a finer step failed."""
+        biases = [
+            self.bias(finer.seen(self.of), reference)
+            for finer in self.measured.values()
+            if finer.setting.model == measured.setting.model
+            and (finer.setting.step_us or 0.0) < (measured.setting.step_us or 0.0)
+        ]
+        sizes = (math.inf if bias is None else bias.certain for bias in biases)
+        return max(sizes, default=0.0)
+
+    def share(self, setting: Setting) -> float:
+        """Weight of a setting in the budget; of all settings together: 1."""
+        shares = {self.certifying: CERTIFYING_SHARE, self.steps[0]: FINEST_SHARE}
+        others = {*self.steps, *self.simpler} - shares.keys()
+        return shares.get(setting, (1.0 - sum(shares.values())) / len(others))
+
+    def scene_of(self, setting: Setting, **run: float) -> Scene:
+        """Scene with a setting, and with other values of its [run]."""
+        return _as(self.scene, setting, **run)
+
+    def _run(self, setting: Setting, runs: Runs, progress: Progress) -> Results:
+        scene = self.scene_of(setting, seconds=runs.seconds, runs=runs.number)
+        experiment = experiments.Experiment(scene, self.design, self.mass)
+        (point,) = experiments.each([experiment], [setting.label], progress, None)
+        took, discard = point.summary.wall_s, scene.run.discard_seconds
+        self.budget.pay_runs(runs, self.rate(setting), discard, took)
+        return point
+
+    def _measured(self, setting: Setting, progress: Progress) -> Measured:
+        """Simulate for as long as the setting's share of the budget allows.
+
+        Errors of few runs are widened, so that twice them means 95 % confidence as ever.
+        """
+        discard, rate = self.scene.run.discard_seconds, self.rate(setting)
+        runs = self.budget.affords(self.granted(setting), rate, discard, KINDS)
+        point = self._run(setting, runs, progress)
+        summary, wider = point.summary, widened(runs.number)
+        complete = set(summary.outcomes) <= {outcome.value for outcome in ENDED_WELL}
+        se = summary.speed_se_mm_s
+        values = observed.values(point, self.scene_of(setting)).items()
+        return Measured(
+            setting,
+            summary.speed_mm_s if complete else None,
+            wider * se if complete and se is not None else None,
+            runs.number,
+            runs.seconds,
+            discard,
+            summary.cpu_s,
+            summary.correlation_time_s,
+            listed(summary.outcomes),
+            {name: (value, None if sd is None else wider * sd) for name, (value, sd) in values},
+        )
+
+
+def complete(scene: Scene) -> ModelName:
+    """Model that counts as the truth: the compliant one where a scene names it, else in space."""
+    return "compliant" if scene.legs.model == "compliant" else "space"
+
+
+def refusal(scene: Scene, design: Design, mass: MassProperties, model: ModelName) -> str:
+    """Reason for which a planar model does not know a walker; "" where it does."""
+    try:
+        resolve(_as(scene, Setting(model, None)), design, mass)
+    except InputError as refused:
+        return str(refused)
+    return ""
+
+
+def _as(scene: Scene, setting: Setting, **run: float) -> Scene:
+    """Scene with a setting, and with other values of its [run].
+
+    Planar models run in a lane, without what only the model in space knows.
+    """
+    step: dict[str, float | None] = {"step_us": setting.step_us} if setting.step_us else {}
+    if setting.step_us is None and setting.model != scene.legs.model:
+        step = {"step_us": None}
+    changed = scene.run.model_copy(update={**step, **run})
+    legs = scene.legs.model_copy(update={"model": setting.model})
+    if setting.model == "space":
+        return scene.model_copy(update={"run": changed, "legs": legs})
+    lane = Arena(length_mm=scene.arena.length_mm)
+    return without_space(scene).model_copy(update={"run": changed, "legs": legs, "arena": lane})
+
+
+def _round(value: float) -> float:
+    """Round to two significant digits."""
+    return float(f"{value:.2g}")

@@ -1,0 +1,28 @@
+"""Catalogue of the hard cases of `walkergen selftest`: closed forms, space and geometry.
+
+Those of planar models test the code, not a machine: tests/hard.
+"""
+
+from walkergen.jobs.trust.selftest import (
+    any_walker,
+    geometry,
+    impacts,
+    space,
+    space_contact,
+    space_rest,
+)
+from walkergen.jobs.trust.selftest.case import Case
+
+
+def _place(case: Case) -> tuple[int, ...]:
+    """Sort key of a case: its section of docs/physics.md by numbers, geometry last."""
+    numbers = case.section.split(".")
+    return tuple(int(n) for n in numbers) if numbers[0].isdigit() else (99,)
+
+
+_MODULES = impacts, space, space_contact, space_rest, any_walker, geometry
+
+CASES: tuple[Case, ...] = tuple(
+    sorted((case for module in _MODULES for case in module.CASES), key=_place)
+)
+"""Every case, sorted by the section of docs/physics.md that it answers."""

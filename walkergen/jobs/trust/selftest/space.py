@@ -1,0 +1,168 @@
+"""Hard cases in space: images of a motion, its plane, a free top, and an upright walker."""
+
+import math
+from collections.abc import Iterator
+
+import numpy as np
+
+from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import (
+    STILL,
+    Array,
+    advance,
+    masses,
+    plan_of,
+    scene_of,
+    shaken,
+)
+from walkergen.jobs.trust.selftest.space_scenes import (
+    apart,
+    in_space,
+    quarter_turned,
+    reflected,
+    thrown,
+)
+from walkergen.simulation.model import Plan
+from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome, simulate
+from walkergen.simulation.space.state import C_Z, HEADING, Q_0, Q_Z, ROLL, SHOWN_Y, V_X, W_X, W_Z
+from walkergen.walker.design import Design
+
+LANDED = 5e-3
+"""Time (s) after which the first corners of a drop from 0.05 mm have landed, on the way down."""
+
+IMAGED = 6e-3
+"""Time (s) after which images are compared: overdamped feet that change between sticking and
+sliding amplify rounding by nine powers of ten in one more millisecond."""
+
+GROWN = "rounding, grown six times by each landing of a corner"
+
+CONTACTS = (
+    {"restitution": 0.9, "friction": 0.1},
+    {"restitution": 0.5, "friction": 2.0},
+    {"restitution": 0.02, "friction": 0.25},
+)
+
+SPUN, TURNS = 2000.0, 10_000
+"""Rate (rad/s) and number of turns of the free top."""
+
+TALL = 1e8
+"""Height (mm) from which it falls in the meantime."""
+
+
+def _images(model: str) -> Iterator[Check]:
+    for contact in CONTACTS:
+        plan = in_space(drive=shaken(1.8), contact=contact)
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        for name, image_of in (("mirror image", reflected), ("quarter turn", quarter_turned)):
+            state = thrown(plan)
+            image = image_of(state)
+            advance(plan, state, IMAGED)
+            advance(plan, image, IMAGED)
+            yield Check(f"{title}: {name}, mm", apart(image_of(state), image), 1e-9, GROWN)
+
+
+def _held(model: str) -> Iterator[Check]:
+    """Check that roll and yaw come from rounding alone, and not at all when they are off."""
+    for contact in CONTACTS:
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        for free in (True, False):
+            plan = in_space(drive=shaken(1.8), contact=contact, effects={"roll_and_yaw": free})
+            state = plan.start(0.05, 4e-3, 1.0)
+            state[[V_X, W_Z]] = 12.0, 0.7
+            advance(plan, state, LANDED if free else 0.2)
+            out = float(np.abs(state[[SHOWN_Y, HEADING, ROLL, C_Z]]).max())
+            yield Check(
+                f"{title}: out of its plane, {'free' if free else 'held'}",
+                out,
+                1e-9 if free else 0.0,
+                GROWN if free else "exact: nothing moves it across",
+            )
+
+
+def _tiny_roll(model: str) -> Iterator[Check]:
+    """Check that no rule for ties decides: the first landings answer in proportion to the roll."""
+    for contact in CONTACTS:
+        plan = in_space(drive=shaken(1.8), contact=contact)
+        ends = []
+        for roll in (0.0, 1e-9, 2e-9):
+            state = thrown(plan, roll)
+            state[W_X : W_Z + 1] = 0.0, 0.0, 0.7
+            advance(plan, state, LANDED)
+            ends.append(state)
+        title = f"e = {contact['restitution']:g}, mu = {contact['friction']:g}"
+        yield Check(
+            f"{title}: answer to a roll of 1e-9 rad, mm",
+            apart(ends[0], ends[1]),
+            1e-6,
+            "4e-9 mm of a corner's height, grown six times by each landing of a corner",
+        )
+        yield Check(
+            f"{title}: twice the roll, twice the answer, relative",
+            abs(apart(ends[0], ends[2]) / apart(ends[0], ends[1]) - 2.0),
+            0.2,
+            "modes of the contacts change a few steps earlier or later",
+        )
+
+
+def _top(model: str) -> Iterator[Check]:
+    """Check a braced walker that spins in free fall, nearly about its axis of largest inertia."""
+    design = Design.model_validate({"legs": {"kind": "braced"}})
+    scene = scene_of("space", drive=STILL, arena={"kind": "plane"})
+    plan = prepare(scene, design, masses(design))
+    state = plan.start(TALL, 0.0, 0.0)
+    state[W_X : W_Z + 1] = 30.0, SPUN, 10.0
+    inertia = plan.world.walker.inertia
+    spin, turning = _momentum(plan, state), state[W_X : W_Z + 1]
+    energy = 0.5 * float(turning @ inertia @ turning)
+    outcome, _ = advance(plan, state, TURNS * 2.0 * math.pi / SPUN)
+    turning = state[W_X : W_Z + 1]
+    yield exactly(f"it ends well ({outcome.value})", outcome is Outcome.OK)
+    size = float(np.linalg.norm(state[Q_0 : Q_Z + 1]))
+    yield Check("|q| - 1", abs(size - 1.0), 1e-12, "rounding: it is scaled in every step")
+    lost = float(np.abs(_momentum(plan, state) - spin).max() / np.abs(spin).max())
+    yield Check("angular momentum, relative", lost, 1e-7, "rounding of six million steps")
+    change = abs(0.5 * float(turning @ inertia @ turning) / energy - 1.0)
+    yield Check("energy, relative", change, 1e-6, "second order in turns of 0.02 rad, and bounded")
+    yield Check(
+        "headings count turns, relative",
+        abs(state[HEADING] / (2.0 * math.pi * TURNS) - 1.0),
+        1e-3,
+        "it nutates: the rate of the yaw is that of the spin to the second order of the tilt, 2e-4",
+    )
+
+
+def _momentum(plan: Plan, state: Array) -> Array:
+    """Angular momentum about C, in the world's axes, g mm^2/s."""
+    q, v = state[Q_0], state[Q_0 + 1 : Q_Z + 1]
+    body = plan.world.walker.inertia @ state[W_X : W_Z + 1]
+    twice = 2.0 * np.cross(v, body)
+    return np.asarray(body + q * twice + np.cross(v, twice))
+
+
+def _upright(model: str) -> Iterator[Check]:
+    runs = {"seconds": 2.0, "discard_seconds": 0.5}
+    plan = plan_of(
+        model, 0.0, drive=shaken(1.8), arena={"kind": "plane"}, contact={"friction": 0.25},
+        run=runs,
+    )  # fmt: skip
+    results = [simulate(plan, number) for number in range(8)]
+    yield exactly("all runs end well", all(result.outcome is Outcome.OK for result in results))
+    speeds = np.array([result.speed for result in results])
+    error = float(speeds.std(ddof=1) / math.sqrt(len(speeds)))
+    yield Check(
+        f"mean speed of 8 runs, over its error of {error:.2g} mm/s",
+        abs(float(speeds.mean())) / error,
+        4.0,
+        "four standard errors of eight runs",
+    )
+    yield Check("its error, mm/s", error, 5.0, "a twelfth of the speed of a leg tilted by 10 deg")
+
+
+CASES = [
+    Case("space: mirror image and quarter turn", "7", SPACE, _images),
+    Case("space: a symmetric start stays in its plane", "7", SPACE, _held),
+    Case("space: a roll of 1e-9 rad changes nothing at once", "7", SPACE, _tiny_roll),
+    Case("space: free top over 1e4 turns", "7", SPACE, _top),
+    Case("space: upright walker goes nowhere", "7", SPACE, _upright),
+]

@@ -1,0 +1,165 @@
+"""Hard cases of rest in space: a spin that stops, feet that do not creep, a roll that rights."""
+
+import math
+import time
+from collections.abc import Iterator
+
+import numpy as np
+
+from walkergen.jobs.trust.selftest.case import SPACE, Case, Check, exactly
+from walkergen.jobs.trust.selftest.scenes import HALF, STILL, Array, advance, shaken
+from walkergen.jobs.trust.selftest.space_scenes import CALM, apart, in_space, settled
+from walkergen.scene import AT_REST, GRAVITY
+from walkergen.simulation import record
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.space.state import (
+    C_Y,
+    HEADING,
+    PITCH,
+    QUIET,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    W_X,
+    W_Y,
+    W_Z,
+)
+
+CREEP = 1e-4
+"""Largest speed (mm/s) of a walker that stands."""
+
+AWAKE = 0.02
+"""Time (s) for which a walker at rest is still followed step by step."""
+
+LONG = 1e5
+"""Duration of a long rest, s."""
+
+RAISED = 0.02
+"""Height (mm) of one uneven corner."""
+
+FIRST_RATE, FRICTION = 20.0, 0.25
+"""Rate (rad/s) of the spin, and the friction that stops it."""
+
+
+def _spin(model: str) -> Iterator[Check]:
+    """Check a spin on four corners against Coulomb friction on the circle through them."""
+    for tilt in (0.0, 10.0, 20.0):
+        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+        state = settled(plan)
+        state[[W_Y, QUIET]] = FIRST_RATE, 0.0
+        start, reach = state.copy(), math.hypot(HALF, 0.5 * plan.case.design.size.depth)
+        walker = plan.world.walker
+        torque = FRICTION * walker.mass * GRAVITY * reach
+        turn = 0.5 * walker.inertia[1, 1] * FIRST_RATE**2 / torque
+        stops = 2.0 * turn / FIRST_RATE
+        advance(plan, state, 1.2 * stops)
+        stopped = state.copy()
+        advance(plan, state, 0.5)
+        title = f"{tilt:g} deg"
+        yield Check(
+            f"{title}: turn against that of Coulomb's torque, relative",
+            abs((state[HEADING] - start[HEADING]) / turn - 1.0),
+            5e-3,
+            "corners of tilted legs are not on a circle about C; springs wind up first",
+        )
+        yield Check(
+            f"{title}: turn after 1.2 of Coulomb's time, rad",
+            abs(float(state[HEADING] - stopped[HEADING])),
+            1e-6,
+            "none: it has stopped",
+        )
+        yield Check(
+            f"{title}: rates half a second later, rad/s",
+            float(np.abs(state[W_X : W_Z + 1]).max()),
+            1e-3,
+            "ringing of the body on legs with a damping ratio of 0.05",
+        )
+        if tilt == 0.0:
+            drift = float(np.abs(state - start)[[SHOWN_X, SHOWN_Y]].max())
+            yield Check(f"{title}: drift, mm", drift, 1e-9, "none by symmetry; rounding")
+
+
+def _raised(plan: Plan, height: float) -> Plan:
+    """Plan whose corner 1 is higher than the others by `height`, mm."""
+    walker = plan.world.walker
+    reach = walker.reach.copy()
+    reach[1, 1] += height
+    return plan._replace(world=plan.world._replace(walker=walker._replace(reach=reach)))
+
+
+def _awake(plan: Plan, state: Array, seconds: float) -> None:
+    """Advance a walker that would otherwise ride on the plate once it has come to rest."""
+    for _ in range(round(seconds / AWAKE)):
+        state[QUIET] = 0.0
+        advance(plan, state, AWAKE)
+
+
+def _stands(model: str) -> Iterator[Check]:
+    for tilt in (0.0, 10.0, 20.0, 35.0):
+        for height in (0.0, RAISED):
+            plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+            plan = _raised(plan, height)
+            state = plan.start(0.0, 0.0, 0.0)
+            _awake(plan, state, CALM)
+            before = state.copy()
+            _awake(plan, state, 0.5)
+            how = f"one corner {1e3 * height:g} um high" if height else "even"
+            yield Check(
+                f"{tilt:g} deg, {how}: creep of a walker kept awake, mm/s or rad/s",
+                2.0 * apart(state, before),
+                CREEP,
+                "what is left of the ringing",
+            )
+
+
+def _long_rest(model: str) -> Iterator[Check]:
+    """Check 1e5 s on a plate that moves but cannot throw the walker: no creep, at no cost."""
+    for gamma in (AT_REST, 0.5):
+        plan = in_space(
+            drive=STILL if gamma == AT_REST else shaken(gamma),
+            contact={"friction": 0.6, "restitution": 0.3},
+        )
+        state = settled(plan)
+        before, energy, started = state.copy(), plan.energy(state), time.process_time()
+        outcome, tally = advance(plan, state, LONG)
+        title = f"{gamma:g} g"
+        yield exactly(f"{title}: it ends well ({outcome.value})", outcome is Outcome.OK)
+        moved = float(np.abs(state - before)[[SHOWN_X, SHOWN_Y, HEADING, PITCH, ROLL]].max())
+        yield Check(f"{title}: way in {LONG:g} s, mm or rad", moved, CREEP, "none: it is stuck")
+        cost = time.process_time() - started
+        yield Check(f"{title}: time on the processor, s", cost, 1.0, "a few steps")
+        gained = plan.energy(state) - energy - float(tally.sums[record.PLATE_WORK])
+        whole = plan.world.walker.mass * GRAVITY * float(state[C_Y])
+        yield Check(
+            f"{title}: energy from nowhere, relative", abs(gained) / whole, 1e-9, "rounding"
+        )
+
+
+def _rights_itself(model: str) -> Iterator[Check]:
+    for tilt in (0.0, 10.0):
+        plan = in_space(tilt, drive=STILL, contact={"friction": FRICTION, "restitution": 0.3})
+        # It topples where C stands over the edge of its feet
+        level = plan.start(0.0, 0.0, 0.0)
+        edge = math.atan2(0.5 * plan.case.design.size.depth, float(level[C_Y]))
+        for side in (1.0, -1.0):
+            for beyond, wanted in ((-3e-3, Outcome.OK), (3e-3, Outcome.TOPPLED)):
+                state = plan.start(0.0, 0.0, 0.0, side * (edge + beyond))
+                outcome, _ = advance(plan, state, 1.0)
+                title = f"{tilt:g} deg, let go at {side * (edge + beyond):.3f} rad"
+                yield exactly(f"{title}: {outcome.value}", outcome is wanted)
+                angle = 0.0 if wanted is Outcome.OK else 0.5 * math.pi
+                yield Check(
+                    f"{title}: roll at the end from {angle:.2g}, rad",
+                    abs(side * float(state[ROLL]) - angle),
+                    1e-3 if wanted is Outcome.OK else 0.02,
+                    "ringing" if wanted is Outcome.OK else "feet in the air or pressed down",
+                )
+
+
+CASES = [
+    Case("space: a spin stops", "7", SPACE, _spin),
+    Case("space: stands without creep", "7", SPACE, _stands),
+    Case("space: 1e5 s at rest", "7", SPACE, _long_rest),
+    Case("space: rights itself, or topples", "7", SPACE, _rights_itself),
+]

@@ -1,0 +1,130 @@
+"""Scenes of the hard cases in space: plans, throws, images of states, and what must always hold."""
+
+import math
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+
+from walkergen.jobs.trust.selftest.case import Check, exactly
+from walkergen.jobs.trust.selftest.scenes import Array, advance, plan_of
+from walkergen.scene import GRAVITY
+from walkergen.simulation import record
+from walkergen.simulation.model import Plan
+from walkergen.simulation.run import Outcome
+from walkergen.simulation.space.state import (
+    C_X,
+    C_Z,
+    HEADING,
+    LEGS,
+    Q_0,
+    Q_X,
+    Q_Y,
+    Q_Z,
+    ROLL,
+    SHOWN_X,
+    SHOWN_Y,
+    V_X,
+    V_Z,
+    W_X,
+    W_Y,
+    W_Z,
+)
+
+PLACE = slice(SHOWN_X, ROLL + 1)
+"""Place of O (mm) and the three angles (rad) in a state."""
+
+CALM = 1.0
+"""Start (s) after which a walker put down on a still plate has come to rest."""
+
+
+def in_space(tilt_deg: float = 10.0, **tables: Any) -> Plan:
+    """Plan of the paper's walker in space, on a plane unless the tables say otherwise."""
+    return plan_of("space", tilt_deg, **({"arena": {"kind": "plane"}} | tables))
+
+
+def thrown(plan: Plan, roll: float = 1e-3, gap: float = 0.05) -> Array:
+    """A drop with everything moving."""
+    state = plan.start(gap, 4e-3, 1.0, roll)
+    state[[V_X, V_Z, W_X, W_Y, W_Z]] = 12.0, 3.0, 0.5, 0.3, 0.7
+    return state
+
+
+def settled(plan: Plan) -> Array:
+    """A walker that was put down on its feet, and came to rest."""
+    state = plan.start(0.0, 0.0, 0.0)
+    advance(plan, state, CALM)
+    return state
+
+
+def reflected(state: Array) -> Array:
+    """State of the mirror image z -> -z of a two-legged walker with twist, but for the contacts."""
+    image = state.copy()
+    twists = [LEGS + 1, LEGS + 3, LEGS + 5, LEGS + 7]
+    image[[SHOWN_Y, HEADING, ROLL, C_Z, V_Z, W_X, W_Y, Q_X, Q_Y, *twists]] *= -1.0
+    return image
+
+
+def quarter_turned(state: Array) -> Array:
+    """State after a quarter turn about the vertical, to the left."""
+    image, half = state.copy(), math.sqrt(0.5)
+    q, i, j, k = state[Q_0 : Q_Z + 1]
+    image[Q_0 : Q_Z + 1] = half * (q - j), half * (i + k), half * (j + q), half * (k - i)
+    for x, z in ((C_X, C_Z), (V_X, V_Z)):
+        image[x], image[z] = state[z], -state[x]
+    image[SHOWN_X], image[SHOWN_Y] = -state[SHOWN_Y], state[SHOWN_X]
+    image[HEADING] += 0.5 * math.pi
+    return image
+
+
+def apart(a: Array, b: Array) -> float:
+    """Largest difference of place (mm) and angles (rad)."""
+    return float(np.abs(a[PLACE] - b[PLACE]).max())
+
+
+def deepest_of(plan: Plan, speed: float) -> float:
+    """Upper bound (mm) of a foot's compression when the walker falls on it at `speed`, mm/s.
+
+    All of the walker on one corner's spring; other corners, hinges and dampers take their part.
+    """
+    walker = plan.world.walker
+    k = float(walker.spring[walker.place == 0.0, 0].min())
+    sag = float(walker.mass) * GRAVITY / k
+    return sag + math.sqrt(sag**2 + float(walker.mass) / k * speed**2)
+
+
+def unslowed(plan: Plan, seconds: float) -> Check:
+    """Check that a walker thrown on a plate without friction keeps its velocity along it."""
+    state = thrown(plan)
+    before = state[[V_X, V_Z]]
+    advance(plan, state, seconds)
+    change = float(np.abs(state[[V_X, V_Z]] - before).max())
+    return Check("change of the velocity of C along the plate, mm/s", change, 1e-11, "rounding")
+
+
+def endures(
+    plan: Plan, state: Array, seconds: float, about: str, tolerance: tuple[float, str]
+) -> Iterator[Check]:
+    """Checks of a motion: a physical end, finite, over the plate, its energy accounted for."""
+    before, outcome, lowest = plan.energy(state), Outcome.OK, 0.0
+    speed = plan.scene.drive.peak_speed
+    fallen = max(before - plan.energy(plan.start(0.0, 0.0, 0.0)), 0.0)
+    speed += math.sqrt(2.0 * fallen / plan.world.walker.mass)
+    sums = np.zeros_like(record.new(0).sums)
+    for _ in range(40):
+        outcome, tally = advance(plan, state, seconds / 40)
+        sums += tally.sums
+        lowest = min(lowest, float(plan.feet(state)[:, 1].min()))
+        if outcome is not Outcome.OK:
+            break
+    finite = bool(np.isfinite(state).all() and np.isfinite(sums).all())
+    ends = (Outcome.OK, Outcome.TOPPLED)
+    yield exactly(f"{about}: a physical end ({outcome.value}), finite", outcome in ends and finite)
+    error = record.energy_error(sums, plan.energy(state) - before, before)
+    yield Check(f"{about}: energy unaccounted for", error, *tolerance)
+    yield Check(
+        f"{about}: foot below the plate, mm",
+        -lowest,
+        deepest_of(plan, 2.0 * speed),
+        "all of the walker on one corner's spring, at twice the speeds of plate and drop",
+    )
