@@ -6,6 +6,7 @@ one that has imported what commands need, under limits of memory and time; all a
 
 import io
 import json
+import math
 import os
 import random
 import resource
@@ -15,10 +16,10 @@ import struct
 import sys
 import traceback
 import warnings
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from itertools import pairwise
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 SECONDS, MEMORY = 60, 3 * 2**30
 """Time of a try, and memory beyond what the process had before."""
@@ -246,7 +247,7 @@ KINDS: Mapping[str, Callable[[Path], None]] = {
 READERS: Mapping[str, tuple[str, ...]] = {
     "x.toml": ("predict", "{}"), "s.toml": ("predict", "--scene", "{}"),
     "p.toml": ("check", "--printer", "{}"), "w.toml": ("sweep", "--file", "{}", "--out", "out"),
-    "t.csv": ("analyse", "{}", "--fps", "25", "--mm-per-px", "1", "--out", "out", "--no-pictures"),
+    "t.csv": ("analyse", "{}", "--out", "out", "--no-pictures"),
     "f.csv": ("fit", "{}", "--no-pictures", "--out", "out"),
     "m.csv": ("family", "--tilt", "10", "--legs", "braced", "--measured", "{}", "--out", "out"),
     "weights.csv": ("predict", "--weights", "{}"),
@@ -356,6 +357,25 @@ def paths(rng: random.Random) -> Try:
     return Try(f"path {name}", words)
 
 
+def _form() -> str:
+    """Form of a calibration plate that somebody has filled in: PLA of 2.7 GPa on a plate."""
+    modulus, density, width = 2.7e9, 1.22e-3, 5.0
+    rows = ["part,measured,reading,error,unloaded_mm,weight_g,at_mm"]
+    for number, (thick, long, weight) in enumerate(((0.4, 50.0, 0.5), (1.0, 80.0, 3.0)), 1):
+        stiff = modulus * width * thick**3 / 12.0
+        hertz = 0.5596 * math.sqrt(stiff / (density * width * thick * long**4))
+        sunk = weight * 9806.65 * (long - 2.0) ** 3 / (3.0 * stiff)
+        readings = [("thickness_mm", thick, 0.02), ("width_mm", width, 0.05),
+                    ("free_length_mm", long, 0.5), ("swings_20_s", 20.0 / hertz, 0.01)]  # fmt: skip
+        rows += [f"strip_{number},{name},{value:.4f},{error},,," for name, value, error in readings]
+        rows += [f"strip_{number},deflection_mm,{40.0 - sunk:.2f},0.5,40,{weight},{long - 2.0}"] * 2
+    block = [("mass_g", 12.2, 0.01), ("length_mm", 20, 0.05), ("width_mm", 25, 0.05),
+             ("height_mm", 20, 0.05), ("slides_deg", 14, 1)]  # fmt: skip
+    rows += [f"block,{name},{value},{error},,," for name, value, error in block]
+    rows += ["walker,slides_deg,15,1,,,", *["walker,flight_s,0.04,0.002,,,10"] * 2]
+    return "\n".join(rows) + "\n"
+
+
 TABLES: Mapping[str, tuple[str, int]] = {
     "t.csv": ("t_s,particle,x_mm,y_mm,theta_rad,plate_speed_mm_s\n" + "".join(
         f"{0.1 * k:.1f},{p},{k},{0.1 * k},0.1,30\n" for p in (0, 1) for k in range(30)), 6),
@@ -365,8 +385,7 @@ TABLES: Mapping[str, tuple[str, int]] = {
     "m.csv": ("tilt_deg,speed_mm_s,speed_se_mm_s\n10,40,2\n10,45,2\n", 3),
     "weights.csv": ("part,grams,body_g,leg_g\nkoumakis2016_t10_flexible_s1.00,1,,\n", 4),
     "o.csv": ("design,tilt_deg,legs,copies\nkoumakis2016,10,braced,2\n", 4),
-    "c.csv": ("part,measured,reading,error,unloaded_mm,weight_g,at_mm\nblock,mass_g,12.1,0.1,,,\n"
-              "block,length_mm,20,0.1,,,\nwalker,slides_deg,14,1,,,\n", 7),
+    "c.csv": (_form(), 7),
 }  # fmt: skip
 """Sound tables, with the number of their columns."""
 
@@ -389,6 +408,24 @@ def cells(rng: random.Random) -> Try:
     return Try(f"cells {name}", _reading(name), {name: data})
 
 
+def forms(rng: random.Random) -> Try:
+    """A form of a calibration plate that is nearly right: rows left out, numbers off or empty."""
+    head, *lines = TABLES["c.csv"][0].splitlines()
+    rows = [line.split(",") for line in lines]
+    for _ in range(rng.choice((1, 1, 2, 6))):
+        at, way = rng.randrange(len(rows)), rng.random()
+        if way < 0.2 and len(rows) > 1:
+            del rows[at]
+        elif way < 0.3:
+            rows.insert(rng.randrange(len(rows)), rows[at])
+        else:
+            column = rng.choice([k for k, cell in enumerate(rows[at]) if k > 1 and cell])
+            scale = rng.choice((0.5, 0.9, 1.1, 2.0, 2.0, 0.0, -1.0, 1e-6, 10.0, 1e6))
+            rows[at][column] = f"{scale * float(rows[at][column]):.6g}" if way < 0.9 else ""
+    text = "\n".join((head, *(",".join(row) for row in rows))) + "\n"
+    return Try("form", _reading("c.csv"), {"c.csv": text.encode()})
+
+
 COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "predict": ((), {}),
     "analyse": (("t.csv", "--no-pictures", "--out", "out"), {"t.csv": TABLES["t.csv"][0].encode()}),
@@ -406,21 +443,30 @@ COMMANDS: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
     "reproduce": (("--tilt", "99", "--out", "out"), {}),
     "validate": (("--only", "nothing", "--out", "out"), {}),
     "explain": (("--model", "rigid"), {}),
+    "bench drop": (("--measured", "0.5", "--measured-sd", "0.1", "--drops", "2"), {}),
+    "bench slide": (("--measured", "14", "--measured-sd", "1"), {}),
+    "bench pluck": (("--measured", "400", "--measured-sd", "5"), {}),
 }  # fmt: skip
 """Commands that end soon whatever flag is added, with what they need."""
 
 
-def flags(rng: random.Random) -> Try:
-    """A flag with a hostile value."""
+def _options(name: str) -> list[Any]:
+    """Options of a command, which may lie below another."""
     import typer
 
     from walkergen.cli import app
 
+    command: Any = typer.main.get_command(app)
+    for word in name.split():
+        command = command.commands[word]
+    return [one for one in command.params if one.opts and one.opts[0].startswith("--")]
+
+
+def flags(rng: random.Random) -> Try:
+    """A flag with a hostile value."""
     name = rng.choice(list(COMMANDS))
     words, files = COMMANDS[name]
-    command = typer.main.get_command(app).commands[name]
-    options = [one for one in command.params if one.opts and one.opts[0].startswith("--")]
-    option = rng.choice(options)
+    option = rng.choice(_options(name))
     value = rng.choice(WORDS)
     if "\0" in value:
         value = "x"
@@ -429,7 +475,32 @@ def flags(rng: random.Random) -> Try:
     )
     if option.opts[0] == "--out":
         given = ("--out", f"out/{value.strip('/') or 'x'}"[:4000])
-    return Try(f"{name} {option.opts[0]}", (name, *words, *given), files)
+    return Try(f"{name} {option.opts[0]}", (*name.split(), *words, *given), files)
+
+
+NEAR: Mapping[type, Sequence[str]] = {
+    int: ("0", "1", "2", "3", "100", "10000", "-1"),
+    float: ("0", "1e-9", "1e-3", "0.01", "0.3", "1", "3", "30", "100", "1e4", "1e9", "-1"),
+}
+DEEP: Mapping[str, tuple[tuple[str, ...], Mapping[str, bytes]]] = {
+    "design": (("--speed", "40", "--model", "prediction", "--no-pictures", "--out", "out"), {}),
+    "fit": (("f.csv", "--no-pictures", "--out", "out"), {"f.csv": TABLES["f.csv"][0].encode()}),
+    **{name: COMMANDS[name] for name in ("bench drop", "bench slide", "bench pluck", "calibrate")},
+}
+"""Commands of long work, where options that are allowed lead on."""
+
+
+def ends(rng: random.Random) -> Try:
+    """Options of long work at the ends of what they take, some at a time."""
+    name = rng.choice(list(DEEP))
+    words, files = DEEP[name]
+    kinds = {one.opts[0]: one.type_descriptor.annotation for one in _options(name)}
+    numbers = [flag for flag in kinds if kinds[flag] in NEAR and flag != "--workers"]
+    chosen = rng.sample(numbers, min(len(numbers), rng.choice((1, 2))))
+    given = [f"{flag}={rng.choice(NEAR[kinds[flag]])}" for flag in chosen]
+    if name == "fit" and rng.random() < 0.3:
+        given.append("--model=rigid")
+    return Try(f"ends {name}", (*name.split(), *words, *given), files)
 
 
 def commands(rng: random.Random) -> Try:
@@ -449,10 +520,62 @@ def _cube() -> bytes:
     """Binary STL of a tetrahedron."""
     corners = ((0, 0, 0), (9, 0, 0), (0, 9, 0), (0, 0, 9))
     faces = ((0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3))
+    return _stl([corners[at] for face in faces for at in face])
+
+
+def _walls() -> bytes:
+    """Binary STL of a closed box that is a sound body."""
+    corners = [(x, y, z) for x in (0.0, 20.0) for y in (0.0, 4.0) for z in (0.0, 10.0)]
+    faces = ((0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1),
+             (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3))  # fmt: skip
+    return _stl([corners[at] for face in faces for at in face])
+
+
+def _stl(corners: Sequence[tuple[float, ...]]) -> bytes:
     body = b"".join(
-        struct.pack("<12fH", 0, 0, 0, *(x for at in face for x in corners[at]), 0) for face in faces
+        struct.pack("<12fH", 0, 0, 0, *(x for at in corners[k : k + 3] for x in at), 0)
+        for k in range(0, len(corners), 3)
     )
-    return b"binary".ljust(80) + struct.pack("<I", len(faces)) + body
+    return b"binary".ljust(80) + struct.pack("<I", len(corners) // 3) + body
+
+
+ODD = (math.nan, math.inf, 1e300, -1e9, 1e-30, 0.0)
+
+
+def bodies(rng: random.Random) -> Try:
+    """A body from a mesh that is open, inverted, split, flat, far away or not of numbers."""
+    data = _walls()[84:]
+    faces = [bytearray(data[at : at + 50]) for at in range(0, len(data), 50)]
+    for _ in range(rng.choice((1, 1, 3, 12))):
+        face, way = rng.randrange(len(faces)), rng.randrange(5)
+        corner = 12 * rng.randrange(1, 4) + 4 * rng.randrange(3)
+        if way == 0:
+            faces[face][12:36] = faces[face][24:36] + faces[face][12:24]
+        elif way == 1 and len(faces) > 1:
+            del faces[face]
+        elif way == 2:
+            faces.append(faces[face])
+        elif way == 3:
+            number = rng.choice(ODD)
+            number = min(number, 3e38) if math.isfinite(number) else number
+            faces[face][corner : corner + 4] = struct.pack("<f", number)
+        else:  # a corner moves with all that share it: still closed, or folded into itself
+            place = bytes(faces[face][12:24])
+            moved = struct.pack("<3f", *(rng.uniform(-10.0, 30.0) for _ in range(3)))
+            faces = [bytearray(bytes(one).replace(place, moved)) for one in faces]
+    if rng.random() < 0.1:
+        for one in faces:  # all of it inside out
+            one[12:36] = one[24:36] + one[12:24]
+    stl = b"binary".ljust(80) + struct.pack("<I", len(faces)) + b"".join(map(bytes, faces))
+    name = rng.choice(("family", "plate", "check", "weigh", "export", "predict"))
+    if name == "weigh":
+        return Try("body weigh", ("weigh", "b.stl"), {"b.stl": stl})
+    out = () if name in ("check", "predict") else ("--out", "out")
+    quick = ("--no-pictures",) if name in ("family", "plate") else ()
+    repair = rng.choice(("false", "true", "true"))
+    body = f'body={{mesh="b.stl", repair={repair}}}'
+    words = (name, "--tilt", "10", "--set", body, *quick, *out)
+    return Try(f"body {name}", words, {"b.stl": stl})
 
 
 SOLIDS: Mapping[str, bytes] = {
@@ -570,6 +693,7 @@ def _key(rng: random.Random) -> str:
 CLASSES: tuple[tuple[Callable[[random.Random], Try], int], ...] = (
     (keys, 10), (limits, 4), (sweeps, 3), (names, 2), (kinds, 6), (blobs, 4), (paths, 4),
     (cells, 6), (flags, 8), (commands, 2), (shapes, 4), (family, 5),
+    (ends, 5), (bodies, 5), (forms, 2),
 )  # fmt: skip
 """Makers of tries, and how often each is drawn."""
 

@@ -3,10 +3,13 @@
 import os
 import sys
 import warnings
+from pathlib import Path
 
 import hostile
 import pytest
+from typer.testing import CliRunner
 
+from walkergen.cli import app
 from walkergen.errors import InputError
 from walkergen.files import config, plain, reading
 from walkergen.printing.printers import Printer
@@ -71,6 +74,35 @@ def test_thousands_of_hostile_tries(tmp_path):
     family.mkdir()
     hostile.make_family(family)
     assert not judged(hostile.drawn(SEED, TRIES), tmp_path)
+
+
+@pytest.mark.nightly
+def test_a_body_of_a_million_triangles_becomes_a_family_and_a_plate(tmp_path):
+    import trimesh
+
+    mesh = trimesh.creation.box((20.0, 10.0, 4.0))
+    for _ in range(8):
+        mesh = mesh.subdivide()
+    assert len(mesh.faces) == 786_432
+    data = mesh.export(file_type="stl")
+    for number, name in enumerate(("family", "plate")):
+        words = (name, "--tilt", "10", "--legs", "flexible", "--set", 'body={mesh="b.stl"}',
+                 "--no-pictures", "--out", "out")  # fmt: skip
+        place = tmp_path / str(number)
+        place.mkdir()
+        tried = hostile.Try(name, words, {"b.stl": data})
+        seen = hostile.run(tried, place)
+        assert (seen.code, hostile.faults(tried, seen)) == (0, []), seen.err
+
+
+@pytest.mark.parametrize("name", ["c.csv", "f.csv", "t.csv", "o.csv"])
+def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    path = Path(name)
+    path.write_text(hostile.TABLES[name][0])
+    words = [word.format(name) for word in hostile.READERS[name]]
+    result = CliRunner().invoke(app, words)
+    assert result.exit_code == 0, result.output
 
 
 def test_hidden_letters_are_written_as_json_writes_them():
