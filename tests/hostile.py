@@ -46,8 +46,10 @@ class Seen(NamedTuple):
 def faults(one: Try, seen: Seen) -> list[str]:
     """What is wrong with the outcome of a try: nothing, where it is sound."""
     found = []
-    unwritten = seen.code == 1 and "cannot be written" in seen.err  # the answer for outputs
-    if seen.code not in (0, 2) and not unwritten:
+    # The answers for outputs, and for a wish that no design meets
+    answers = ("cannot be written", "the nearest are in")
+    answered = seen.code == 1 and any(answer in seen.err for answer in answers)
+    if seen.code not in (0, 2) and not answered:
         found.append(f"exit code {seen.code}")
     if "Traceback" in seen.err or "Warning" in seen.err:
         found.append("traceback or warning of a library")

@@ -348,7 +348,7 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
     words = ("--scene", "lane-90hz", "--tilt", "10", "--model", "compliant", *FEW)
     result = run("koumakis2016", *words)
     assert result.exit_code == 0, result.output
-    name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz.gif"
+    name = "out/koumakis2016/walker_t10.0_flexible_s0.40_lane-90hz_model-compliant.gif"
     assert "koumakis2016, 10°, flexible: " in result.stdout
     assert "\n5 frames, 20 a second, 100 times slower\n" in result.stdout
     assert f"no MP4: ffmpeg is not installed\n{name}\n" in result.stdout
@@ -359,7 +359,9 @@ def test_the_command_says_what_it_filmed_and_wrote(run, tmp_path, monkeypatch):
 def test_json_names_the_files_and_the_runs(run):
     words = ("--tilt", "5,10", "--model", "compliant", "--seconds", "0.1", "--slow", "0.5")
     found = json.loads(run(*words, "--fps", "50", "--json").stdout)
-    assert found["gif"] == "out/koumakis2016/race_t05.0-t10.0_flexible_lane-90hz.gif"
+    assert (
+        found["gif"] == "out/koumakis2016/race_t05.0-t10.0_flexible_lane-90hz_model-compliant.gif"
+    )
     assert (found["frames"], found["slow"]) == (3, 0.5)
     assert [walker["model"] for walker in found["walkers"]] == ["compliant", "compliant"]
     assert (found["mp4"] is None) == bool(found["without_mp4"])

@@ -71,7 +71,7 @@ def movie(
     job = movies.plan(
         members, resolved, seconds=seconds, periods=periods, slow=slow, fps=fps, view=view
     )
-    path = out or Path("out") / chosen.name / movies.file_name(job)
+    path = out or Path("out") / chosen.name / movies.file_name(job, inputs.values)
     with show.progress("movie", wanted=not quiet) as progress:
         film = movies.make(job, path, progress, named=out is not None)
     show.report(report.of(job, film), json, quiet)

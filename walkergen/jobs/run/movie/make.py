@@ -1,8 +1,9 @@
 """Movies: one walker in slow motion, or several running; from the side, above, in perspective."""
 
-from collections.abc import Callable, Iterator, Sequence
+import re
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 
@@ -81,11 +82,15 @@ class Job(NamedTuple):
         return 1 + int(self.seconds * self.slow * self.fps + 1e-9)
 
 
-def file_name(job: Job) -> str:
-    """Default name of the GIF: the walker's, or the tilts and kinds of legs, and the scene's."""
+def file_name(job: Job, values: Mapping[str, Any]) -> str:
+    """Default name of the GIF: the walker's, or the tilts and kinds of legs, the scene's.
+
+    Then come values of dotted keys that were set, in letters that are safe, as far as a name goes.
+    """
     what = names.part(job.members[0]) if len(job.members) == 1 else names.race(job.members)
     seen = "_perspective" if job.view == "perspective" else ""
-    return f"{what}_{job.scene.name}{seen}.gif"
+    settings = "".join(f"_{key.rpartition('.')[2]}-{value}" for key, value in values.items())
+    return f"{what}_{job.scene.name}{seen}{re.sub(r'[^A-Za-z0-9_.-]+', '-', settings)[:80]}.gif"
 
 
 class Made(NamedTuple):
