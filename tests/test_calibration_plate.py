@@ -165,7 +165,7 @@ def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name)
     program("prusa-slicer")
     printer = PRINTERS[name]
     order = plate.Order(PAPER, [printer], pictures=False)
-    rows, _ = plate.make(order, tmp_path, lambda *_: None, lambda _: None)
+    rows = plate.make(order, tmp_path, lambda *_: None, lambda _: None).table.rows
     model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
     (model.parent / "yours.ini").write_text(maker.ini(printer))
     lines = print_of(model, model.with_name(f"calibration_{name}.ini")).lines

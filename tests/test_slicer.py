@@ -280,7 +280,9 @@ def test_admesh_finds_every_stl_sound(tmp_path):
     ]
     members += Design.model_validate({"legs": {"foot": "round"}}).members([0.0, 10.0, -30.0])
     seen = set()
-    for index, path in enumerate(exports.make(members, ["stl"], tmp_path, lambda *told: None)):
+    for index, path in enumerate(
+        exports.make(members, ["stl"], tmp_path, lambda *told: None).files
+    ):
         # ADMesh prints the header beyond its end, where the number of facets is no text.
         result = subprocess.run(
             [program("admesh"), str(path)],
