@@ -135,5 +135,6 @@ def export(design: Walker, path: str | os.PathLike[str], *, scene: Ground = SCEN
     that MJCF cannot hold, OutputError.
     """
     target = Path(path)
-    exports.one(walker_of(design), target, scene_of(scene))
+    moving = target.suffix.lower() == exports.MODEL
+    exports.one(walker_of(design), target, scene_of(scene) if moving else None)
     return target

@@ -39,10 +39,8 @@ def export(
     """Write walkers as STL, 3MF, DXF or SVG files, one file per walker, or for MuJoCo."""
     from walkergen.jobs.make.export import make as exports
 
-    wanted, allowed = (
-        [word.strip() for word in formats.split(",")],
-        (*exports.FORMATS, exports.MJCF),
-    )
+    wanted = [word.strip() for word in formats.split(",")]
+    allowed = (*exports.FORMATS, exports.MJCF)
     for word in wanted:
         if word not in allowed:
             raise InputError(f"--format {word[:30]!r}: must be one of {', '.join(allowed)}")

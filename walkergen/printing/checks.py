@@ -127,6 +127,15 @@ def refuse(findings: Sequence[Finding], strict: bool) -> None:
         raise PrintabilityError("\n".join(lines))
 
 
+def by_printer(found: Sequence[tuple[str, Sequence[Finding]]]) -> list[Finding]:
+    """Findings of printers, by their names, in one list; those of several name their printer."""
+    return [
+        finding._replace(where=f"{printer}: {finding.where}") if len(found) > 1 else finding
+        for printer, findings in found
+        for finding in findings
+    ]
+
+
 def grouped(findings: Sequence[Finding]) -> list[Finding]:
     """Merge equal findings, with the first place and the number of others; errors come first."""
     places: dict[Finding, list[str]] = {}

@@ -23,6 +23,9 @@ FORMATS = (*SOLID, *profile.FORMATS)
 MJCF = "mjcf"
 """Format of MuJoCo, of a walker in a scene: several files."""
 
+MODEL = ".xml"
+"""Ending of the file that names the others."""
+
 
 def make(
     members: Sequence[Design], formats: Sequence[str], folder: Path, progress: Progress,
@@ -70,7 +73,7 @@ def _model(design: Design, scene: Scene | None) -> list[tuple[str, bytes]]:
     return list(mjcf.files(design, scene))
 
 
-def one(design: Design, path: Path, scene: Scene) -> None:
+def one(design: Design, path: Path, scene: Scene | None = None) -> None:
     """Write one walker into the file `path`, whose ending is one of FORMATS, or .xml for MuJoCo.
 
     The bytes are those of `make`. A scene is of MJCF, whose STL files come beside it. Raises
@@ -83,11 +86,11 @@ def one(design: Design, path: Path, scene: Scene) -> None:
         output.write(path, SOLID[form](mesh, names.part(design)))
     elif form in profile.FORMATS:
         output.write(path, profile.FORMATS[form](profile.drawing_of(design)))
-    elif form == "xml":
+    elif path.suffix.lower() == MODEL:
         (_, model), *meshes = _model(design, scene)
         for name, data in meshes:
             output.write(path.with_name(name), data)
         output.write(path, model)  # last: it names the others
     else:
-        endings = ", ".join(f".{ending}" for ending in (*FORMATS, "xml"))
+        endings = ", ".join(f".{ending}" for ending in FORMATS) + f", {MODEL}"
         raise InputError(f"{str(path)!r}: must end in one of {endings}")

@@ -100,14 +100,7 @@ def make(
         plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts)
         for printer in order.printers
     ]
-    findings = [
-        # With several printers findings name the printer.
-        finding._replace(where=f"{layout.printer.name}: {finding.where}")
-        if len(layouts) > 1
-        else finding
-        for layout in layouts
-        for finding in layout.findings
-    ]
+    findings = checks.by_printer([(one.printer.name, one.findings) for one in layouts])
     tell(findings)
     checks.refuse(findings, order.strict)
     steps = sum(

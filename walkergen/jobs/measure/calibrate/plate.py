@@ -65,13 +65,7 @@ def make(
         pieces.lay(_pieces(order.design, drawn, printer), printer, order.max_plates)
         for drawn, printer in drawings
     ]
-    findings = [
-        finding._replace(where=f"{batch.printer.name}: {finding.where}")
-        if len(laid) > 1
-        else finding
-        for batch in laid
-        for finding in batch.findings
-    ]
+    findings = checks.by_printer([(batch.printer.name, batch.findings) for batch in laid])
     tell(findings)
     checks.refuse(findings, order.strict)
     paths: list[Path] = []

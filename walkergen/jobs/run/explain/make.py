@@ -10,12 +10,17 @@ from walkergen.simulation.plan import prepare
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
+
+def _why(row: Explained) -> str:
+    return f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
+
+
 COLUMNS = (
     report.text("effect", "effect"),
     Column("", lambda row: "on" if row.on else "off"),
     report.number("size", "number", 3),
     Column("cost", lambda row: "-" if row.cost is None else f"x {row.cost:.2f}", True),
-    Column("why", lambda row: _why(row)),
+    Column("why", _why),
 )
 
 
@@ -36,7 +41,3 @@ def explain(scene: Scene, design: Design, measured: bool, progress: Progress) ->
         lines=["cost: CPU time over that of the scene without the effect, whose motion differs "
                "too"],
     )  # fmt: skip
-
-
-def _why(row: Explained) -> str:
-    return f"{row.reason} ({row.meaning})" + (f"; {row.switch}" if row.switch else "")
