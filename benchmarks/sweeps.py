@@ -31,11 +31,11 @@ REPEATS = 3
 
 MEMORY = """
 import resource, sys
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.simulation import experiments
 if __name__ == "__main__":
     try:
-        app(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",
+        command_line(["sweep", "--set", sys.argv[1], "--workers", "1", "--no-pictures", "--quiet",
              "--out", sys.argv[2]])
     except SystemExit:
         pass

@@ -7,7 +7,7 @@ from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Section
 from typer.testing import CliRunner
 
-from walkergen.cli import COMMANDS, app
+from walkergen.cli import COMMANDS, command_line
 
 ROOT = Path(__file__).parent.parent
 NAMES = [name for names in COMMANDS.values() for name in names]
@@ -124,7 +124,9 @@ def _command(name):
 
 
 def _help(*words):
-    text = CliRunner().invoke(app, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"})
+    text = CliRunner().invoke(
+        command_line, [*words, "-h"], prog_name="walkergen", env={"COLUMNS": "88"}
+    )
     assert text.exit_code == 0, text.output
     return text.stdout.strip()
 

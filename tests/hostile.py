@@ -456,9 +456,9 @@ def _options(name: str) -> list[Any]:
     """Options of a command, which may lie below another."""
     import typer
 
-    from walkergen.cli import app
+    from walkergen.cli import command_line
 
-    command: Any = typer.main.get_command(app)
+    command: Any = typer.main.get_command(command_line)
     for word in name.split():
         command = command.commands[word]
     return [one for one in command.params if one.opts and one.opts[0].startswith("--")]

@@ -8,7 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.jobs.trust.accuracy import make as accuracy
 
 SCENE = """
@@ -31,7 +31,7 @@ def run(tmp_path, monkeypatch):
     (tmp_path / "short.toml").write_text(SCENE)
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 

@@ -10,7 +10,7 @@ import shapely
 import trimesh
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.jobs.make.export import make as exports
@@ -346,7 +346,7 @@ def test_a_single_walker_has_points_with_bounds_and_no_curve(tmp_path):
         '[[legs]]\nkind = "braced"\ntilt_deg = 0\nalong_mm = 6.5\nfriction = 0.6\n'
     )
     out = tmp_path / "out"
-    result = runner.invoke(app, ["family", str(path), "--out", str(out), "--json"])
+    result = runner.invoke(command_line, ["family", str(path), "--out", str(out), "--json"])
     assert result.exit_code == 0, result.output
     (row,) = json.loads(result.stdout)["rows"]
     assert row["legs"] == "braced"
@@ -386,7 +386,7 @@ def test_check_tells_the_orientation(tmp_path):
     path.write_text(
         '[body]\noutline = "disc"\nlength_mm = 20\n[legs]\nwidth_mm = 4\ncontact_spacing_mm = 10\n'
     )
-    result = CliRunner().invoke(app, ["check", str(path), "--tilt", "10", "--json"])
+    result = CliRunner().invoke(command_line, ["check", str(path), "--tilt", "10", "--json"])
     assert result.exit_code == 0, result.exception
     assert json.loads(result.stdout)["orientations"] == [orientation.LEGS_UP]
     (place,) = plates.unplaced([DISC], [solids.build(DISC)], [1], MK3S).parts

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.measure.bench import drop, slide
 from walkergen.points import drops
@@ -20,7 +20,7 @@ def run(tmp_path, monkeypatch):
     for name, few in (("TILTS", (10.0,)), ("FRICTIONS", (0.25,)), ("HEIGHTS", (10.0,))):
         monkeypatch.setattr(drop, name, few)
     monkeypatch.setattr(slide, "FRICTIONS", (0.2, 0.25, 0.3))
-    return lambda *words: CliRunner().invoke(app, ["bench", *words])
+    return lambda *words: CliRunner().invoke(command_line, ["bench", *words])
 
 
 def test_a_drop_is_inverted_flat_and_from_the_hand(run, tmp_path):

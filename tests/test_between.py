@@ -10,7 +10,7 @@ from synthetic_tracks import Walker, film, film_of, lane
 from typer.testing import CliRunner
 
 from walkergen.analysis import between, motion
-from walkergen.cli import app
+from walkergen.cli import command_line
 
 SPEEDS = (45.0, 65.0, 85.0)
 CLEAN = Walker(rate=0.8, noise=0.0, heading_noise=0.0, lost=0.0)
@@ -128,7 +128,7 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
     ]
     (tmp_path / "three.csv").write_text("frame,particle,x,y,theta\n" + "".join(lines))
     units = ("--fps", "50", "--mm-per-px", "1")
-    result = CliRunner().invoke(app, ["analyse", "three.csv", *units, "--json"])
+    result = CliRunner().invoke(command_line, ["analyse", "three.csv", *units, "--json"])
     assert result.exit_code == 0, result.exception
     data = json.loads(result.stdout)
     assert [one["speed_mm_s"] for one in data["walkers"]] == pytest.approx(SPEEDS, rel=1e-3)
@@ -138,7 +138,9 @@ def test_one_command_gives_three_speeds_and_their_mean(tmp_path, monkeypatch):
         rows = list(csv.DictReader(stream))
     assert [float(row["speed_mm_s"]) for row in rows] == pytest.approx(SPEEDS, rel=1e-3)
     assert (folder / "walkers.pdf").is_file()
-    table = CliRunner().invoke(app, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
+    table = (
+        CliRunner().invoke(command_line, ["analyse", "three.csv", *units, "--no-pictures"]).stdout
+    )
     assert "Student" in table
     assert re.search(r"^ *1 +20 +6[45][.][0-9]+ ±", table, re.MULTILINE)
 

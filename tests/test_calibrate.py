@@ -15,7 +15,7 @@ from typer.testing import CliRunner
 
 from walkergen.analysis import beams
 from walkergen.analysis.beams import Strip
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
@@ -289,7 +289,7 @@ class Elastic:
 
 def calibrated(path, out, *words):
     command = ["calibrate", str(path), "--out", str(out), *words]
-    return CliRunner().invoke(app, command, catch_exceptions=False)
+    return CliRunner().invoke(command_line, command, catch_exceptions=False)
 
 
 def whole(folder):
@@ -407,7 +407,9 @@ LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
 def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
     path = tmp_path / "m.csv"
     path.write_text(f"{','.join(form.HEADER)}\n{rows}\n")
-    result = CliRunner().invoke(app, ["calibrate", str(path), "--out", str(tmp_path / "o")])
+    result = CliRunner().invoke(
+        command_line, ["calibrate", str(path), "--out", str(tmp_path / "o")]
+    )
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)
     assert len(str(result.exception).splitlines()) == 1
@@ -427,7 +429,7 @@ def test_a_bad_form_is_one_line_and_writes_nothing(tmp_path, rows, told):
 def test_a_bad_option_is_one_line(tmp_path, words, told):
     path = tmp_path / "m.csv"
     path.write_text(form.template({"strip_1": 0.0}))
-    result = CliRunner().invoke(app, ["calibrate", str(path), "--out", "o", *words])
+    result = CliRunner().invoke(command_line, ["calibrate", str(path), "--out", "o", *words])
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)
 

@@ -12,7 +12,7 @@ from slicing import print_of, program
 from typer.testing import CliRunner
 
 from walkergen.analysis import beams
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.files import templates
 from walkergen.jobs.measure.calibrate import form, parts, plate, sheet
 from walkergen.printing import walls
@@ -27,7 +27,7 @@ PRINTERS = {name: templates.load(name, "printers", Printer) for name in template
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, list(words), catch_exceptions=False)
+    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=False)
 
 
 @pytest.mark.parametrize("printer", PRINTERS.values(), ids=PRINTERS)
@@ -152,7 +152,7 @@ def test_ordinary_weights_are_near_what_they_say():
 )
 def test_bad_input_is_one_line_and_writes_nothing(tmp_path, monkeypatch, words, told):
     monkeypatch.chdir(tmp_path)
-    result = CliRunner().invoke(app, ["plate", "--calibration", *words])
+    result = CliRunner().invoke(command_line, ["plate", "--calibration", *words])
     assert result.exit_code != 0
     assert told in str(result.exception)
     assert list(tmp_path.iterdir()) == []

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import PrintabilityError
 from walkergen.files import templates
 from walkergen.printing import checks, slicer, walls
@@ -268,7 +268,7 @@ def test_equal_findings_are_told_once_and_errors_first():
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     (tmp_path / "thin.toml").write_text("[legs]\nflexible_thickness_mm = 0.2\n")
-    return lambda *words: CliRunner().invoke(app, list(words))
+    return lambda *words: CliRunner().invoke(command_line, list(words))
 
 
 def test_check_reports_and_writes_nothing(run, tmp_path):

@@ -10,7 +10,7 @@ import time
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app, main
+from walkergen.cli import command_line, main
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.scene import Scene
@@ -31,7 +31,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 
@@ -234,9 +234,9 @@ def test_python_m_walkergen_works():
 
 def test_family_without_simulation_does_not_load_the_compiler(tmp_path):
     code = (
-        "import sys; from walkergen.cli import app\n"
+        "import sys; from walkergen.cli import command_line\n"
         f"words = ['family', '--tilt', '5', '--quiet', '--no-pictures', '--out', {str(tmp_path)!r}]"
-        "\ntry: app(words)\nexcept SystemExit: pass\n"
+        "\ntry: command_line(words)\nexcept SystemExit: pass\n"
         "print(sorted({'numba', 'matplotlib', 'trimesh'} & set(sys.modules)))"
     )
     assert python("-c", code).stdout.strip() == "[]"
@@ -244,8 +244,8 @@ def test_family_without_simulation_does_not_load_the_compiler(tmp_path):
 
 def test_a_prediction_imports_few_modules_and_no_other_command():
     code = (
-        "import sys; from walkergen.cli import app\n"
-        "try: app(['predict', '--tilt', '10', '--json'])\nexcept SystemExit: pass\n"
+        "import sys; from walkergen.cli import command_line\n"
+        "try: command_line(['predict', '--tilt', '10', '--json'])\nexcept SystemExit: pass\n"
         "print(*(name for name in sys.modules if name.split('.')[0] == 'walkergen'), "
         "file=sys.stderr)"
     )
@@ -257,8 +257,8 @@ def test_a_prediction_imports_few_modules_and_no_other_command():
 
 def test_help_imports_nothing_heavy():
     code = (
-        "import sys; from walkergen.cli import app\n"
-        "try: app(['--help'])\nexcept SystemExit: pass\n"
+        "import sys; from walkergen.cli import command_line\n"
+        "try: command_line(['--help'])\nexcept SystemExit: pass\n"
         "heavy = {'numpy', 'numba', 'manifold3d', 'matplotlib', 'trimesh', 'pydantic', 'lib3mf'}\n"
         "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
     )

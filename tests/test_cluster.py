@@ -11,7 +11,7 @@ import time
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.points import worker_pool
 
@@ -70,7 +70,7 @@ def test_killing_a_worker_changes_no_bit(cluster, tmp_path, monkeypatch):
     workers[0].send_signal(signal.SIGKILL)
     assert sweep.wait(timeout=120) == 0
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "other"))
-    here = CliRunner().invoke(app, [*POINTS, "--out", str(tmp_path / "here")])
+    here = CliRunner().invoke(command_line, [*POINTS, "--out", str(tmp_path / "here")])
     assert here.exit_code == 0, here.output
     assert table.read_bytes() == (tmp_path / "here" / "table.csv").read_bytes()
     assert table.read_bytes().count(b"\n") == 1 + 1000

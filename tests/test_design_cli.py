@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 
 ROOT = Path(__file__).parent.parent
@@ -27,7 +27,7 @@ def cache(tmp_path_factory):
 def run(monkeypatch, tmp_path, cache):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("XDG_CACHE_HOME", str(cache))
-    return lambda *words: CliRunner().invoke(app, ["design", *words])
+    return lambda *words: CliRunner().invoke(command_line, ["design", *words])
 
 
 def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
@@ -38,10 +38,12 @@ def test_a_design_goes_on_to_a_plate_and_a_prediction(run, tmp_path):
     folder = tmp_path / "out" / "design-speed40"
     design, scene = str(folder / "design-1.toml"), str(folder / "scene-1.toml")
     row = json.loads(
-        CliRunner().invoke(app, ["predict", design, "--scene", scene, "--json"]).output
+        CliRunner().invoke(command_line, ["predict", design, "--scene", scene, "--json"]).output
     )["rows"][0]
     assert row["speed_mm_s"] == pytest.approx(40.0, abs=2.0)
-    made = CliRunner().invoke(app, ["plate", design, "--printer", "ender3", "--out", "plate"])
+    made = CliRunner().invoke(
+        command_line, ["plate", design, "--printer", "ender3", "--out", "plate"]
+    )
     assert made.exit_code == 0, made.output
     assert list((tmp_path / "plate").rglob("*.3mf"))
     manifest = json.loads((folder / "manifest.json").read_text(encoding="utf-8"))

@@ -15,7 +15,7 @@ import pytest
 from faults import CALLS, broken, command, failing, forked, interrupt, is_one_line, kill, tree
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import OutputError
 from walkergen.files.output import Folder
 
@@ -238,7 +238,7 @@ def _loaded():
 
     templates.listing()
     for words in (PREDICT, ("--help",)):
-        assert CliRunner().invoke(app, words).exit_code == 0
+        assert CliRunner().invoke(command_line, words).exit_code == 0
 
 
 EXPORT = ("export", "--tilt", "10", "--legs", "braced", "--format", "stl,svg", "--quiet", "--out")
@@ -363,7 +363,7 @@ def test_ctrl_c_while_a_library_loads_is_no_failure_of_it(monkeypatch):
         except KeyboardInterrupt as cause:
             raise ImportError("initialization failed") from cause
 
-    monkeypatch.setattr(cli, "app", stopped)
+    monkeypatch.setattr(cli, "command_line", stopped)
     code, _, told = forked(cli.main)
     assert (code, told) == (130, "error: " + cli.TOLD_INTERRUPTED + "\n")
 
@@ -441,9 +441,9 @@ def inputs(tmp_path_factory):
     for name in ("SPEEDS", "FORM"):
         FOLDERS[name].write_text(hostile.TABLES[FOLDERS[name].name][0])
     run = CliRunner().invoke
-    assert run(app, [*LONG["family"], "--out", str(base / "family")]).exit_code == 0
+    assert run(command_line, [*LONG["family"], "--out", str(base / "family")]).exit_code == 0
     words = [*LONG["trajectory"], "--runs", "4", "--trajectory", str(base / "t.csv")]
-    assert run(app, words).exit_code == 0
+    assert run(command_line, words).exit_code == 0
 
 
 @pytest.mark.nightly

@@ -6,7 +6,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.jobs.measure.fit import emulated, learn
@@ -22,7 +22,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.setenv("XDG_CACHE_HOME", str(tmp_path / "cache"))
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 

@@ -14,7 +14,7 @@ import pytest
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.report import Table
@@ -34,7 +34,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        result = CliRunner().invoke(app, list(words), catch_exceptions=False)
+        result = CliRunner().invoke(command_line, list(words), catch_exceptions=False)
         assert result.exit_code == 0
         return result.stdout
 

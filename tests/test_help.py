@@ -9,11 +9,11 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from walkergen.cli import COMMANDS, app
+from walkergen.cli import COMMANDS, command_line
 from walkergen.cli.examples import EXAMPLES
 from walkergen.cli.layout import OPTIONS
 
-ROOT = typer.main.get_command(app)
+ROOT = typer.main.get_command(command_line)
 
 
 def leaves(command=ROOT, path=()):
@@ -79,7 +79,7 @@ def test_help_fits_and_shows_no_types(monkeypatch, columns, name):
 
 @pytest.mark.parametrize("words", [["-h"], ["predict", "-h"], ["bench", "drop", "--help"]])
 def test_both_flags_ask_for_help(words):
-    result = CliRunner().invoke(app, words)
+    result = CliRunner().invoke(command_line, words)
     assert result.exit_code == 0
     assert result.stdout.startswith("Usage:")
 
@@ -102,7 +102,7 @@ def complete(words, shell="bash"):
         "COMP_WORDS": line,
         "COMP_CWORD": str(len(line.split(" ")) - 1),
     }
-    code = "from walkergen.cli import app; app(prog_name='walkergen')"
+    code = "from walkergen.cli import command_line; command_line(prog_name='walkergen')"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, check=False, env=own
     )

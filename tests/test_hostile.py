@@ -9,7 +9,7 @@ import hostile
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import config, plain, reading
 from walkergen.printing.printers import Printer
@@ -101,7 +101,7 @@ def test_the_tables_that_tries_spoil_are_sound(name, tmp_path, monkeypatch):
     path = Path(name)
     path.write_text(hostile.TABLES[name][0])
     words = [word.format(name) for word in hostile.READERS[name]]
-    result = CliRunner().invoke(app, words)
+    result = CliRunner().invoke(command_line, words)
     assert result.exit_code == 0, result.output
 
 

@@ -8,7 +8,7 @@ import pytest
 from synthetic_tracks import Walker, film
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.files.tables import csv_text
@@ -22,7 +22,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 

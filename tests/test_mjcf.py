@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.export import mjcf
@@ -114,7 +114,9 @@ def test_what_the_file_cannot_hold_is_refused_and_nothing_is_written(
     key, told, tmp_path, monkeypatch
 ):
     monkeypatch.chdir(tmp_path)
-    error = CliRunner().invoke(app, ["export", "--format", "mjcf", "--set", f"scene.{key}"])
+    error = CliRunner().invoke(
+        command_line, ["export", "--format", "mjcf", "--set", f"scene.{key}"]
+    )
     assert isinstance(error.exception, InputError)
     assert re.search(told, str(error.exception))
     assert list(tmp_path.iterdir()) == []
@@ -124,11 +126,11 @@ def test_the_command_writes_the_same_bytes_again(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["export", "--tilt", "10", "--format", "mjcf", "--quiet", "--out"]
     for out in ("once", "again"):
-        assert CliRunner().invoke(app, [*words, out]).exit_code == 0
+        assert CliRunner().invoke(command_line, [*words, out]).exit_code == 0
     once = {path.name: path.read_bytes() for path in Path("once/mjcf").iterdir()}
     assert {path.suffix for path in Path("once/mjcf").iterdir()} == {".xml", ".stl"}
     assert once == {path.name: path.read_bytes() for path in Path("again/mjcf").iterdir()}
-    lone = CliRunner().invoke(app, ["export", "--scene", "lane-90hz"]).exception
+    lone = CliRunner().invoke(command_line, ["export", "--scene", "lane-90hz"]).exception
     assert str(lone) == "--scene lane-90hz: only --format mjcf has a scene"
 
 
@@ -137,7 +139,7 @@ def test_the_page_runs_and_the_walker_as_it_says(tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     page = PAGE.read_text(encoding="utf-8")
     command = re.search(r"^walkergen (export .*?) +#", page, re.MULTILINE)[1]
-    assert CliRunner().invoke(app, command.split()).exit_code == 0
+    assert CliRunner().invoke(command_line, command.split()).exit_code == 0
     capsys.readouterr()
     exec(re.search(r"```python\n(.*?)```", page, re.DOTALL)[1], {})
     speed = float(capsys.readouterr().out.split()[0])

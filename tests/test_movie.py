@@ -13,7 +13,7 @@ import pytest
 from PIL import Image
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.jobs.run.movie import bounce, footage, impacts, race
@@ -337,7 +337,7 @@ def test_a_run_that_ends_at_once_is_refused():
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, ["movie", *words])
+    return lambda *words: CliRunner().invoke(command_line, ["movie", *words])
 
 
 FEW = ("--periods", "0.2", "--slow", "100", "--fps", "20")

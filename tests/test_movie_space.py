@@ -10,7 +10,7 @@ from PIL import Image
 from scipy.spatial import ConvexHull
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.jobs.run.movie import above, footage, impacts, perspective, raster, shot
@@ -358,7 +358,7 @@ def test_nearer_faces_hide_those_behind_whatever_their_order():
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, ["movie", *words])
+    return lambda *words: CliRunner().invoke(command_line, ["movie", *words])
 
 
 def test_the_command_films_a_plane_from_above(run):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.simulation import ensemble, observables, record, resolution
@@ -195,7 +195,9 @@ def test_a_step_beyond_the_swing_loses_the_speed_and_warns():
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, ["simulate", *words], catch_exceptions=False)
+    return lambda *words: CliRunner().invoke(
+        command_line, ["simulate", *words], catch_exceptions=False
+    )
 
 
 SHORT = ("--model", "compliant", "--tilt", "10", "--seconds", "0.3", "--runs", "4")

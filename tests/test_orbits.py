@@ -6,7 +6,7 @@ import numpy as np
 from typer.testing import CliRunner
 
 import walkergen as wg
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.simulation import orbits
 
 LOCKED = (
@@ -16,7 +16,7 @@ LOCKED = (
 
 
 def simulate(*words):
-    result = CliRunner().invoke(app, [*LOCKED, *words])
+    result = CliRunner().invoke(command_line, [*LOCKED, *words])
     assert result.exit_code == 0, result.exception
     return result.stdout
 
@@ -80,7 +80,9 @@ def test_a_family_beside_its_runs_prints_no_error_of_an_orbit(tmp_path):
              "--simulate", "--out", str(tmp_path / "one"), "--no-pictures", "--json"]  # fmt: skip
     keys = {"scene.contact.restitution": 0.8, "scene.legs.model": '"relaxed"',
             "scene.run.seconds": 1, "scene.run.runs": 4}  # fmt: skip
-    result = CliRunner().invoke(app, [*words, *(f"--set={key}={keys[key]}" for key in keys)])
+    result = CliRunner().invoke(
+        command_line, [*words, *(f"--set={key}={keys[key]}" for key in keys)]
+    )
     assert result.exit_code == 0, result.output
     (member,) = json.loads(result.stdout)["rows"]
     assert member["sim_se_mm_s"] is None

@@ -11,7 +11,7 @@ import pytest
 import threemf
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import order_list
@@ -39,7 +39,7 @@ kind = "notches"
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, list(words), catch_exceptions=True)
+    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
 
 @pytest.fixture

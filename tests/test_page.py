@@ -17,7 +17,7 @@ from report_folder import add, edit, folder_of, rendered
 from typer.testing import CliRunner
 
 import walkergen
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError, OutputError
 from walkergen.files import viewer
 from walkergen.jobs.page.report import chart, chart_data, contents, members, references
@@ -67,7 +67,7 @@ def parts_of(text):
 
 
 def run(*words):
-    return CliRunner().invoke(app, ["report", *map(str, words)])
+    return CliRunner().invoke(command_line, ["report", *map(str, words)])
 
 
 def refused(folder):
@@ -409,9 +409,10 @@ def test_an_axis_has_four_to_ten_round_ticks_inside(low, width):
 
 def test_the_bundle_is_built_from_the_viewer_here_and_keeps_its_licence():
     bundle = viewer.script()
-    source = hashlib.sha256((ROOT / "viewer" / "viewer.js").read_bytes()).hexdigest()
+    scripts = sorted((ROOT / "viewer").glob("*.js"))
+    source = hashlib.sha256(b"".join(path.read_bytes() for path in scripts)).hexdigest()
     three = json.loads((ROOT / "viewer" / "package.json").read_text())["dependencies"]["three"]
-    assert f"viewer.js, sha256 {source}\nwith parts of three.js {three}:" in bundle
+    assert f"viewer/, sha256 {source}\nwith parts of three.js {three}:" in bundle
     assert "The above copyright notice and this permission notice shall be included" in bundle
     assert len(bundle) < 650_000
     for script in (bundle, (ASSETS / "page.js").read_text(encoding="utf-8")):

@@ -14,7 +14,7 @@ from selenium.webdriver.common.by import By
 from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.files import templates
 from walkergen.jobs.page.report import contents, play
@@ -110,7 +110,7 @@ def report(folder, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     keys = '[drive]\nfrequency_hz = 90\ngamma = 1.8\n[legs]\nmodel = "compliant"\n'
     Path("planar.toml").write_text(keys, encoding="utf-8")
-    return lambda *words: CliRunner().invoke(app, ["report", str(folder), *words])
+    return lambda *words: CliRunner().invoke(command_line, ["report", str(folder), *words])
 
 
 def test_the_command_plays_the_member_asked_for(report, tmp_path):

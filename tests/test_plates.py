@@ -15,7 +15,7 @@ import pytest
 import threemf
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError, PlateError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import make as batch
@@ -46,7 +46,7 @@ def table(path: Path) -> list[dict[str, str]]:
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, list(words), catch_exceptions=True)
+    return lambda *words: CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
 
 @pytest.mark.parametrize("printer", PRINTERS, ids=lambda printer: printer.name)

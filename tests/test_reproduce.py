@@ -9,7 +9,7 @@ from typer.testing import CliRunner
 
 from walkergen.analysis.landings import QUIET_S
 from walkergen.analysis.values import Value, mean
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.jobs.trust.reproduce import compare, curves, sweeps, theory
@@ -58,7 +58,7 @@ def run(tmp_path, monkeypatch):
     words = ("--scene", "measured.toml", "--scene-fitted", "fitted.toml")
 
     def call(*more):
-        return CliRunner().invoke(app, ["reproduce", *words, *more], catch_exceptions=True)
+        return CliRunner().invoke(command_line, ["reproduce", *words, *more], catch_exceptions=True)
 
     return call
 

@@ -10,7 +10,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.analysis.estimates import UNITS
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files.measured import measured
 from walkergen.files.tables import csv_text
@@ -55,9 +55,9 @@ def test_every_number_with_a_length_bears_the_scales_error(tmp_path, rows, text,
     path, larger = tmp_path / "tracks.csv", tmp_path / "larger.csv"
     path.write_text(text(rows))
     words = ("analyse", str(path), *words, "--no-pictures", "--out", str(tmp_path))
-    told = CliRunner().invoke(app, words)
+    told = CliRunner().invoke(command_line, words)
     assert "(scale)" in told.stdout
-    data = json.loads(CliRunner().invoke(app, [*words, "--json"]).stdout)
+    data = json.loads(CliRunner().invoke(command_line, [*words, "--json"]).stdout)
     grown = 1.0 + ERROR / SCALE
     larger.write_text(ours([(*row[:2], row[2] * grown, row[3] * grown, *row[4:]) for row in rows]))
     found = wg.analyse(larger)
@@ -97,7 +97,7 @@ def test_the_speed_over_the_plates_bears_it_too(tmp_path):
     ]  # fmt: skip
     (tmp_path / "t.csv").write_text(csv_text(names, lines))
     words = ("analyse", str(tmp_path / "t.csv"), "--no-pictures", "--out", str(tmp_path))
-    told = CliRunner().invoke(app, words).stdout
+    told = CliRunner().invoke(command_line, words).stdout
     assert "± 0.05 by the scale" in told
     assert told.count("(scale)") == 3
 

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.trust.selftest import catalogue
 from walkergen.jobs.trust.selftest import make as selftest
@@ -17,7 +17,7 @@ LAW = ("impact law",)
 
 
 def call(*words):
-    return CliRunner().invoke(app, ["selftest", *words], catch_exceptions=True)
+    return CliRunner().invoke(command_line, ["selftest", *words], catch_exceptions=True)
 
 
 def only(monkeypatch, check):

@@ -7,7 +7,7 @@ import pytest
 import threemf
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import templates
 from walkergen.jobs.make.plate import make as batch
@@ -111,6 +111,6 @@ def test_without_numbers_nothing_changes():
 def test_the_command_says_which_numbers(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     words = ["plate", "--copies", "3", "--serial", "7", "--no-pictures", "--out", "o"]
-    result = CliRunner().invoke(app, words)
+    result = CliRunner().invoke(command_line, words)
     assert result.exit_code == 0, result.output
     assert "7 to 9" in result.stdout

@@ -8,7 +8,7 @@ import pytest
 import typer
 from typer.testing import CliRunner
 
-from walkergen.cli import app, loading, main
+from walkergen.cli import command_line, loading, main
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import assignments, templates
 from walkergen.scene import Scene
@@ -52,7 +52,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 
@@ -91,7 +91,7 @@ def test_no_command_that_takes_a_design_a_scene_or_a_printer_is_left_out():
         if not hasattr(group, "commands"):
             yield path, {option for one in group.params for option in (*one.opts, one.name)}
 
-    found = dict(commands(typer.main.get_command(app)))
+    found = dict(commands(typer.main.get_command(command_line)))
     loading_ones = {
         path for path, options in found.items()
         if options & {"design", "scene", "--scene", "--printer"}

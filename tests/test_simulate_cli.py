@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 
 KEYS = {
@@ -25,7 +25,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        return CliRunner().invoke(app, list(words), catch_exceptions=True)
+        return CliRunner().invoke(command_line, list(words), catch_exceptions=True)
 
     return call
 

@@ -5,7 +5,7 @@ import json
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import WalkergenError
 from walkergen.simulation.run import Outcome
 
@@ -45,7 +45,7 @@ def run(tmp_path, monkeypatch):
             )
         (tmp_path / "walker.toml").write_text(design, encoding="utf-8")
         words = ["simulate", "walker.toml", "--scene", "scene.toml", "--tilt", "10", "--json"]
-        return CliRunner().invoke(app, words, catch_exceptions=True)
+        return CliRunner().invoke(command_line, words, catch_exceptions=True)
 
     return call
 

@@ -8,7 +8,7 @@ from typer.testing import CliRunner
 
 from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.run.simulate import make, trajectories
 from walkergen.scene import Scene
@@ -31,7 +31,7 @@ def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
 
     def call(*words):
-        result = CliRunner().invoke(app, list(words), catch_exceptions=True)
+        result = CliRunner().invoke(command_line, list(words), catch_exceptions=True)
         if result.exception is not None:
             raise result.exception
         return result.stdout

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.output import Folder
@@ -40,7 +40,7 @@ def home(tmp_path, monkeypatch):
 
 def swept(*arguments, code=0):
     """Result of a sweep by the command line, without pictures."""
-    found = CliRunner().invoke(app, ["sweep", *arguments, "--no-pictures"])
+    found = CliRunner().invoke(command_line, ["sweep", *arguments, "--no-pictures"])
     assert found.exit_code == code, found.output
     return found
 
@@ -160,7 +160,7 @@ def test_a_walker_that_stands_as_built_is_turned_anew_at_every_point(home):
     for row in rows_of(home / "one" / "table.csv"):
         length = f"legs[1].length_mm={row['legs[1].length_mm']}"
         words = ["predict", "unequal-legs", *built, "--set", length, "--json"]
-        (expected,) = json.loads(CliRunner().invoke(app, words).stdout)["rows"]
+        (expected,) = json.loads(CliRunner().invoke(command_line, words).stdout)["rows"]
         assert float(row["speed_mm_s"]) == expected["speed_mm_s"]
 
 

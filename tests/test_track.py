@@ -13,7 +13,7 @@ from typer.testing import CliRunner
 
 import walkergen as wg
 from walkergen.analysis import motion, tracks
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import figures, templates
 from walkergen.files.progress import silent
@@ -215,7 +215,7 @@ def write_film(path, frames, fps=25):
 @pytest.fixture
 def run(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    return lambda *words: CliRunner().invoke(app, ["track", *map(str, words)])
+    return lambda *words: CliRunner().invoke(command_line, ["track", *map(str, words)])
 
 
 @pytest.fixture

@@ -7,7 +7,7 @@ import pytest
 from scipy import stats
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.run.simulate import prints, uncertain
 from walkergen.theory.uncertain import Input, draws
@@ -108,7 +108,7 @@ def test_scatter_that_runs_do_not_resolve_is_not_shared_out():
 
 def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
     out = tmp_path / "un"
-    result = CliRunner().invoke(app, [*QUICK, "--json", "--out", str(out)])
+    result = CliRunner().invoke(command_line, [*QUICK, "--json", "--out", str(out)])
     found = json.loads(result.stdout)
     assert found["model"] == "relaxed"
     low, high = found["speed_low_95_mm_s"], found["speed_high_95_mm_s"]
@@ -125,7 +125,7 @@ def test_json_tells_the_mean_the_scatter_and_the_shares(tmp_path):
 
 def test_equal_seeds_give_equal_bytes(tmp_path):
     for name in ("one", "two"):
-        CliRunner().invoke(app, [*QUICK, "--quiet", "--out", str(tmp_path / name)])
+        CliRunner().invoke(command_line, [*QUICK, "--quiet", "--out", str(tmp_path / name)])
     one, two = ((tmp_path / name / "draws.csv").read_bytes() for name in ("one", "two"))
     assert one == two
 
@@ -137,22 +137,22 @@ def test_equal_seeds_give_equal_bytes(tmp_path):
      (("--error", "5%"), "--error 5%: not with --uncertain")],
 )  # fmt: skip
 def test_what_contradicts_it_is_refused(words, told):
-    result = CliRunner().invoke(app, [*QUICK, *words])
+    result = CliRunner().invoke(command_line, [*QUICK, *words])
     assert isinstance(result.exception, InputError)
     assert told in str(result.exception)
 
 
 def test_a_folder_is_for_uncertain_prints_only(tmp_path):
-    result = CliRunner().invoke(app, ["simulate", "--out", str(tmp_path)])
+    result = CliRunner().invoke(command_line, ["simulate", "--out", str(tmp_path)])
     assert "only --uncertain writes a folder" in str(result.exception)
 
 
 def test_predict_says_what_to_measure_next(monkeypatch):
     monkeypatch.setattr("walkergen.theory.uncertain.SHARE_POINTS", 64)  # seconds, and less sure
-    result = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain", "--json"])
+    result = CliRunner().invoke(command_line, ["predict", "--tilt", "10", "--uncertain", "--json"])
     (row,) = json.loads(result.stdout)["rows"]
     first = row["shares"][0]
     assert first["name"] in ("contact.restitution", "which print it is")
     assert 0.2 < first["total"] <= 1.0
-    told = CliRunner().invoke(app, ["predict", "--tilt", "10", "--uncertain"]).stdout
+    told = CliRunner().invoke(command_line, ["predict", "--tilt", "10", "--uncertain"]).stdout
     assert "measure next" in told

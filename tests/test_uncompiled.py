@@ -8,7 +8,7 @@ import sys
 import pytest
 from typer.testing import CliRunner
 
-from walkergen.cli import app
+from walkergen.cli import command_line
 
 SCENE = """
 [drive]
@@ -49,7 +49,7 @@ def test_motion_is_the_same_without_the_compiler(
     words = ["simulate", "koumakis2016", "--scene", "short.toml", "--legs", legs, "--model", model,
              "--rate", "20000", "--json", "--trajectory"]  # fmt: skip
     monkeypatch.chdir(tmp_path)
-    compiled = CliRunner().invoke(app, [*words, "compiled.csv"], catch_exceptions=False)
+    compiled = CliRunner().invoke(command_line, [*words, "compiled.csv"], catch_exceptions=False)
     plain = subprocess.run(
         [sys.executable, "-m", "walkergen", *words, "plain.csv"],
         env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=False,

@@ -11,7 +11,7 @@ from typer.testing import CliRunner
 
 from walkergen.analysis import values
 from walkergen.analysis.values import Value
-from walkergen.cli import app
+from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.jobs.trust.validate import (
     bodies,
@@ -50,7 +50,7 @@ NARROW = {
 
 
 def call(*words):
-    return CliRunner().invoke(app, ["validate", *words], catch_exceptions=True)
+    return CliRunner().invoke(command_line, ["validate", *words], catch_exceptions=True)
 
 
 def claim(ours, ours_se=None, theirs=1.0, theirs_se=None, margin=0.0, **more):

@@ -1,4 +1,4 @@
-// Bundles viewer.js with the parts of three.js that it uses, for the page to hold inline.
+// Bundles the viewer with the parts of three.js that it uses, for the page to hold inline.
 
 import { createHash } from 'node:crypto';
 import { readFileSync, writeFileSync } from 'node:fs';
@@ -6,11 +6,14 @@ import { build } from 'esbuild';
 
 const TARGET = '../walkergen/files/assets/viewer.min.js';
 
-const source = readFileSync('viewer.js');
+const SOURCES = ['plate.js', 'run.js', 'viewer.js'];
+
+const sources = createHash('sha256');
+for (const name of SOURCES) sources.update(readFileSync(name));
 const three = JSON.parse(readFileSync('node_modules/three/package.json', 'utf8'));
 const licence = readFileSync('node_modules/three/LICENSE', 'utf8').trim();
 const banner = `/*
-viewer.js, sha256 ${createHash('sha256').update(source).digest('hex')}
+viewer/, sha256 ${sources.digest('hex')}
 with parts of three.js ${three.version}:
 
 ${licence}

@@ -22,13 +22,18 @@ import {
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
+import { PLATE, create as createPlate } from './plate.js';
+import { unpack } from './run.js';
+
 const FIELD_OF_VIEW = 30; // degrees
 const EDGE_ANGLE = 25; // degrees between faces from which their edge is drawn
+const MOST_EDGED = 30_000; // triangles up to which edges are drawn at once
+const EDGES_MS = 250; // later the edges of a larger part follow, once it stays
 const FILLED = 0.94; // share of the frame that the part takes
-const PLATE = 12; // half the plate's length over the part's
-const PIECES = 32; // of each line of the plate
+const GROWN = 1.15; // change of size from which the view is fitted anew
 const KEY_STEP = Math.PI / 24;
 const LIGHT_SIZE = 0.035; // radius of a corner's light at its brightest, over the part's size
+const POINT_SIZE = 0.5; // radius of a marked point over that of a light
 
 // Directions from the part to the camera.
 const VIEWS = {
@@ -39,30 +44,23 @@ const VIEWS = {
   below: [0, -1, 0.001],
 };
 
-// Spacing of the plate's lines: 1, 2 or 5 times a power of ten, at most a fifth of `length`.
-function spacing(length) {
-  const power = 10 ** Math.floor(Math.log10(length / 5));
-  return power * [5, 2, 1].find((factor) => factor * power <= length / 5);
-}
-
-// Lines of the plate, `count` cells of `step` wide, in short pieces: the picture fades at their ends.
-function grid(step, count) {
-  const half = (count * step) / 2;
-  const piece = (count * step) / PIECES;
-  const points = [];
-  for (let k = 0; k <= count; k += 1)
-    for (let i = 0; i < PIECES; i += 1) {
-      const [at, from, to] = [k * step - half, i * piece - half, (i + 1) * piece - half];
-      points.push(at, 0, from, at, 0, to, from, 0, at, to, 0, at);
-    }
+// Corners of triangles in a geometry; those that `marked` (a number a triangle) names come last, as
+// a second group of their own.
+function geometryOf(positions, marked) {
   const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(new Float32Array(points), 3));
-  return new LineSegments(geometry, new LineBasicMaterial());
-}
-
-function geometryOf(positions) {
-  const geometry = new BufferGeometry();
-  geometry.setAttribute('position', new BufferAttribute(positions, 3));
+  let [ordered, plain] = [positions, positions.length / 9];
+  if (marked) {
+    ordered = new Float32Array(positions.length);
+    plain = marked.reduce((count, mark) => count + (mark ? 0 : 1), 0);
+    let [front, back] = [0, plain];
+    marked.forEach((mark, k) => {
+      const place = mark ? back++ : front++;
+      ordered.set(positions.subarray(9 * k, 9 * k + 9), 9 * place);
+    });
+  }
+  geometry.setAttribute('position', new BufferAttribute(ordered, 3));
+  geometry.addGroup(0, 3 * plain, 0);
+  geometry.addGroup(3 * plain, positions.length / 3 - 3 * plain, 1);
   geometry.computeVertexNormals(); // no shared vertices: a normal for each face
   geometry.computeBoundingBox();
   return geometry;
@@ -70,67 +68,92 @@ function geometryOf(positions) {
 
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
- * triangles' corners, nine numbers a triangle. Returns { show, look, stand, paint, colour, spacing }.
+ * triangles' corners, nine numbers a triangle. Returns { show, replace, look, stand, run, measure,
+ * point, paint, colour, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
   if (!context) return null;
   const renderer = new WebGLRenderer({ canvas, context, antialias: true });
 
-  const whole = new Box3();
-  for (const positions of parts) whole.union(geometryOf(positions).boundingBox);
-  const size = whole.getSize(new Vector3());
-  const centre = whole.getCenter(new Vector3()).setY(size.y / 2);
-  const radius = size.length() / 2;
-
   const scene = new Scene();
-  const step = spacing(size.x);
-  const lines = 2 * Math.ceil((PLATE * size.x) / step);
-  const plate = grid(step, lines);
-  plate.position.set(centre.x, 0, centre.z);
+  const plate = createPlate();
   scene.fog = new Fog(0xffffff, 1, 2); // the plate fades out far behind the part
   const sun = new DirectionalLight(0xffffff, 2.6);
-  scene.add(plate, new AmbientLight(0xffffff, 1.5));
+  scene.add(plate.lines, new AmbientLight(0xffffff, 1.5));
 
-  const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, radius / 20, radius * 60);
+  const camera = new PerspectiveCamera(FIELD_OF_VIEW, 1, 1, 1000);
   camera.add(sun); // it shines over the viewer's left shoulder
   sun.position.set(-0.5, 0.9, 1);
   camera.add(sun.target);
   sun.target.position.set(0, 0, -1);
   scene.add(camera);
 
-  const material = new MeshLambertMaterial({ polygonOffset: true, polygonOffsetFactor: 1 });
-  const body = new Mesh(new BufferGeometry(), material);
+  const surface = () => new MeshLambertMaterial({ polygonOffset: true, polygonOffsetFactor: 1 });
+  const [material, fault] = [surface(), surface()];
+  const part = new Mesh(new BufferGeometry(), [material, fault]);
   const edges = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
-  for (const own of [material, edges.material]) own.fog = false;
-  const part = body.add(edges);
-  scene.add(part);
+  const ruler = new LineSegments(new BufferGeometry(), new LineBasicMaterial());
+  for (const own of [material, fault, edges.material, ruler.material]) own.fog = false;
+  scene.add(part.add(edges, ruler));
 
-  // Lights at the corners of the feet, seen through the part.
-  const glow = new MeshBasicMaterial({ color: 0xe8590c, opacity: 0.85 });
-  Object.assign(glow, { transparent: true, depthTest: false });
-  const sphere = new SphereGeometry(LIGHT_SIZE * size.length(), 20, 12);
+  // Lights at the corners of the feet, and a point, seen through the part.
+  const seenThrough = (color, opacity) => {
+    const glow = new MeshBasicMaterial({ color, opacity });
+    return Object.assign(glow, { transparent: true, depthTest: false, fog: false });
+  };
+  const glow = seenThrough(0xe8590c, 0.85);
+  const sphere = new SphereGeometry(1, 20, 12);
   const lights = [];
+  const centreMark = new Mesh(sphere, seenThrough(0xffffff, 0.9));
+  centreMark.visible = false;
+  part.add(centreMark);
 
   const controls = new OrbitControls(camera, canvas);
   controls.enablePan = false;
   controls.enableZoom = false; // the wheel scrolls the page until the canvas has the focus
-  controls.minDistance = 0.5 * radius;
-  controls.maxDistance = radius * 20;
-  controls.target.copy(centre);
+
+  let size = new Vector3(1, 1, 1);
+  let centre = new Vector3();
+  let seenSize = 1; // of the part for which the camera's distance was chosen
+  let labels = []; // of lengths: element and place in the part
+  let edgesLater = 0;
+
+  // Fit plate, light and camera to boxes of this size; what stood in the view goes on being seen.
+  function fit(whole) {
+    size = whole.getSize(new Vector3());
+    centre = whole.getCenter(new Vector3()).setY(size.y / 2);
+    const radius = size.length() / 2;
+    plate.fit(size.x);
+    [camera.near, camera.far] = [radius / 20, radius * 60];
+    camera.updateProjectionMatrix();
+    [controls.minDistance, controls.maxDistance] = [0.5 * radius, radius * 20];
+  }
+
+  // Words of the lengths stand beside their lines, whatever the view.
+  function placeLabels() {
+    const { clientWidth: width, clientHeight: height } = canvas;
+    for (const { label, place } of labels) {
+      const at = part.localToWorld(place.clone()).project(camera);
+      const [x, y] = [((at.x + 1) / 2) * width, ((1 - at.y) / 2) * height];
+      label.style.transform = `translate(${x}px, ${y}px) translate(-50%, -50%)`;
+    }
+  }
 
   function draw() {
     const distance = camera.position.distanceTo(controls.target);
     [scene.fog.near, scene.fog.far] = [distance, distance + PLATE * size.x * 0.75];
     renderer.render(scene, camera);
+    placeLabels();
   }
 
-  /** Use these CSS colours for background, lines of the plate and edges of the part. */
-  function paint(background, lines, edge) {
+  /** Use these CSS colours for background, lines of the plate, edges of the part and its faults. */
+  function paint(background, lines, edge, faulty = edge) {
     renderer.setClearColor(background);
     scene.fog.color.setStyle(background);
-    plate.material.color.setStyle(lines);
-    edges.material.color.setStyle(edge);
+    plate.lines.material.color.setStyle(lines);
+    for (const own of [edges.material, ruler.material, centreMark.material]) own.color.setStyle(edge);
+    fault.color.setStyle(faulty);
     draw();
   }
 
@@ -152,7 +175,7 @@ export function create(canvas, parts) {
 
   // Distance along a direction from which the box of all parts just fills the frame.
   function distanceOf(direction) {
-    const towards = new Vector3().fromArray(direction).normalize();
+    const towards = direction.clone().normalize();
     const right = new Vector3(0, 1, 0).cross(towards).normalize();
     const up = towards.clone().cross(right);
     const high = FILLED * Math.tan((FIELD_OF_VIEW * Math.PI) / 360);
@@ -170,25 +193,56 @@ export function create(canvas, parts) {
     return distance;
   }
 
-  /** Look at the part from one of VIEWS, from where all of it is seen. */
-  function look(name) {
-    camera.position.fromArray(VIEWS[name]).setLength(distanceOf(VIEWS[name])).add(controls.target);
+  // Look from a direction, from where all of the part is seen.
+  function lookFrom(direction) {
+    seenSize = size.length();
+    camera.position.copy(direction).setLength(distanceOf(direction)).add(controls.target);
     controls.update();
     draw();
   }
 
-  /** Put part `index` on the plate, in a CSS colour. */
-  function show(index, css) {
-    body.geometry.dispose();
+  /** Look at the part from one of VIEWS. */
+  const look = (name) => lookFrom(new Vector3().fromArray(VIEWS[name]));
+
+  function drawEdges() {
     edges.geometry.dispose();
-    body.geometry = geometryOf(parts[index]);
-    edges.geometry = new EdgesGeometry(body.geometry, EDGE_ANGLE);
+    edges.geometry = new EdgesGeometry(part.geometry, EDGE_ANGLE);
+  }
+
+  // Put a geometry on the plate, in a CSS colour.
+  function put(geometry, css) {
+    part.geometry.dispose();
+    part.geometry = geometry;
+    clearTimeout(edgesLater);
+    edges.visible = geometry.getAttribute('position').count <= 3 * MOST_EDGED;
+    if (edges.visible) drawEdges();
+    else
+      edgesLater = setTimeout(() => {
+        edges.visible = true;
+        drawEdges();
+        draw();
+      }, EDGES_MS);
     material.color.setStyle(css);
-    part.position.set(0, -body.geometry.boundingBox.min.y, 0);
+    part.position.set(0, -geometry.boundingBox.min.y, 0);
     part.quaternion.identity();
     for (const light of lights) light.visible = false;
     follow(0, 0);
     draw();
+  }
+
+  /** Put part `index` on the plate, in a CSS colour. */
+  const show = (index, css) => put(geometryOf(parts[index], null), css);
+
+  /**
+   * Put another part on the plate, in a CSS colour; `marked`: a number for each triangle, those that
+   * are not 0 are painted as faults, or null. The view stays unless the part has grown or shrunk.
+   */
+  function replace(positions, css, marked) {
+    const geometry = geometryOf(positions, marked);
+    fit(geometry.boundingBox.clone());
+    put(geometry, css);
+    const grown = size.length() / seenSize;
+    if (grown > GROWN || grown < 1 / GROWN) lookFrom(camera.position.clone().sub(controls.target));
   }
 
   // Move the view along the plate, so that it has followed a part by x and z; the lines stand still.
@@ -196,8 +250,7 @@ export function create(canvas, parts) {
     const move = new Vector3(centre.x + x, centre.y, centre.z + z).sub(controls.target);
     camera.position.add(move);
     controls.target.add(move);
-    const whole = (distance) => step * Math.round(distance / step);
-    plate.position.set(centre.x + whole(x), 0, centre.z + whole(z));
+    plate.under(centre, { x, z });
   }
 
   /**
@@ -212,12 +265,46 @@ export function create(canvas, parts) {
       part.add(lights.at(-1));
     }
     lights.forEach((light, k) => {
+      light.visible = k < corners.length && brightness[k] > 0;
+      if (!light.visible) return;
       light.position.fromArray(corners[k]);
-      light.visible = brightness[k] > 0;
-      light.scale.setScalar(Math.max(brightness[k], 1e-3));
+      light.scale.setScalar(LIGHT_SIZE * size.length() * Math.max(brightness[k], 1e-3));
     });
     const moved = centre.clone().applyQuaternion(part.quaternion).add(part.position).sub(centre);
     follow(moved.x, moved.z);
+    draw();
+  }
+
+  /** Run of the part that is shown: { last, show(time, slow) }, times in s. */
+  function run(packed) {
+    const { last, poseAt, lightsAt } = unpack(packed);
+    const showAt = (time, slow) => {
+      const pose = poseAt(time);
+      stand(pose.slice(0, 3), pose.slice(3), packed.corners, lightsAt(time, slow));
+    };
+    return { last, show: showAt };
+  }
+
+  /** Draw lengths on the part, each { from, to, text }; their words stand in `layer`. */
+  function measure(lengths, layer) {
+    ruler.geometry.dispose();
+    ruler.geometry = new BufferGeometry().setFromPoints(
+      lengths.flatMap(({ from, to }) => [new Vector3(...from), new Vector3(...to)]),
+    );
+    labels = lengths.map(({ from, to, text }) => {
+      const label = Object.assign(document.createElement('span'), { className: 'dimension' });
+      label.textContent = text;
+      return { label, place: new Vector3(...from).add(new Vector3(...to)).multiplyScalar(0.5) };
+    });
+    layer.replaceChildren(...labels.map(({ label }) => label));
+    draw();
+  }
+
+  /** Mark a place in the part, or none (null). */
+  function point(place) {
+    centreMark.visible = Boolean(place);
+    if (place) centreMark.position.fromArray(place);
+    centreMark.scale.setScalar(POINT_SIZE * LIGHT_SIZE * size.length());
     draw();
   }
 
@@ -241,7 +328,13 @@ export function create(canvas, parts) {
   canvas.addEventListener('focus', () => (controls.enableZoom = true));
   canvas.addEventListener('blur', () => (controls.enableZoom = false));
   new ResizeObserver(resize).observe(canvas);
+  const whole = new Box3();
+  for (const positions of parts) whole.union(geometryOf(positions, null).boundingBox);
+  fit(whole);
+  follow(0, 0);
   resize();
   look('angle');
-  return { show, look, stand, paint, colour, spacing: step };
+  return {
+    show, replace, look, stand, run, measure, point, paint, colour, spacing: plate.spacing(),
+  };
 }

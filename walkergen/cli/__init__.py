@@ -21,6 +21,7 @@ INTERRUPTED = 130
 TOLD_INTERRUPTED = "interrupted: finished files are whole; the same command completes"
 
 COMMANDS = {
+    "Design": ("app",),
     "Make": ("family", "export", "check", "plate", "design"),
     "Predict": ("predict", "sweep"),
     "Simulate": ("simulate", "movie", "explain"),
@@ -39,7 +40,7 @@ class Root(Group):
         super().__init__(**settings | {"commands": Modules(names)})
 
 
-app = typer.Typer(
+command_line = typer.Typer(
     name="walkergen",
     help="From a leg tilt to 3D-printed walkers that run on a vibrating plate as predicted.",
     no_args_is_help=True,
@@ -51,7 +52,7 @@ app = typer.Typer(
 )
 
 
-@app.callback(invoke_without_command=True)
+@command_line.callback(invoke_without_command=True)
 def _options(
     context: typer.Context,
     version: Annotated[bool, typer.Option("--version", help="Show the version.")] = False,
@@ -116,7 +117,7 @@ def _run() -> int:
     """Run a command and empty standard output; returns the exit code."""
     try:
         try:
-            app()
+            command_line()
         except SystemExit as done:
             sys.stdout.flush()
             if isinstance(getattr(done.__context__, "__cause__", None), KeyboardInterrupt):

@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from walkergen.jobs.measure.bench.make import Drop, Test
     from walkergen.walker.design import Design
 
-app = typer.Typer(
+commands = typer.Typer(
     name="bench",
     cls=Group,
     epilog=epilog("bench"),
@@ -39,7 +39,7 @@ Tries = Annotated[
 ]
 
 
-@app.command(cls=Command, epilog=epilog("bench drop"))
+@commands.command(cls=Command, epilog=epilog("bench drop"))
 def drop(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
@@ -122,7 +122,7 @@ def _film(test: "Test", how: "Drop", path: Path, progress: "Progress") -> Path:
     ).gif
 
 
-@app.command(cls=Command, epilog=epilog("bench slide"))
+@commands.command(cls=Command, epilog=epilog("bench slide"))
 def slide(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,
@@ -150,7 +150,7 @@ def slide(
     _report("slide", chosen, out, json, quiet, lambda *where: make.slid(test, *where))
 
 
-@app.command(cls=Command, epilog=epilog("bench pluck"))
+@commands.command(cls=Command, epilog=epilog("bench pluck"))
 def pluck(
     design: opt.DesignName = opt.PAPER,
     tilt: opt.OneTilt = None,

@@ -1,6 +1,7 @@
 """Examples at the end of every command's help, without the word walkergen; tests parse them all."""
 
 EXAMPLES: dict[str, tuple[str, str]] = {
+    "app": ("app", "app my.toml --port 0"),
     "family": ("family", "family maker-large --tilt 5:20:5 --copies 4"),
     "export": ("export --tilt 12 --format stl,3mf", "export my.toml --tilt 10 --format mjcf"),
     "check": ("check", "check my.toml --tilt 5,10 --printer ender3"),

@@ -96,8 +96,8 @@ class Modules(Mapping[str, Any]):
 def _command(name: str, heading: str) -> Any:
     """Command, or group of commands, of a module."""
     module, home = import_module(f"walkergen.cli.{name}"), Typer(rich_markup_mode=None)
-    if hasattr(module, "app"):
-        home.add_typer(module.app, rich_help_panel=heading)
+    if hasattr(module, "commands"):
+        home.add_typer(module.commands, rich_help_panel=heading)
     else:
         register = home.command(cls=Command, epilog=epilog(name), rich_help_panel=heading)
         register(getattr(module, name))

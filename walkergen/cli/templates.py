@@ -11,7 +11,7 @@ from walkergen.cli import show
 from walkergen.cli.layout import Command, Group, epilog, names_of
 from walkergen.errors import InputError
 
-app = typer.Typer(
+commands = typer.Typer(
     name="templates",
     cls=Group,
     epilog=epilog("templates"),
@@ -29,7 +29,7 @@ TemplateName = Annotated[
 ]
 
 
-@app.callback()
+@commands.callback()
 def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
     """List the shipped walkers, scenes and printers."""
     if context.invoked_subcommand is not None:
@@ -39,7 +39,7 @@ def list_templates(context: typer.Context, json: opt.AsJson = False) -> None:
     show.report(templates.listing(), json, quiet=False)
 
 
-@app.command("show", cls=Command, epilog=epilog("templates show"))
+@commands.command("show", cls=Command, epilog=epilog("templates show"))
 def show_template(name: TemplateName) -> None:
     """Print a template's TOML file."""
     from walkergen.files import templates
@@ -47,7 +47,7 @@ def show_template(name: TemplateName) -> None:
     print(templates.find(name).read_text(encoding="utf-8"), end="")
 
 
-@app.command("copy", cls=Command, epilog=epilog("templates copy"))
+@commands.command("copy", cls=Command, epilog=epilog("templates copy"))
 def copy_template(
     name: TemplateName,
     to: Annotated[

@@ -1,4 +1,4 @@
-"""Run of one member in space, for the page's viewer to play."""
+"""Run of one walker in space, for a viewer to play."""
 
 import base64
 from typing import Any
@@ -43,24 +43,33 @@ def simulate(
         raise InputError(
             f"--run: the family has no {name}; it has {', '.join(manifest.members[:20])}"
         )
+    return run(design, scene, "--run ") | {"member": manifest.members.index(name)}
+
+
+def run(design: Design, scene: Scene, before: str = "") -> dict[str, Any]:
+    """Simulate a second of a walker's run in space and pack what a viewer plays of it.
+
+    `before` stands in messages before the scene's name. Raises InputError for a scene in which
+    walkers do not move in space, or not at all.
+    """
     mass = solids.mass_of(design)
     model = resolve(scene, design, mass).model
     if model != "space":
         raise InputError(
-            f"--run {scene.name}: there the walker moves in a plane (model '{model}'); the viewer "
-            "plays runs in space: choose a scene with a plane to run on, or legs.model = 'space'"
+            f"{before}{scene.name}: there the walker moves in a plane (model '{model}'); the "
+            "viewer plays runs in space: choose a scene with a plane to run on, or "
+            "legs.model = 'space'"
         )
-    run = scene.run.model_copy(update={"seconds": SECONDS})
-    motion = poses.sample(prepare(scene.model_copy(update={"run": run}), design, mass), 1.0 / RATE)
+    short = scene.run.model_copy(update={"seconds": SECONDS})
+    motion = poses.sample(
+        prepare(scene.model_copy(update={"run": short}), design, mass), 1.0 / RATE
+    )
     if len(motion.times) < 2:
-        raise InputError(f"--run {scene.name}: the run ended at once ({motion.outcome.value})")
+        raise InputError(f"{before}{scene.name}: the run ended at once ({motion.outcome.value})")
     O = -from_centre(design, mass, np.zeros(2))  # noqa: E741  (the paper's name)
     O = np.array([*O, 0.5 * design.size.depth])  # noqa: E741
     O[1] -= _lowered(design)
-    return _packed(motion, O) | {
-        "member": manifest.members.index(name),
-        "words": _words(motion, scene, name),
-    }
+    return _packed(motion, O) | {"words": _words(motion, scene, names.part(design))}
 
 
 def _lowered(design: Design) -> float:

@@ -1,0 +1,162 @@
+"""What a page shows of its walker: the part, how it prints and how it will run.
+
+Every number comes from the job that the command line calls for it.
+"""
+
+import re
+from collections.abc import Iterator, Sequence
+from typing import Any
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.app import document as documents
+from walkergen.app.document import Document
+from walkergen.errors import WalkergenError
+from walkergen.jobs.make.check import make as checking
+from walkergen.jobs.run.predict import make as predicting
+from walkergen.printing import checks
+from walkergen.printing.findings import Finding
+from walkergen.scene import Scene
+from walkergen.shapes.mesh import Mesh
+from walkergen.theory import prediction
+from walkergen.walker import names, solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, from_centre
+
+STEEPEST_DEG = 45.0
+"""Tilt up to which the curve is drawn, unless the walker's own is larger."""
+
+LEGS_MM = 1e-4
+"""Distance below the body's underside from which on a triangle belongs to a leg."""
+
+KEY = re.compile(r"[a-z_]+(\[[0-9]+\])?(\.[a-z_]+(\[[0-9]+\])?)*")
+
+
+def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
+    """Facts on the walker and its speed, and its mesh as it stands.
+
+    Raises WalkergenError for what cannot be built or predicted.
+    """
+    design, scene = document.design(), document.ground()
+    report = predicting.predict(design, [design], scene, "coulomb")
+    (member,) = report.members
+    row = member.row._asdict()
+    facts = {
+        "name": design.name, "part": member.name, "tilt_deg": design.tilt_deg,
+        "tilt_key": "legs.tilt_deg" if design.pair else "leg_tilt_deg" if design.follows else None,
+        "legs": len(design.limbs), "kind": design.kind, "size_mm": list(design.size),
+        "row": row, "speed": str(member.row.speed), "mass_g": float(member.mass.total),
+        "caption": report.caption, "dimensions": list(_dimensions(design)),
+        "centre": _centre(design, member.mass), "loads": list(_loads(design, member.mass)),
+        "prints": "on its side" if solids.on_side(design) else "legs up",
+    }  # fmt: skip
+    return facts, member.mesh
+
+
+def outlook(document: Document) -> dict[str, Any]:
+    """Curve against tilt, what to measure next, what the printer makes of the walker, and words.
+
+    Raises WalkergenError, as `walker` does.
+    """
+    design, scene = document.design(), document.ground()
+    report = predicting.predict(design, [design], scene, "coulomb", uncertain=True)
+    found = checking.check([design], [1], document.machine()).findings
+    return {
+        "curve": _curve(design, scene) if design.follows else None,
+        "shares": report.facts["rows"][0]["shares"],
+        "findings": [_finding(finding) for finding in checks.grouped(found)],
+        "legs_at_fault": any(_of_legs(finding) for finding in found),
+        "shell": documents.shell(documents.arguments(document, "export")),
+        "python": documents.python(document),
+    }
+
+
+def refusal(error: WalkergenError) -> list[dict[str, str]]:
+    """Mistakes, each with the key at fault where its sentence begins with one."""
+    lines = []
+    for line in str(error).splitlines():
+        text = line.removeprefix(f"{documents.SOURCE}: ")
+        key = KEY.match(text)
+        lines.append({"key": key[0] if key and len(key[0]) < len(text) else "", "text": text})
+    return lines
+
+
+def triangles(mesh: Mesh) -> npt.NDArray[np.float32]:
+    """Corners of all triangles, shape (k, 9), little-endian float32, mm."""
+    return mesh.vertices[mesh.triangles].reshape(-1, 9).astype("<f4")
+
+
+def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
+    """1 for each triangle of a leg, 0 for those of the body, shape (k,)."""
+    bottom = min(limb.bottom for limb in document.design().limbs)
+    middles = mesh.vertices[mesh.triangles][:, :, 1].mean(axis=1)
+    return np.asarray(middles < bottom - LEGS_MM, dtype=np.uint8)
+
+
+def _curve(design: Design, scene: Scene) -> dict[str, list[float]]:
+    """Predicted speed against tilt, as the figure of a family draws it."""
+    high = max(STEEPEST_DEG, abs(design.tilt_deg))
+    low = -high if design.tilt_deg < 0.0 else 0.0
+    curve = prediction.curve(design, scene, "coulomb", low, high)
+    return {
+        "tilt_deg": curve.tilt_deg.tolist(), "speed": curve.speed.tolist(),
+        "low_95": curve.bounds[0].tolist(), "low_68": curve.bounds[1].tolist(),
+        "high_68": curve.bounds[2].tolist(), "high_95": curve.bounds[3].tolist(),
+    }  # fmt: skip
+
+
+def _finding(finding: Finding) -> dict[str, str]:
+    return {"level": finding.level, "text": checks.line(finding)}
+
+
+def _of_legs(finding: Finding) -> bool:
+    """True for what is wrong with a leg, not only worth knowing."""
+    return finding.level != "advice" and re.search(r"\b(leg|brace)s?\b", finding.what) is not None
+
+
+def _dimensions(design: Design) -> Iterator[dict[str, Any]]:
+    """Lengths to draw on the part, from and to places in its frame, mm."""
+    length, thickness, depth = design.size
+    x, y = 0.5 * length, 0.5 * thickness
+
+    def line(start: Sequence[float], end: Sequence[float]) -> dict[str, Any]:
+        text = f"{np.linalg.norm(np.subtract(end, start)):.4g} mm"
+        return {"from": list(start), "to": list(end), "text": text}
+
+    yield line((-x, y, depth), (x, y, depth))
+    yield line((x, -y, depth), (x, y, depth))
+    yield line((x, y, 0.0), (x, y, depth))
+    limbs = sorted(design.limbs, key=lambda limb: limb.along)
+    for limb in limbs[-1:]:
+        front = 0.5 * (depth + limb.width) + limb.across
+        foot = np.add(limb.anchor, limb.anchor_to_foot)
+        yield line((*limb.anchor, front), (*foot.tolist(), front))
+    if len(limbs) > 1 and limbs[0].along < limbs[-1].along:
+        low = min(limb.foot_height for limb in limbs)
+        yield line((limbs[0].along, low, depth), (limbs[-1].along, low, depth))
+
+
+def _centre(design: Design, mass: MassProperties) -> list[float]:
+    """Centre of mass of the whole walker in the frame of its mesh, mm."""
+    along, up = mass.centre - from_centre(design, mass, np.zeros(2))
+    z = mass.spatial.z if mass.spatial is not None else 0.0
+    across = (mass.M * z + sum(leg.m * leg.across for leg in mass.legs)) / mass.total
+    return [float(along), float(up), float(0.5 * design.size.depth + across)]
+
+
+def _loads(design: Design, mass: MassProperties) -> Iterator[dict[str, float]]:
+    """Share of the weight on the feet at each place along the run, at rest."""
+    places = sorted({round(limb.along, 6) for limb in design.limbs})
+    if len(places) != 2:
+        return
+    back, front = places
+    x = _centre(design, mass)[0]
+    share = (x - back) / (front - back)
+    yield {"along_mm": back, "percent": 100.0 * (1.0 - share)}
+    yield {"along_mm": front, "percent": 100.0 * share}
+
+
+def part_name(document: Document) -> str:
+    """Name of the part's files."""
+    return names.part(document.design())

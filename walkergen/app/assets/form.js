@@ -1,0 +1,222 @@
+// The form: a control for each key that the server names, in the order of its tables.
+
+import { ask, byId, lastOnly, upload } from './ask.js';
+import { change, current, endDrag, isSet, set, without } from './state.js';
+
+const OPEN = new Set(['walker: body', 'walker: legs', 'walker: legs 1']);
+let legs = []; // legs of the walker as a list
+
+const make = (tag, properties = {}, ...children) => {
+  const element = Object.assign(document.createElement(tag), properties);
+  element.append(...children);
+  return element;
+};
+
+const rounded = (value) => Number(value.toPrecision(4));
+
+// A slider runs from 0 to 1000; its number is linear or logarithmic in between.
+function slider(control, number) {
+  const [low, high, logarithmic] = control.slider;
+  const toValue = (at) =>
+    logarithmic ? low * (high / low) ** (at / 1000) : low + ((high - low) * at) / 1000;
+  const toPlace = (value) =>
+    1000 * (logarithmic ? Math.log(value / low) / Math.log(high / low) : (value - low) / (high - low));
+  const step = 10 ** Math.floor(Math.log10((high - low) / 200));
+  const whole = (value) => (logarithmic ? Number(value.toPrecision(3)) : rounded(Math.round(value / step) * step));
+  const range = make('input', { type: 'range', min: 0, max: 1000, step: 'any', tabIndex: -1 });
+  range.setAttribute('aria-hidden', 'true'); // the number beside it says the same
+  const place = () => (range.value = toPlace(Number(number.value || control.value)));
+  place();
+  range.addEventListener('input', () => {
+    const value = whole(toValue(Number(range.value)));
+    number.value = value;
+    set(control.key, value);
+  });
+  range.addEventListener('change', endDrag);
+  return { range, place, step: logarithmic ? 'any' : step };
+}
+
+function numberOf(control) {
+  const input = make('input', { type: 'number', step: 'any', value: control.value ?? '' });
+  if (control.optional) input.placeholder = 'none';
+  input.addEventListener('input', () => {
+    if (input.value === '') set(control.key, undefined);
+    else if (Number.isFinite(input.valueAsNumber)) set(control.key, input.valueAsNumber);
+  });
+  input.addEventListener('change', endDrag);
+  return input;
+}
+
+function choiceOf(control) {
+  const words = control.kind === 'yes' ? ['false', 'true'] : control.choices;
+  const select = make('select');
+  if (control.optional) select.append(new Option('as it needs', ''));
+  for (const word of words)
+    select.append(new Option(control.kind === 'yes' ? { true: 'yes', false: 'no' }[word] : word, word));
+  select.value = control.value === null ? '' : String(control.value);
+  select.addEventListener('change', () => {
+    const value = control.kind === 'yes' ? select.value === 'true' : select.value;
+    set(control.key, select.value === '' ? undefined : value, 'shape');
+  });
+  return select;
+}
+
+// Text, or a list as JSON.
+function textOf(control) {
+  const list = control.kind === 'list';
+  const shown = control.value === null ? '' : list ? JSON.stringify(control.value) : control.value;
+  const input = make('input', { type: 'text', value: shown });
+  if (control.optional) input.placeholder = 'none';
+  input.addEventListener('change', () => {
+    let value = input.value === '' ? undefined : input.value;
+    try {
+      if (list && value) value = JSON.parse(value);
+    } catch {
+      // the server says what must be written instead
+    }
+    set(control.key, value, 'shape');
+  });
+  return input;
+}
+
+function row(control) {
+  const id = `key-${control.key}`;
+  const makers = { number: numberOf, whole: numberOf, choice: choiceOf, yes: choiceOf };
+  const input = (makers[control.kind] ?? textOf)(control);
+  input.id = id;
+  const label = make('label', { htmlFor: id, textContent: control.name });
+  const holder = make('div', { className: 'row' }, label);
+  holder.dataset.key = control.key;
+  if (control.slider && control.value !== null) {
+    const { range, place, step } = slider(control, input);
+    input.step = step;
+    holder.append(range);
+    holder.place = place;
+  }
+  const limits = control.low === null ? '' : `${control.low} to ${control.high} ${control.unit}`;
+  const help = [control.help, limits].filter(Boolean).join(' ');
+  const hint = make('small', { className: 'help', id: `${id}-help`, textContent: help });
+  const why = make('p', { className: 'refusal', id: `${id}-why`, hidden: true });
+  why.setAttribute('role', 'alert');
+  input.setAttribute('aria-describedby', `${id}-help ${id}-why`);
+  const unit = make('span', { className: 'unit', textContent: control.unit });
+  const back = make('button', {
+    type: 'button', className: 'back', textContent: '↺', title: 'as the file has it',
+  });
+  back.setAttribute('aria-label', `${control.name}: as the file has it`);
+  back.hidden = !isSet(control.key);
+  back.addEventListener('click', () => set(control.key, undefined, 'shape'));
+  holder.append(input, unit, back, hint, why);
+  return holder;
+}
+
+// Buttons that change how many legs there are.
+function legTools(title) {
+  const number = Number(title.match(/legs (\d+)$/)?.[1] ?? 0);
+  const button = (text, work) => {
+    const made = make('button', { type: 'button', textContent: text });
+    made.addEventListener('click', work);
+    return made;
+  };
+  const listed = () => structuredClone(legs);
+  const tools = make('div', { className: 'bar' });
+  if (!number && legs.length) {
+    tools.append(button('one by one: more legs, or unlike ones', () => {
+      const tilt = Number(byId('key-legs.tilt_deg')?.value ?? 10);
+      const values = { ...without(current().values, 'legs'), legs: listed(), leg_tilt_deg: tilt };
+      change({ ...current(), values }, 'shape');
+    }));
+  } else if (number) {
+    const become = (list) =>
+      change({ ...current(), values: { ...without(current().values, 'legs'), legs: list } }, 'shape');
+    tools.append(button('another like this', () => {
+      const list = listed();
+      const twin = { ...list[number - 1] };
+      twin.along_mm = rounded((twin.along_mm ?? 0) + 2);
+      list.splice(number, 0, twin);
+      become(list);
+    }));
+    if (legs.length > 1)
+      tools.append(button('remove', () => become(listed().filter((_, k) => k !== number - 1))));
+  }
+  return tools;
+}
+
+function bodyTools(shapes) {
+  const select = make('select', { id: 'shape' });
+  select.append(new Option('another shape…', ''));
+  for (const name of Object.keys(shapes)) select.append(new Option(name, name));
+  select.addEventListener('change', () => {
+    if (!select.value) return;
+    const values = { ...without(current().values, 'body'), body: shapes[select.value] };
+    change({ ...current(), values }, 'shape');
+  });
+  select.setAttribute('aria-label', 'shape of the body');
+  return make('div', { className: 'bar' }, select);
+}
+
+function groupOf(group, shapes, opened) {
+  const details = make('details', { open: opened });
+  details.dataset.title = group.title;
+  details.append(make('summary', { textContent: group.title.replace('walker: ', '') }));
+  if (group.title === 'walker: body') details.append(bodyTools(shapes));
+  if (/^walker: legs( \d+)?$/.test(group.title)) details.append(legTools(group.title));
+  details.append(...group.controls.map(row));
+  return details;
+}
+
+/** Ask for the form and build it anew, with the same tables open and the same control in focus. */
+export const rebuild = lastOnly(async () => {
+  const answer = await ask('form', { document: current() });
+  if (answer.refused) return; // the last good form stays
+  const form = byId('form');
+  const open = new Map([...form.children].map((each) => [each.dataset.title, each.open]));
+  const focused = document.activeElement?.closest('#form') ? document.activeElement.id : '';
+  legs = answer.legs;
+  form.replaceChildren(
+    ...answer.groups.map((group) =>
+      groupOf(group, answer.shapes, open.get(group.title) ?? OPEN.has(group.title))),
+  );
+  if (focused) byId(focused)?.focus();
+});
+
+/** Show a number that was set elsewhere, as by dragging the marker of the chart. */
+export function showValue(key, value) {
+  const input = byId(`key-${key}`);
+  if (!input || document.activeElement === input) return;
+  input.value = value;
+  input.closest('.row').place?.();
+}
+
+/** Say beside the controls at fault why the walker cannot be built; elsewhere what is left. */
+export function refuse(mistakes) {
+  for (const why of document.querySelectorAll('.refusal')) why.hidden = true;
+  const stray = [];
+  for (const { key, text } of mistakes) {
+    const holder = document.querySelector(`.row[data-key="${CSS.escape(key)}"]`);
+    const why = holder?.querySelector('.refusal');
+    if (!why) {
+      stray.push(make('p', { textContent: text }));
+      continue;
+    }
+    Object.assign(why, { textContent: text, hidden: false });
+    holder.closest('details').open = true;
+  }
+  byId('stray').replaceChildren(...stray);
+  for (const holder of document.querySelectorAll('.row')) {
+    holder.querySelector('.back').hidden = !isSet(holder.dataset.key);
+    const bad = !holder.querySelector('.refusal').hidden;
+    holder.querySelector(`#${CSS.escape(`key-${holder.dataset.key}`)}`).ariaInvalid = String(bad);
+  }
+}
+
+/** Take a file that was dropped or chosen as the body. */
+export async function takeFile(file) {
+  const answer = await upload(file);
+  if (answer.refused) return refuse(answer.refused);
+  const flat = answer.key === 'body.outline';
+  const body = flat ? { outline: answer.file, thickness_mm: 3 } : { mesh: answer.file };
+  change({ ...current(), values: { ...without(current().values, 'body'), body } }, 'shape');
+}
+
+export { make };

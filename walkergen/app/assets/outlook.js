@@ -1,0 +1,166 @@
+// How the walker will run: its speed, the curve against tilt, its masses, and what the printer makes
+// of it. The marker on the curve is a slider of the tilt.
+
+import { byId } from './ask.js';
+import { make } from './form.js';
+import { endDrag, set } from './state.js';
+
+const [WIDTH, HEIGHT, LEFT, RIGHT, TOP, BOTTOM] = [420, 260, 46, 12, 12, 38];
+const SVG = 'http://www.w3.org/2000/svg';
+
+let curve = null;
+let walker = null; // facts of the last good one
+let scale = null;
+
+function add(parent, tag, attributes, text = '') {
+  const element = document.createElementNS(SVG, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.textContent = text;
+  parent.append(element);
+  return element;
+}
+
+// Ticks at 1, 2 or 5 times a power of ten, at most six of them.
+function ticks(low, high) {
+  const rough = (high - low) / 5;
+  const power = 10 ** Math.floor(Math.log10(rough));
+  const step = power * [1, 2, 5, 10].find((factor) => factor * power >= rough);
+  const first = Math.ceil(low / step);
+  return Array.from({ length: Math.floor(high / step) - first + 1 }, (_, k) => (first + k) * step);
+}
+
+function scaleOf() {
+  const { tilt_deg: tilts, high_95: high, low_95: low } = curve;
+  const [x0, x1] = [tilts[0], tilts.at(-1)];
+  const top = Math.max(1, ...high, walker.row.speed_high_95_mm_s);
+  const bottom = Math.min(0, ...low, walker.row.speed_low_95_mm_s);
+  return {
+    low: x0, high: x1, bottom, top,
+    x: (tilt) => LEFT + ((tilt - x0) / (x1 - x0)) * (WIDTH - LEFT - RIGHT),
+    y: (speed) => TOP + ((top - speed) / (top - bottom)) * (HEIGHT - TOP - BOTTOM),
+    tilt: (x) => x0 + ((x - LEFT) / (WIDTH - LEFT - RIGHT)) * (x1 - x0),
+  };
+}
+
+function drawAxes(chart) {
+  for (const tick of ticks(scale.bottom, scale.top)) {
+    const y = scale.y(tick);
+    add(chart, 'line', { class: 'grid', x1: LEFT, x2: WIDTH - RIGHT, y1: y, y2: y });
+    add(chart, 'text', { x: LEFT - 6, y, dy: '.35em', 'text-anchor': 'end' }, tick);
+  }
+  for (const tick of ticks(scale.low, scale.high))
+    add(chart, 'text', { x: scale.x(tick), y: HEIGHT - BOTTOM + 16, 'text-anchor': 'middle' }, tick);
+  add(chart, 'text', { x: (LEFT + WIDTH) / 2, y: HEIGHT - 4, 'text-anchor': 'middle' }, 'tilt of the legs (deg)');
+  add(chart, 'text', { transform: `translate(11 ${(TOP + HEIGHT - BOTTOM) / 2}) rotate(-90)`, 'text-anchor': 'middle' }, 'speed (mm/s)');
+}
+
+const points = (speeds) =>
+  speeds.map((speed, k) => `${scale.x(curve.tilt_deg[k])},${scale.y(speed)}`);
+
+function drawBand(chart, name, low, high) {
+  add(chart, 'polygon', { class: `band ${name}`, points: [...points(low), ...points(high).reverse()].join(' ') });
+}
+
+function drawMarker(chart) {
+  const { tilt_deg: tilt, row } = walker;
+  const [x, y] = [scale.x(tilt), scale.y(row.speed_mm_s)];
+  const group = add(chart, 'g', {
+    id: 'marker', tabindex: 0, role: 'slider', 'aria-label': 'tilt of the legs, degrees',
+    'aria-valuemin': scale.low, 'aria-valuemax': scale.high, 'aria-valuenow': tilt,
+    'aria-valuetext': `${tilt} degrees: ${walker.speed}`,
+  });
+  const [low, high] = [row.speed_low_95_mm_s, row.speed_high_95_mm_s].map(scale.y);
+  add(group, 'path', { d: `M${x} ${low}V${high}M${x - 4} ${low}h8M${x - 4} ${high}h8` });
+  add(group, 'circle', { class: 'touch', cx: x, cy: y, r: 18 });
+  add(group, 'circle', { cx: x, cy: y, r: 6 });
+}
+
+function drawChart() {
+  const chart = byId('chart');
+  const focused = document.activeElement?.id === 'marker';
+  chart.replaceChildren();
+  chart.toggleAttribute('hidden', !curve || !walker);
+  if (!curve || !walker) return;
+  scale = scaleOf();
+  drawAxes(chart);
+  drawBand(chart, 'share95', curve.low_95, curve.high_95);
+  drawBand(chart, 'share68', curve.low_68, curve.high_68);
+  add(chart, 'polyline', { class: 'predicted', points: points(curve.speed).join(' ') });
+  drawMarker(chart);
+  if (focused) byId('marker').focus();
+}
+
+const clamp = (tilt) => Math.min(Math.max(tilt, scale.low), scale.high);
+
+function setTilt(tilt) {
+  if (walker.tilt_key) set(walker.tilt_key, Number(clamp(tilt).toFixed(1)));
+}
+
+function listen() {
+  const chart = byId('chart');
+  const tiltAt = (event) => {
+    const place = new DOMPoint(event.clientX, event.clientY).matrixTransform(chart.getScreenCTM().inverse());
+    return scale.tilt(place.x);
+  };
+  let dragging = false;
+  chart.addEventListener('pointerdown', (event) => {
+    if (!scale || !walker?.tilt_key) return;
+    dragging = true;
+    chart.setPointerCapture(event.pointerId);
+    setTilt(tiltAt(event));
+  });
+  chart.addEventListener('pointermove', (event) => dragging && setTilt(tiltAt(event)));
+  for (const name of ['pointerup', 'pointercancel'])
+    chart.addEventListener(name, () => {
+      dragging = false;
+      endDrag();
+    });
+  chart.addEventListener('keydown', (event) => {
+    const by = { ArrowLeft: -0.5, ArrowDown: -0.5, ArrowRight: 0.5, ArrowUp: 0.5, PageDown: -5, PageUp: 5 }[event.key];
+    if (by === undefined || !walker?.tilt_key) return;
+    event.preventDefault();
+    setTilt(walker.tilt_deg + by);
+  });
+}
+
+const three = (value) => (value === null ? 'none' : Number(value.toPrecision(4)).toString());
+const tableRow = (name, value) => make('tr', {}, make('th', { scope: 'row', textContent: name }), make('td', { textContent: value }));
+
+/** Show the speed and the masses of a walker. */
+export function showSpeed(facts) {
+  walker = facts;
+  const { row } = facts;
+  const legs = row.m_g === null ? [] : [tableRow('m, of one leg', `${three(row.m_g)} g`), tableRow('j', `${three(row.j_g_mm2)} g mm²`)];
+  byId('speed').textContent = `${row.speed_mm_s.toFixed(1)} mm/s`;
+  byId('bounds').textContent =
+    `68 %: ${row.speed_low_68_mm_s.toFixed(0)} to ${row.speed_high_68_mm_s.toFixed(0)}, ` +
+    `95 %: ${row.speed_low_95_mm_s.toFixed(0)} to ${row.speed_high_95_mm_s.toFixed(0)} mm/s` +
+    (row.note ? `; ${row.note}` : '');
+  byId('bounds').title = facts.caption;
+  byId('masses').tBodies[0].replaceChildren(
+    tableRow('mass, as a balance shows it', `${three(facts.mass_g)} g`),
+    tableRow('M, of the body', `${three(row.M_g)} g`), tableRow('J', `${three(row.J_g_mm2)} g mm²`),
+    ...legs,
+    tableRow('theory (eq. 15)', `${three(row.theory_mm_s)} mm/s`),
+  );
+  drawChart();
+}
+
+/** Show what follows more slowly: the curve, what to measure, what the printer makes of it. */
+export function showOutlook(outlook) {
+  curve = outlook.curve;
+  drawChart();
+  byId('shares').replaceChildren(
+    ...outlook.shares
+      .filter((share) => share.total > 0.005)
+      .map((share) => make('li', { textContent: `${share.name}: ${(100 * share.total).toFixed(0)} % of the variance` })),
+  );
+  byId('findings').replaceChildren(
+    ...(outlook.findings.length ? outlook.findings : [{ level: 'good', text: 'It prints as drawn.' }])
+      .map(({ level, text }) => make('li', { className: level, textContent: level === 'good' ? text : `${level}: ${text}` })),
+  );
+  byId('shell').textContent = outlook.shell;
+  byId('python').textContent = outlook.python;
+}
+
+export { listen as startChart, tableRow };

@@ -1,0 +1,131 @@
+// The part in 3D: as it stands, as it prints, with its lengths, its balance and a run of it.
+
+import { byId } from './ask.js';
+
+const colourOf = (name) =>
+  getComputedStyle(document.documentElement).getPropertyValue(`--${name}`).trim();
+
+// Corners of the part as it lies on the bed: turned about x, on its side or upside down.
+function lying(positions, onSide) {
+  const turned = new Float32Array(positions);
+  for (let k = 0; k < turned.length; k += 3) {
+    const [y, z] = [positions[k + 1], positions[k + 2]];
+    [turned[k + 1], turned[k + 2]] = onSide ? [z, -y] : [-y, -z];
+  }
+  return turned;
+}
+
+/** Viewer in a canvas; null where the browser gives no WebGL. */
+export function viewerOf(canvas, positions) {
+  const viewer = walkergenViewer.create(canvas, [positions]);
+  if (!viewer) return null;
+  const paint = () =>
+    viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'), colourOf('fault'));
+  paint();
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+  return viewer;
+}
+
+let viewer = null;
+let shown = null; // the last good walker: facts, positions, legs
+let legsAtFault = false;
+
+function draw() {
+  if (!viewer || !shown) return;
+  const { facts, positions, legs } = shown;
+  const printed = byId('printed').checked;
+  const placed = printed ? lying(positions, facts.prints === 'on its side') : positions;
+  viewer.replace(placed, colourOf(`${facts.kind}-part`), legsAtFault ? legs : null);
+  viewer.measure(byId('lengths').checked && !printed ? facts.dimensions : [], byId('layer'));
+  viewer.point(byId('balance').checked && !printed ? facts.centre : null);
+  const loads = facts.loads.map((each) => `${each.percent.toFixed(1)} % on the feet at ${each.along_mm} mm`);
+  const words = byId('balance').checked ? [`Weight at rest: ${loads.join(', ') || 'shared by all feet'}.`] : [];
+  if (printed) words.push(`It prints ${facts.prints}.`);
+  byId('loads').textContent = words.join(' ');
+}
+
+/** Show the walker; what was shown before goes on until a walker can be built. */
+export function showPart(walker) {
+  if (!viewer && !shown) {
+    viewer = viewerOf(byId('canvas'), walker.positions);
+    byId('no-webgl').hidden = Boolean(viewer);
+  }
+  shown = walker;
+  stopPlaying();
+  draw();
+}
+
+/** Draw the legs in the colour of what is at fault, or not. */
+export function markLegs(atFault) {
+  if (atFault === legsAtFault) return;
+  legsAtFault = atFault;
+  draw();
+}
+
+// A run that plays in the view, a hundred times slower than it is.
+const SLOW = 100;
+let run = null;
+let frame = null;
+let before = null;
+
+function standAt(time) {
+  byId('time').value = time;
+  byId('time-shown').textContent = `${(1000 * time).toFixed(1)} ms`;
+  run.show(time, SLOW);
+}
+
+function step(now) {
+  const passed = before === null ? 0 : (now - before) / 1000 / SLOW;
+  before = now;
+  const time = Number(byId('time').value) + passed;
+  standAt(Math.min(time, run.last));
+  if (time >= run.last) pause();
+  else frame = requestAnimationFrame(step);
+}
+
+function pause() {
+  cancelAnimationFrame(frame);
+  [frame, before] = [null, null];
+  byId('play').textContent = 'play';
+}
+
+function stopPlaying() {
+  pause();
+  run = null;
+  byId('player').hidden = true;
+}
+
+function play() {
+  if (frame !== null) return pause();
+  if (Number(byId('time').value) >= run.last) standAt(0);
+  byId('play').textContent = 'pause';
+  frame = requestAnimationFrame(step);
+}
+
+/** Play a second of the walker's run, as the server packed it. */
+export function playRun(packed) {
+  if (!viewer) return;
+  byId('printed').checked = false;
+  draw();
+  run = viewer.run(packed);
+  byId('player').hidden = false;
+  byId('time').max = run.last;
+  byId('played').textContent = `A second of ${packed.words}, ${SLOW} times slower. Corners glow when they land.`;
+  standAt(0);
+  play();
+}
+
+export function startPart() {
+  for (const id of ['printed', 'lengths', 'balance']) byId(id).addEventListener('change', draw);
+  for (const name of ['angle', 'front', 'end', 'above', 'below']) {
+    const button = Object.assign(document.createElement('button'), { type: 'button', textContent: name });
+    button.addEventListener('click', () => viewer?.look(name));
+    byId('views').append(button);
+  }
+  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', draw);
+  byId('play').addEventListener('click', play);
+  byId('time').addEventListener('input', () => {
+    pause();
+    standAt(Number(byId('time').value));
+  });
+}

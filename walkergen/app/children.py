@@ -1,0 +1,103 @@
+"""Command lines that run for a page in processes of their own, so that the page never waits.
+
+A child that nobody listens to any more is ended, and one whose server was killed ends itself.
+"""
+
+import asyncio
+import contextlib
+import json
+import os
+import signal
+import subprocess
+import sys
+import threading
+from collections.abc import AsyncIterator, Sequence
+from pathlib import Path
+from typing import Any
+
+COMMAND = "walkergen.cli.child"
+"""Module that runs a command line as a child."""
+
+PLAY = "walkergen.app.play"
+"""Module that simulates a second of a walker's run, to be played."""
+
+PATIENCE_S = 3.0
+"""Time after which a child that was asked to end is ended by force."""
+
+LARGEST_LINE = 2**26
+"""Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
+
+Event = dict[str, Any]
+
+
+async def run(module: str, words: Sequence[str], folder: Path, sent: Any) -> AsyncIterator[Event]:
+    """Run a module's main with these words; `sent` reaches it as a line of JSON.
+
+    Yields {"progress": line} for what it says meanwhile, at last {"output": text} or {"refused":
+    lines}. Closing the iterator ends the child.
+    """
+    child = await asyncio.create_subprocess_exec(
+        sys.executable, "-m", module, *words, cwd=folder, limit=LARGEST_LINE,
+        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+        start_new_session=True,  # its own workers end with it
+    )  # fmt: skip
+    assert child.stdin is not None
+    assert child.stdout is not None
+    assert child.stderr is not None
+    output = asyncio.ensure_future(child.stdout.read())
+    said: list[str] = []
+    try:
+        with contextlib.suppress(ConnectionError):  # it ended before it listened: its words tell
+            child.stdin.write(json.dumps(sent).encode() + b"\n")
+            await child.stdin.drain()
+        async for line in child.stderr:
+            said.append(line.decode(errors="replace").rstrip())
+            yield {"progress": said[-1]}
+        code = await child.wait()
+        text = (await output).decode(errors="replace")
+    finally:
+        output.cancel()
+        await _end(child)
+    nearest = code == 1 and text.strip()  # a search that met no wish has an answer all the same
+    yield {"output": text} if code == 0 or nearest else {"refused": _mistakes(said, code)}
+
+
+def _mistakes(said: Sequence[str], code: int) -> list[str]:
+    """Lines with which a child refused."""
+    lines = [line.removeprefix("error: ") for line in said if line.startswith("error: ")]
+    return lines or [*said[-1:], f"the command ended with exit code {code}"]
+
+
+async def _end(child: asyncio.subprocess.Process) -> None:
+    """End a child that may run still, and its workers."""
+    _signal(child, "SIGTERM")
+    with contextlib.suppress(TimeoutError):
+        await asyncio.wait_for(child.wait(), PATIENCE_S)
+    _signal(child, "SIGKILL")
+    await child.wait()
+
+
+def _signal(child: asyncio.subprocess.Process, name: str) -> None:
+    """Send a signal to a child and all that it started; Windows has none but the end."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        if hasattr(os, "killpg"):
+            os.killpg(child.pid, getattr(signal, name))
+        elif child.returncode is None:
+            child.terminate()
+
+
+def listen() -> Any:
+    """What a child's server sent. From then on the child ends when the server does, whatever it is
+    doing: a pipe closes with the process that holds it.
+    """
+    sent = json.loads(sys.stdin.buffer.readline() or b"null")
+
+    def watch() -> None:
+        while os.read(sys.stdin.fileno(), 4096):
+            pass
+        if hasattr(os, "killpg"):
+            os.killpg(0, signal.SIGKILL)
+        os._exit(1)
+
+    threading.Thread(target=watch, daemon=True).start()
+    return sent

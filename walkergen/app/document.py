@@ -1,0 +1,210 @@
+"""What a page is about: a walker, a scene and a printer, each a file in which keys are set anew.
+
+It is what a command line says with names and --set, so that a page, a shell and Python say the same
+thing in their own words.
+"""
+
+import json
+import re
+import shlex
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Annotated, Any, NamedTuple
+
+from pydantic import Field
+
+from walkergen.errors import InputError
+from walkergen.files import assignments, config, templates
+from walkergen.files.config import Model, Section
+from walkergen.printing.printers import Printer
+from walkergen.scene import Scene
+from walkergen.walker.body import DRAWN
+from walkergen.walker.design import Design
+from walkergen.walker.marks import digits_of
+
+MOST_KEYS = 500
+"""Most keys that a page sets."""
+
+SOURCE = "page"
+"""Source of the values in messages, which the page leaves out."""
+
+FILE_KEYS = ("mesh", "outline")
+"""Keys of a design that name files."""
+
+UPLOADED = re.compile(r"[0-9a-f]{16}\.(stl|obj|ply|off|3mf|glb|svg|dxf)")
+"""Name of a file that was dropped onto a page: the beginning of its hash, and its kind."""
+
+BARE = re.compile(r"[A-Za-z0-9_-]+")
+"""Key of TOML without quotes; such a word is also a value on a command line."""
+
+THINGS: Mapping[str, tuple[str, ...]] = {
+    "export": (), "plate": ("printer.",), "family": ("scene.", "printer."),
+    "predict": ("scene.",), "simulate": ("scene.",),
+}  # fmt: skip
+"""Things beside a walker whose files and keys a command takes."""
+
+CHOSEN = ("legs.tilt_deg", "leg_tilt_deg", "legs.kind")
+"""Keys that the flags --tilt and --legs stand for."""
+
+Word = Annotated[str, Field(min_length=1, max_length=4096)]
+
+
+class Message(Section):
+    """Document as a page sends it."""
+
+    walker: Word
+    scene: Word
+    printer: Word
+    values: Annotated[dict[str, Any], Field(max_length=MOST_KEYS)] = Field(default_factory=dict)
+
+
+class Place(NamedTuple):
+    """Where a server finds what pages name."""
+
+    uploads: Path
+    """Folder of the files that were dropped onto pages."""
+    own: str | None = None
+    """Walker's file with which the server was started."""
+
+    def walkers(self) -> list[str]:
+        """Names of the walkers that a page may start from, the server's own first."""
+        return ([self.own] if self.own else []) + templates.names("walkers")
+
+
+class Document(NamedTuple):
+    """Walker, scene and printer of a page, by the names of their files, with values anew."""
+
+    walker: str
+    scene: str
+    printer: str
+    values: Mapping[str, Any]
+    """Values by dotted keys; those of a scene and a printer begin with these words."""
+
+    def design(self) -> Design:
+        """Walker of the page. Raises InputError, a line for every mistake."""
+        return self._read(self.walker, "walkers", Design, "")
+
+    def ground(self) -> Scene:
+        """Scene of the page. Raises InputError, a line for every mistake."""
+        return self._read(self.scene, "scenes", Scene, "scene.")
+
+    def machine(self) -> Printer:
+        """Printer of the page. Raises InputError, a line for every mistake."""
+        return self._read(self.printer, "printers", Printer, "printer.")
+
+    def own(self, prefix: str) -> dict[str, Any]:
+        """Values of a scene or a printer by its own keys; of the walker for ""."""
+        others = ("scene.", "printer.")
+        return {
+            key.removeprefix(prefix): value for key, value in self.values.items()
+            if (key.startswith(prefix) if prefix else not key.startswith(others))
+        }  # fmt: skip
+
+    def _read(self, name: str, kind: str, model: type[Model], prefix: str) -> Model:
+        path = templates.path_of(name, kind)
+        return assignments.read(path, model, self.own(prefix), SOURCE, prefix)
+
+
+def read(data: bytes, place: Place) -> Document:
+    """Document of a page's message.
+
+    Raises InputError for what is none, and for files that were not dropped onto a page.
+    """
+    message = config.validate(json_of(data), Message, SOURCE)
+    for kind, name in (("walkers", message.walker), ("scenes", message.scene),
+                       ("printers", message.printer)):  # fmt: skip
+        if name not in templates.names(kind) and not (kind == "walkers" and name == place.own):
+            raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
+    values = {key: _located(key, value, place.uploads) for key, value in message.values.items()}
+    return Document(message.walker, message.scene, message.printer, values)
+
+
+def json_of(data: bytes) -> dict[str, Any]:
+    """Table of a page's message. Raises InputError."""
+    try:
+        found = json.loads(data)
+    except (ValueError, RecursionError):
+        found = None
+    if not isinstance(found, dict):
+        raise InputError(f"{SOURCE}: the message is no table in JSON")
+    return found
+
+
+def _located(key: str, value: Any, uploads: Path) -> Any:
+    """Value of a key in which files that were dropped are found; others are refused."""
+    if value is None:
+        raise InputError(f"{SOURCE}: {key[:60]}: no value: leave the key out")
+    if isinstance(value, dict):
+        return {inner: _located(inner, own, uploads) for inner, own in value.items()}
+    if isinstance(value, list):
+        return [_located(key, own, uploads) for own in value]
+    if key.rpartition(".")[2] not in FILE_KEYS or not isinstance(value, str) or value in DRAWN:
+        return value
+    path = uploads / value
+    if not UPLOADED.fullmatch(value) or not path.is_file():
+        raise InputError(f"{SOURCE}: {key} = {value[:60]!r}: drop the file onto the page first")
+    return path.as_posix()
+
+
+def arguments(document: Document, command: str, *options: str) -> list[str]:
+    """Words after `walkergen` by which a command does the same with a page's walker.
+
+    The tilt and the kind of legs are said by the flags that choose one walker of a family. Raises
+    InputError, as `Document.design` does.
+    """
+    flags, things = _chosen(document.design()), THINGS[command]
+    words = [command, document.walker]
+    words += ["--scene", document.scene] if "scene." in things else []
+    words += ["--printer", document.printer] if "printer." in things else []
+    dropped = CHOSEN if flags else ()
+    for prefix in ("", *things):
+        for key, value in document.own(prefix).items():
+            if prefix or key not in dropped:
+                words += ["--set", f"{prefix}{key}={text_of(value)}"]
+    return [*words, *flags, *options]
+
+
+def _chosen(design: Design) -> list[str]:
+    """Flags that choose this walker of the family of its design."""
+    tilt = ["--tilt", digits_of(design.tilt_deg)] if design.follows else []
+    return [*tilt, "--legs", design.kind] if design.pair else tilt
+
+
+def text_of(value: Any) -> str:
+    """Value as a command line gives it to --set, which `assignments.value_of` reads back."""
+    if isinstance(value, str) and BARE.fullmatch(value) and assignments.value_of(value) == value:
+        return value
+    return "".join(_toml(value))
+
+
+def _toml(value: Any) -> Iterator[str]:
+    """Inline TOML of a value of JSON, in pieces."""
+    if isinstance(value, Mapping):
+        pairs = (f"{_key(key)} = {''.join(_toml(own))}" for key, own in value.items())
+        yield "{" + ", ".join(pairs) + "}"
+    elif isinstance(value, Sequence) and not isinstance(value, str):
+        yield "[" + ", ".join("".join(_toml(own)) for own in value) + "]"
+    else:
+        yield json.dumps(value, ensure_ascii=False)
+
+
+def _key(key: str) -> str:
+    return key if BARE.fullmatch(key) else json.dumps(key)
+
+
+def shell(words: Sequence[str]) -> str:
+    """Line for a shell that runs walkergen with these words."""
+    return shlex.join(["walkergen", *words])
+
+
+def python(document: Document) -> str:
+    """Lines of Python that make and predict a page's walker."""
+    design, scene = document.own(""), document.own("scene.")
+    changed = f".variant(**{design!r})" if design else ""
+    ground = f"wg.load({document.scene!r})" + (f".variant(**{scene!r})" if scene else "")
+    return (
+        "import walkergen as wg\n"
+        f"design = wg.load({document.walker!r}){changed}\n"
+        f"print(wg.predict(design, {ground}).speed)\n"
+        'wg.export(design, "walker.stl")'
+    )

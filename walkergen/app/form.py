@@ -1,0 +1,190 @@
+"""Form of a page: a control for every key that people write, from the tables that check them.
+
+Nothing here knows a key: what a table allows, and what it says of itself, is what a page shows.
+"""
+
+import ast
+import inspect
+import textwrap
+from collections.abc import Iterator, Mapping
+from functools import cache
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple, get_args, get_origin
+
+from walkergen.app.document import Document
+from walkergen.files.config import Section
+from walkergen.walker.limbs import Leg, Legs
+
+UNITS = {
+    "deg": "°", "mm": "mm", "um": "µm", "mm_s": "mm/s", "hz": "Hz", "g": "g", "us": "µs",
+    "g_cm3": "g/cm³", "gpa": "GPa", "percent": "%", "n_per_m": "N/m", "mm2": "mm²",
+}  # fmt: skip
+"""Units by the endings of keys, the longest first where one ends in another."""
+
+WIDE, FACTOR = 100.0, 4.0
+"""End of a range over the value up to which a slider runs over the range whole; over a wider one it
+runs from the value's FACTORth to its FACTORfold, by factors."""
+
+SHAPES: Mapping[str, Mapping[str, Any]] = {
+    "side view": {"length_mm": 28.0, "depth_mm": 8.0, "thickness_mm": 3.0},
+    "disc": {"outline": "disc", "length_mm": 24.0, "thickness_mm": 3.0},
+    "ellipse": {"outline": "ellipse", "length_mm": 28.0, "depth_mm": 14.0, "thickness_mm": 3.0},
+    "polygon": {"outline": "polygon", "thickness_mm": 3.0,
+                "points_mm": [[-14, -6], [8, -6], [14, 0], [8, 6], [-14, 6]]},
+    "letters": {"text": "ANNA", "depth_mm": 10.0, "thickness_mm": 3.0, "rails_mm": 2.0},
+}  # fmt: skip
+"""Tables [body] to start from; a drawing or a mesh is dropped onto the page."""
+
+Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
+
+
+class Control(NamedTuple):
+    """Control of one key, as the page shows it."""
+
+    key: str
+    name: str
+    """Key without its unit, in words."""
+    unit: str
+    kind: Kind
+    value: Any
+    """Value as it is now; None where the key may be left out, and is."""
+    help: str
+    low: float | None = None
+    """Smallest number that the key may have."""
+    high: float | None = None
+    slider: tuple[float, float, bool] | None = None
+    """Range of its slider, and whether that is logarithmic; None: a number alone."""
+    choices: tuple[str, ...] = ()
+    optional: bool = False
+    """True where the key may be left out."""
+
+
+class Group(NamedTuple):
+    """Controls of one table."""
+
+    title: str
+    controls: list[Control]
+
+
+def groups(document: Document) -> list[Group]:
+    """Tables of the walker, the scene and the printer of a page, with a control for each key.
+
+    Raises InputError for a document that is not sound.
+    """
+    found: list[Group] = []
+    for prefix, title, section in (
+        ("", "walker", document.design()), ("scene.", "scene", document.ground()),
+        ("printer.", "printer", document.machine()),
+    ):  # fmt: skip
+        found += _tables(section, prefix, title)
+    return found
+
+
+def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
+    """Group of a table, after those of the tables in it."""
+    own, inner = [], []
+    for name, field in type(section).model_fields.items():
+        value = getattr(section, name)
+        if isinstance(value, Section):
+            inner.append((value, f"{prefix}{name}.", f"{title}: {name}"))
+        elif isinstance(value, list) and value and isinstance(value[0], Section):
+            for number, entry in enumerate(value, start=1):
+                inner.append((entry, f"{prefix}{name}[{number}].", f"{title}: {name} {number}"))
+        else:
+            control = _control(f"{prefix}{name}", field, value, _notes(type(section)).get(name, ""))
+            own += [control] if control else []
+    for table, place, heading in inner:
+        yield from _tables(table, place, heading.replace("_", " "))
+    if own:
+        yield Group(title, own)
+
+
+def _control(key: str, field: Any, value: Any, note: str) -> Control | None:
+    """Control of a key by its type; None for what only files hold."""
+    name, unit = _named(key.rpartition(".")[2])
+    types, metadata = _parts(field)
+    choices = next((get_args(each) for each in types if get_origin(each) is Literal), ())
+    low, high = _limit(metadata, ("ge", "gt")), _limit(metadata, ("le", "lt"))
+    optional = type(None) in types
+    plain = Control(key, name, unit, "text", value, note, low, high, None, (), optional)
+    if choices:
+        return plain._replace(kind="choice", choices=choices)
+    if bool in types:
+        return plain._replace(kind="yes")
+    if any(get_origin(each) is list for each in types):
+        return plain._replace(kind="list")
+    if float in types:
+        return plain._replace(kind="number", slider=_slider(low, high, value))
+    if int in types:
+        return plain._replace(kind="whole")
+    return plain if str in types else None
+
+
+def _named(name: str) -> tuple[str, str]:
+    """Key in words, and its unit."""
+    for ending in sorted(UNITS, key=len, reverse=True):
+        if name.endswith(f"_{ending}"):
+            return name.removesuffix(f"_{ending}").replace("_", " "), UNITS[ending]
+    return name.replace("_", " "), ""
+
+
+def _parts(field: Any) -> tuple[list[Any], list[Any]]:
+    """Types that a key may have, and the limits on them, out of unions and annotations."""
+    types, metadata, rest = [], list(field.metadata), [field.annotation]
+    while rest:
+        each = rest.pop()
+        metadata += getattr(each, "__metadata__", ())
+        types.append(each)
+        if get_origin(each) not in (Literal, list):
+            rest += get_args(each)
+    return types, [own for item in metadata for own in getattr(item, "metadata", None) or [item]]
+
+
+def _limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
+    """Limit of a number by one of these names."""
+    limits = [getattr(item, name, None) for item in metadata for name in names]
+    return next((float(limit) for limit in limits if limit is not None), None)
+
+
+def _slider(low: float | None, high: float | None, value: float | None) -> Any:
+    """Range of a slider: the key's own or, where that is too wide to move in, about its value."""
+    if low is None or high is None:
+        return None
+    if low < 0.0 or high <= WIDE * (value or 0.0):
+        return low, high, False
+    return (max(low, value / FACTOR), min(high, value * FACTOR), True) if value else None
+
+
+@cache
+def _notes(table: type[Section]) -> Mapping[str, str]:
+    """What the text of a table says below its keys, a sentence or two each."""
+    tree = ast.parse(textwrap.dedent(inspect.getsource(table)))
+    (body,) = (node.body for node in tree.body if isinstance(node, ast.ClassDef))
+    notes = {}
+    for key, note in pairwise(body):
+        if (
+            isinstance(key, ast.AnnAssign) and isinstance(key.target, ast.Name)
+            and isinstance(note, ast.Expr) and isinstance(note.value, ast.Constant)
+        ):  # fmt: skip
+            notes[key.target.id] = " ".join(str(note.value.value).split())
+    return notes
+
+
+def listed_legs(document: Document) -> list[dict[str, Any]]:
+    """Legs of the walker as a list [[legs]]: two equal legs as two entries, others as they are.
+
+    A finished walker has none to change. Raises InputError for a document that is not sound.
+    """
+    design = document.design()
+    if design.whole:
+        return []
+    if isinstance(design.legs, Legs):
+        return [
+            Leg(
+                kind=limb.kind, length_mm=limb.length, thickness_mm=limb.thickness,
+                thickness_sd_mm=limb.thickness_sd, brace_thickness_mm=limb.brace, foot=limb.foot,
+                along_mm=limb.along, width_mm=design.legs.width_mm,
+            ).model_dump(exclude_none=True, exclude_defaults=True)
+            for limb in design.limbs
+        ]  # fmt: skip
+    return [leg.model_dump(exclude_none=True, exclude_unset=True) for leg in design.legs]

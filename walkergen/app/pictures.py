@@ -1,0 +1,52 @@
+"""Pictures of the templates that a page starts from: the walker's outline from the side, as SVG."""
+
+from functools import cache
+
+import numpy as np
+
+from walkergen.files import templates
+from walkergen.shapes.mesh import Mesh
+from walkergen.walker import solids
+from walkergen.walker.design import Design
+
+WIDTH, HEIGHT, MARGIN = 120.0, 60.0, 6.0
+"""Size of a picture and what is left free around the walker, pixels."""
+
+TURN = np.array([[0.87, 0.0, 0.5], [0.21, 0.91, -0.36]])
+"""Axes of the picture, to the right and upward, in the frame of the walker: from the front, left
+and above."""
+
+
+@cache
+def side_view(name: str) -> str:
+    """SVG of a template's walker, its triangles from the farthest to the nearest."""
+    design = templates.load(name, "walkers", Design)
+    return _drawn(solids.build(design).walker)
+
+
+def _drawn(mesh: Mesh) -> str:
+    towards = np.cross(TURN[0], TURN[1])
+    corners = mesh.vertices[mesh.triangles]
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+    seen = normals @ towards > 0.0
+    order = np.argsort((corners.mean(axis=1) @ towards)[seen], kind="stable")
+    flat = (corners @ TURN.T)[seen][order]
+    low, high = flat.min(axis=(0, 1)), flat.max(axis=(0, 1))
+    scale = min((WIDTH - 2 * MARGIN) / (high - low)[0], (HEIGHT - 2 * MARGIN) / (high - low)[1])
+    places = (flat - 0.5 * (low + high)) * scale * [1.0, -1.0] + [0.5 * WIDTH, 0.5 * HEIGHT]
+    light = 0.55 + 0.45 * np.clip(normals[seen][order] @ [0.2, 0.8, 0.55], 0.0, 1.0)
+    paths = [
+        f'<path fill="{_colour(share)}" stroke="{_colour(share)}" d="M'
+        + "L".join(f"{x:.1f} {y:.1f}" for x, y in triangle) + 'Z"/>'
+        for share, triangle in zip(light, places, strict=True)
+    ]  # fmt: skip
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {WIDTH:g} {HEIGHT:g}" '
+        f'stroke-width=".4">{"".join(paths)}</svg>'
+    )
+
+
+def _colour(share: float) -> str:
+    """Colour of a face by the light on it, 0..1."""
+    return "#" + "".join(f"{round(value * share):02x}" for value in (126, 184, 230))

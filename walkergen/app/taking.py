@@ -1,0 +1,124 @@
+"""Files of a page's walker, made by the commands that a person would type, and handed out."""
+
+import hashlib
+import io
+import json
+import zipfile
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from walkergen.app import answers
+from walkergen.app import document as documents
+from walkergen.app.document import Document
+from walkergen.errors import InputError
+from walkergen.files import reading, templates
+from walkergen.files.config import Section
+from walkergen.files.output import Folder
+from walkergen.printing.packing import MOST_PARTS
+from walkergen.walker.body import DRAWN
+
+FORMATS: Mapping[str, str] = {"stl": "export", "3mf": "export", "plate": "plate", "page": "family",
+                              "toml": "", "zip": "*"}  # fmt: skip
+"""Files that a page hands out, and the command that makes each."""
+
+WISHES = ("speed", "fastest", "least-sensitive", "persistence", "turning-radius")
+"""Wishes of `design`; the second and third have no number."""
+
+
+class Order(NamedTuple):
+    """Files to make, and where."""
+
+    document: Document
+    what: str
+    folder: Path
+    commands: list[list[str]]
+    """Words after `walkergen` of the commands that make them, in order."""
+
+
+def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
+    """Order of files for a walker, in a folder of its own below `folder`.
+
+    Raises InputError for files that are not known, and for a walker that is not sound.
+    """
+    if what not in FORMATS:
+        raise InputError(
+            f"{documents.SOURCE}: {str(what)[:40]!r}: must be one of {', '.join(FORMATS)}"
+        )
+    if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MOST_PARTS:
+        raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MOST_PARTS}")
+    digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
+    target = folder / f"{answers.part_name(document)}-{digest}"
+    out = ("--out", str(target))
+    made = {
+        "stl": [documents.arguments(document, "export", "--format", "stl", *out)],
+        "3mf": [documents.arguments(document, "export", "--format", "3mf", *out)],
+        "plate": [documents.arguments(document, "plate", "--copies", str(copies), *out)],
+        "page": [
+            documents.arguments(document, "family", "--out", str(target / "family")),
+            ["report", str(target / "family")],
+        ],
+        "toml": [],
+    }
+    wanted = [name for name in made if what in (name, "zip")]
+    return Order(document, what, target, [words for name in wanted for words in made[name]])
+
+
+def collected(asked: Order) -> tuple[str, bytes]:
+    """Name and contents of what the commands of an order made: a file, or several in an archive.
+
+    Raises OutputError for settings that cannot be written.
+    """
+    if asked.what in ("toml", "zip"):
+        _write_settings(asked.document, asked.folder)
+    folder, patterns = asked.folder, {
+        "stl": "stl/*.stl", "3mf": "3mf/*.3mf", "plate": "plates/*", "page": "family/report.html",
+        "toml": "settings/*", "zip": "**/*",
+    }  # fmt: skip
+    paths = sorted(path for path in folder.glob(patterns[asked.what]) if path.is_file())
+    paths = [path for path in paths if not path.name.startswith(".")]
+    if len(paths) == 1:
+        return paths[0].name, paths[0].read_bytes()
+    return f"{folder.name}.zip", _archive(folder, paths)
+
+
+def _archive(folder: Path, paths: list[Path]) -> bytes:
+    """Archive of files whose bytes depend on nothing but theirs."""
+    target = io.BytesIO()
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as archive:
+        for path in paths:
+            entry = zipfile.ZipInfo(path.relative_to(folder).as_posix())
+            archive.writestr(entry, path.read_bytes(), zipfile.ZIP_DEFLATED)
+    return target.getvalue()
+
+
+def _write_settings(document: Document, folder: Path) -> None:
+    """Write walker, scene and printer as TOML files, the file of a body beside them."""
+    design = document.design()
+    with Folder(folder, "") as target:
+        for key, name in (("mesh", design.body.mesh), ("outline", design.body.outline)):
+            if name is not None and name not in DRAWN:
+                data = reading.content(Path(name))
+                target.write(f"settings/{Path(name).name}", data)
+                body = design.body.model_copy(update={key: Path(name).name})
+                design = design.model_copy(update={"body": body})
+        things: dict[str, Section] = {
+            "walker": design, "scene": document.ground(), "printer": document.machine()
+        }  # fmt: skip
+        for name, thing in things.items():
+            text = templates.dump(thing, f"The {name} of {design.name}, by its page", every=False)
+            target.write(f"settings/{name}.toml", text.encode())
+
+
+def search(document: Document, wish: Mapping[str, Any], folder: Path) -> list[str]:
+    """Words after `walkergen` that search for a walker with a wish. Raises InputError."""
+    kind, value = wish.get("wish"), wish.get("value")
+    if kind not in WISHES:
+        raise InputError(f"{documents.SOURCE}: wish: must be one of {', '.join(WISHES)}")
+    words = documents.arguments(document, "design")
+    words += [f"--{kind}"]
+    if kind not in WISHES[1:3]:
+        if isinstance(value, bool) or not isinstance(value, (int, float)):
+            raise InputError(f"{documents.SOURCE}: wish: give a number")
+        words.append(repr(value))
+    return [*words, "--out", str(folder), "--json"]
