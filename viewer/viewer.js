@@ -170,7 +170,7 @@ export function create(canvas, parts) {
     renderer.setSize(width, height, false);
     camera.aspect = width / height;
     camera.updateProjectionMatrix();
-    draw();
+    lookFrom(camera.position.clone().sub(controls.target)); // all of it is seen in any frame
   }
 
   // Distance along a direction from which the box of all parts just fills the frame.
@@ -332,8 +332,8 @@ export function create(canvas, parts) {
   for (const positions of parts) whole.union(geometryOf(positions, null).boundingBox);
   fit(whole);
   follow(0, 0);
+  camera.position.add(new Vector3().fromArray(VIEWS.angle));
   resize();
-  look('angle');
   return {
     show, replace, look, stand, run, measure, point, paint, colour, spacing: plate.spacing(),
   };

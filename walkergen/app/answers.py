@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.errors import WalkergenError
+from walkergen.errors import GeometryError, WalkergenError
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import checks
@@ -44,7 +44,7 @@ def walker(document: Document) -> tuple[dict[str, Any], Mesh]:
     row = member.row._asdict()
     facts = {
         "name": design.name, "part": member.name, "tilt_deg": design.tilt_deg,
-        "tilt_key": "legs.tilt_deg" if design.pair else "leg_tilt_deg" if design.follows else None,
+        "tilt_key": documents.tilt_key(design),
         "legs": len(design.limbs), "kind": design.kind, "size_mm": list(design.size),
         "row": row, "speed": str(member.row.speed), "mass_g": float(member.mass.total),
         "caption": report.caption, "dimensions": list(_dimensions(design)),
@@ -94,16 +94,29 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
     return np.asarray(middles < bottom - LEGS_MM, dtype=np.uint8)
 
 
-def _curve(design: Design, scene: Scene) -> dict[str, list[float]]:
-    """Predicted speed against tilt, as the figure of a family draws it."""
-    high = max(STEEPEST_DEG, abs(design.tilt_deg))
-    low = -high if design.tilt_deg < 0.0 else 0.0
+def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
+    """Predicted speed against tilt, as a family's figure draws it; None over less than 1 deg."""
+    high = _steepest(design, max(STEEPEST_DEG, abs(design.tilt_deg)), 1.0)
+    low = 0.0 if design.tilt_deg >= 0.0 else -_steepest(design, STEEPEST_DEG, -1.0)
+    if high - low < 1.0:
+        return None
     curve = prediction.curve(design, scene, "coulomb", low, high)
     return {
         "tilt_deg": curve.tilt_deg.tolist(), "speed": curve.speed.tolist(),
         "low_95": curve.bounds[0].tolist(), "low_68": curve.bounds[1].tolist(),
         "high_68": curve.bounds[2].tolist(), "high_95": curve.bounds[3].tolist(),
     }  # fmt: skip
+
+
+def _steepest(design: Design, high: float, sense: float) -> float:
+    """Largest tilt (deg), in whole degrees down from a high one, at which a walker can be built."""
+    for tilt in np.arange(high, abs(design.tilt_deg), -1.0):
+        try:
+            design.members([float(sense * tilt)], [design.kind] if design.pair else None)
+        except GeometryError:
+            continue
+        return float(tilt)
+    return abs(design.tilt_deg)
 
 
 def _finding(finding: Finding) -> dict[str, str]:

@@ -39,11 +39,14 @@ BARE = re.compile(r"[A-Za-z0-9_-]+")
 
 THINGS: Mapping[str, tuple[str, ...]] = {
     "export": (), "plate": ("printer.",), "family": ("scene.", "printer."),
-    "predict": ("scene.",), "simulate": ("scene.",),
+    "predict": ("scene.",), "simulate": ("scene.",), "design": ("scene.", "printer."),
 }  # fmt: skip
 """Things beside a walker whose files and keys a command takes."""
 
-CHOSEN = ("legs.tilt_deg", "leg_tilt_deg", "legs.kind")
+TILTS = ("legs.tilt_deg", "leg_tilt_deg")
+"""Keys of the tilt that the legs of a walker share: of two equal legs, and of a list of them."""
+
+CHOSEN = (*TILTS, "legs.kind")
 """Keys that the flags --tilt and --legs stand for."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]
@@ -149,11 +152,14 @@ def _located(key: str, value: Any, uploads: Path) -> Any:
 def arguments(document: Document, command: str, *options: str) -> list[str]:
     """Words after `walkergen` by which a command does the same with a page's walker.
 
-    The tilt and the kind of legs are said by the flags that choose one walker of a family. Raises
-    InputError, as `Document.design` does.
+    The tilt and the kind of legs are said by the flags that choose one walker of a family, but for
+    `design`, which varies a walker of its own. Raises InputError, as `Document.design` does.
     """
-    flags, things = _chosen(document.design()), THINGS[command]
-    words = [command, document.walker]
+    design, things = document.design(), THINGS[command]
+    flags = [] if command == "design" else _chosen(design)
+    words = (
+        ["design", "--from", document.walker] if command == "design" else [command, document.walker]
+    )
     words += ["--scene", document.scene] if "scene." in things else []
     words += ["--printer", document.printer] if "printer." in things else []
     dropped = CHOSEN if flags else ()
@@ -162,6 +168,11 @@ def arguments(document: Document, command: str, *options: str) -> list[str]:
             if prefix or key not in dropped:
                 words += ["--set", f"{prefix}{key}={text_of(value)}"]
     return [*words, *flags, *options]
+
+
+def tilt_key(design: Design) -> str | None:
+    """Key of the tilt that a walker's legs share; None where they share none."""
+    return TILTS[0] if design.pair else TILTS[1] if design.follows else None
 
 
 def _chosen(design: Design) -> list[str]:

@@ -11,8 +11,10 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
-from walkergen.app.document import Document
+from walkergen.app.document import TILTS, Document, tilt_key
 from walkergen.files.config import Section
+from walkergen.walker.body import Body
+from walkergen.walker.design import Family
 from walkergen.walker.limbs import Leg, Legs
 
 UNITS = {
@@ -29,6 +31,8 @@ SHAPES: Mapping[str, Mapping[str, Any]] = {
     "side view": {"length_mm": 28.0, "depth_mm": 8.0, "thickness_mm": 3.0},
     "disc": {"outline": "disc", "length_mm": 24.0, "thickness_mm": 3.0},
     "ellipse": {"outline": "ellipse", "length_mm": 28.0, "depth_mm": 14.0, "thickness_mm": 3.0},
+    "side view by corners": {"profile_mm": [[-14, -1.5], [14, -1.5], [10, 1.5], [-10, 1.5]],
+                             "depth_mm": 8.0},
     "polygon": {"outline": "polygon", "thickness_mm": 3.0,
                 "points_mm": [[-14, -6], [8, -6], [14, 0], [8, 6], [-14, 6]]},
     "letters": {"text": "ANNA", "depth_mm": 10.0, "thickness_mm": 3.0, "rails_mm": 2.0},
@@ -69,22 +73,35 @@ class Group(NamedTuple):
 def groups(document: Document) -> list[Group]:
     """Tables of the walker, the scene and the printer of a page, with a control for each key.
 
-    Raises InputError for a document that is not sound.
+    The tilt comes first, for it decides more than all others. Raises InputError for a document that
+    is not sound.
     """
-    found: list[Group] = []
+    design = document.design()
+    tables: list[Group] = []
     for prefix, title, section in (
-        ("", "walker", document.design()), ("scene.", "scene", document.ground()),
+        ("", "walker", design), ("scene.", "scene", document.ground()),
         ("printer.", "printer", document.machine()),
     ):  # fmt: skip
-        found += _tables(section, prefix, title)
-    return found
+        tables += _tables(section, prefix, title)
+    tilts = [control for table in tables for control in table.controls if control.key in TILTS]
+    for table in tables:
+        table.controls[:] = [control for control in table.controls if control not in tilts]
+    for control in tilts:
+        if control.key == tilt_key(design):
+            slider = _slider(control.low, control.high, design.tilt_deg)
+            tilt = control._replace(value=design.tilt_deg, slider=slider, optional=False)
+            return [Group("tilt", [tilt]), *tables]
+    return tables
 
 
 def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
     """Group of a table, after those of the tables in it."""
     own, inner = [], []
+    idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
         value = getattr(section, name)
+        if name in idle or isinstance(value, Family):
+            continue  # a page is about one walker
         if isinstance(value, Section):
             inner.append((value, f"{prefix}{name}.", f"{title}: {name}"))
         elif isinstance(value, list) and value and isinstance(value[0], Section):

@@ -15,6 +15,7 @@ from walkergen.errors import InputError
 from walkergen.files import reading, templates
 from walkergen.files.config import Section
 from walkergen.files.output import Folder
+from walkergen.jobs.make.design import box
 from walkergen.printing.packing import MOST_PARTS
 from walkergen.walker.body import DRAWN
 
@@ -79,7 +80,8 @@ def collected(asked: Order) -> tuple[str, bytes]:
     paths = [path for path in paths if not path.name.startswith(".")]
     if len(paths) == 1:
         return paths[0].name, paths[0].read_bytes()
-    return f"{folder.name}.zip", _archive(folder, paths)
+    what = "" if asked.what == "zip" else f"-{asked.what}"
+    return f"{folder.name}{what}.zip", _archive(folder, paths)
 
 
 def _archive(folder: Path, paths: list[Path]) -> bytes:
@@ -95,6 +97,10 @@ def _archive(folder: Path, paths: list[Path]) -> bytes:
 def _write_settings(document: Document, folder: Path) -> None:
     """Write walker, scene and printer as TOML files, the file of a body beside them."""
     design = document.design()
+    alone: dict[str, Any] = {"tilt_deg": [design.tilt_deg]}  # a family of this walker alone
+    alone |= {"legs": [design.kind]} if design.pair else {}
+    family = design.family.model_copy(update=alone)
+    design = design.model_copy(update={"family": family})
     with Folder(folder, "") as target:
         for key, name in (("mesh", design.body.mesh), ("outline", design.body.outline)):
             if name is not None and name not in DRAWN:
@@ -111,12 +117,16 @@ def _write_settings(document: Document, folder: Path) -> None:
 
 
 def search(document: Document, wish: Mapping[str, Any], folder: Path) -> list[str]:
-    """Words after `walkergen` that search for a walker with a wish. Raises InputError."""
+    """Words after `walkergen` that search for a walker with a wish.
+
+    What the search varies is left to it. Raises InputError.
+    """
     kind, value = wish.get("wish"), wish.get("value")
     if kind not in WISHES:
         raise InputError(f"{documents.SOURCE}: wish: must be one of {', '.join(WISHES)}")
-    words = documents.arguments(document, "design")
-    words += [f"--{kind}"]
+    varied = box.of_options([], document.design()).keys
+    held = {key: value for key, value in document.values.items() if key not in varied}
+    words = [*documents.arguments(document._replace(values=held), "design"), f"--{kind}"]
     if kind not in WISHES[1:3]:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
             raise InputError(f"{documents.SOURCE}: wish: give a number")

@@ -150,10 +150,10 @@ def grouped(findings: Sequence[Finding]) -> list[Finding]:
 
 def line(finding: Finding) -> str:
     """Format a finding in one line, without its level."""
-    where, what, unit = finding.where, finding.what, finding.unit
+    unit = f" {finding.unit}" if finding.unit else ""
     return (
-        f"{where}: {what}: {finding.seen:.4g} {unit}, limit {finding.limit:.4g} {unit}: "
-        f"{finding.change}"
+        f"{finding.where}: {finding.what}: {finding.seen:.4g}{unit}, limit "
+        f"{finding.limit:.4g}{unit}: {finding.change}"
     )
 
 

@@ -81,17 +81,32 @@ class Body(Section):
             raise ValueError("rails_mm joins the letters of text")
         if self.legs_below_mm is not None and self.mesh is None:
             raise ValueError("legs_below_mm is for a mesh of a whole walker")
-        sized = {
-            "profile_mm": {"length_mm", "thickness_mm"}, "text": {"length_mm"},
-            "mesh": {"length_mm", "depth_mm", "thickness_mm"},
-            "outline": {"disc": {"depth_mm"}, "ellipse": set()}.get(
-                self.outline or "", {"length_mm", "depth_mm"}
-            ),
-        }  # fmt: skip
         for key in sources:
-            if wrong := sorted(sized[key] & self.model_fields_set):
+            if wrong := sorted(self._follows(key) & self.model_fields_set):
                 raise ValueError(f"{wrong[0]} follows from {key}: leave it out")
         return self
+
+    def _follows(self, source: str) -> set[str]:
+        """Sizes that follow from a source of the shape."""
+        flat = {"disc": {"depth_mm"}, "ellipse": set()}
+        return {
+            "profile_mm": {"length_mm", "thickness_mm"}, "text": {"length_mm"},
+            "mesh": {"length_mm", "depth_mm", "thickness_mm"},
+            "outline": flat.get(self.outline or "", {"length_mm", "depth_mm"}),
+        }[source]  # fmt: skip
+
+    @property
+    def idle(self) -> set[str]:
+        """Keys that say nothing of a body of this shape; other sources of one are among them."""
+        keys = {key for key in SOURCES if getattr(self, key) is None}
+        for key in set(SOURCES) - keys:
+            keys |= self._follows(key)
+        needs = {
+            "points_mm": self.outline == "polygon", "rails_mm": self.text is not None,
+            "scale_mm": bool(self.mesh or self._drawing),
+            **dict.fromkeys(("up", "forward", "legs_below_mm", "repair"), bool(self.mesh)),
+        }  # fmt: skip
+        return keys | {key for key, needed in needs.items() if not needed}
 
     @property
     def _drawing(self) -> bool:

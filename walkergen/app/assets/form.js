@@ -3,7 +3,8 @@
 import { ask, byId, lastOnly, upload } from './ask.js';
 import { change, current, endDrag, isSet, set, without } from './state.js';
 
-const OPEN = new Set(['walker: body', 'walker: legs', 'walker: legs 1']);
+const OPEN = new Set(['tilt', 'walker: body', 'walker: legs', 'walker: legs 1']);
+const FAR = 1e5; // limits from which on nobody needs to be told of them
 let legs = []; // legs of the walker as a list
 
 const make = (tag, properties = {}, ...children) => {
@@ -93,7 +94,8 @@ function row(control) {
     holder.append(range);
     holder.place = place;
   }
-  const limits = control.low === null ? '' : `${control.low} to ${control.high} ${control.unit}`;
+  const near = control.low !== null && control.high < FAR;
+  const limits = near ? `${control.low} to ${control.high} ${control.unit}` : '';
   const help = [control.help, limits].filter(Boolean).join(' ');
   const hint = make('small', { className: 'help', id: `${id}-help`, textContent: help });
   const why = make('p', { className: 'refusal', id: `${id}-why`, hidden: true });

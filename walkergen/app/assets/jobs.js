@@ -6,7 +6,7 @@ import { tableRow } from './outlook.js';
 import { playRun } from './part.js';
 import { change, current, without } from './state.js';
 
-const refusedIn = (id, lines) => (byId(id).textContent = lines.join(' '));
+const refusedIn = (id, lines) => (byId(id).textContent = lines.join('\n'));
 
 /** Do a job whose events the server sends; `work` gets its output. Starting again stops the first. */
 function jobOf({ start, stop, tell, name, message, work }) {
@@ -44,36 +44,42 @@ function jobOf({ start, stop, tell, name, message, work }) {
     byId(tell).textContent = 'stopped';
   });
   return () => {
-    if (!aborter) return;
+    if (!aborter) return false;
     aborter.abort();
     settle();
     byId(tell).textContent = 'stopped: the design has changed';
+    return true;
   };
 }
 
+const UNITS = { rad_s: 'rad/s', mm: 'mm', rad2_s: 'rad²/s' };
+
 const withError = (value, se) => {
-  if (value === null || value === undefined) return null;
   if (!se) return Number(value.toPrecision(3)).toString();
   const digits = Math.max(0, 1 - Math.floor(Math.log10(se)));
   return `${value.toFixed(digits)} ± ${se.toFixed(digits)}`;
 };
 
-// Rows of a run: what was measured, with errors, and what it was of.
+// Rows of a run: what was measured, with errors or why there is no number, and what it was of.
 function showRun(facts) {
-  const motion = facts.motion ?? {};
+  const { motion } = facts;
+  const measured = (key, unit) => {
+    const value = motion?.[`${key}_${unit}`] ?? null;
+    if (value === null) return motion?.refused?.[`${key}_${unit}`] ?? 'not in this model';
+    return `${withError(value, motion[`${key}_se_${unit}`])} ${UNITS[unit]}`;
+  };
+  const turns = [
+    ['turning', measured('turning_bias', 'rad_s')],
+    ['persistence length', measured('persistence_length', 'mm')],
+    ['rotational diffusion', measured('rotational_diffusion', 'rad2_s')],
+  ];
   const rows = [
     ['speed', `${withError(facts.speed_mm_s, facts.speed_se_mm_s)} mm/s`],
-    ['95 %, with the model’s error', `${facts.speed_low_95_mm_s?.toFixed(1)} to ${facts.speed_high_95_mm_s?.toFixed(1)} mm/s`],
-    ['turning', withError(motion.turning_bias_rad_s, motion.turning_bias_se_rad_s), 'rad/s'],
-    ['persistence length', withError(motion.persistence_length_mm, motion.persistence_length_se_mm), 'mm'],
-    ['rotational diffusion', withError(motion.rotational_diffusion_rad2_s, motion.rotational_diffusion_se_rad2_s), 'rad²/s'],
-    ['model', `${facts.model}, ${facts.runs} runs, ${facts.simulated_s.toFixed(0)} s in ${facts.wall_s.toFixed(1)} s`],
+    ['95 %, with the model’s error', `${facts.speed_low_95_mm_s.toFixed(1)} to ${facts.speed_high_95_mm_s.toFixed(1)} mm/s`],
+    ...(turns.every(([, text]) => text === turns[0][1]) ? [['turning', turns[0][1]]] : turns),
+    ['of', `${facts.runs} runs, ${facts.simulated_s.toFixed(0)} s in all, computed in ${facts.wall_s.toFixed(1)} s`],
   ];
-  byId('ran').tBodies[0].replaceChildren(
-    ...rows.filter(([, text]) => text !== null).map(([name, text, unit]) => tableRow(name, [text, unit].filter(Boolean).join(' '))),
-  );
-  if (motion.persistence_length_mm === undefined || motion.persistence_length_mm === null)
-    byId('progress').textContent = 'done; turning and persistence need a plane to run on: choose such a scene';
+  byId('ran').tBodies[0].replaceChildren(...rows.map(([name, text]) => tableRow(name, text)));
 }
 
 function showDesigns(facts) {
@@ -86,8 +92,11 @@ function showDesigns(facts) {
       const values = { ...without(current().values, ...keys), ...chosen };
       change({ ...current(), values }, 'shape');
     });
-    const speed = row.verified_mm_s ?? row.verified_speed_mm_s ?? row.predicted_mm_s;
-    return make('li', {}, `${words}: ${Number(speed).toFixed(1)} mm/s${row.met ? '' : ', not what was wished'} `, button);
+    const [, wished] = Object.keys(row).join(' ').match(/\bverified_(?!se_|speed)(\w+)_mm\b/) ?? [];
+    const other = wished
+      ? `${wished.replaceAll('_', ' ')} ${withError(row[`verified_${wished}_mm`], row[`verified_se_${wished}_mm`])} mm, ` : '';
+    const speed = withError(row.verified_speed_mm_s ?? row.predicted_mm_s, row.verified_se_speed_mm_s);
+    return make('li', {}, `${words}: ${other}${speed} mm/s${row.met ? '' : ', not what was wished'} `, button);
   });
   byId('designs').replaceChildren(make('ol', {}, ...rows));
   if (facts.stopped) byId('searching').textContent = facts.stopped;
@@ -110,7 +119,11 @@ async function take(what) {
 export function startJobs() {
   const message = () => ({ document: current() });
   const stopRun = jobOf({
-    start: 'run', stop: 'stop', tell: 'progress', name: 'run', message, work: showRun,
+    start: 'run', stop: 'stop', tell: 'progress', name: 'run', message,
+    work: (facts) => {
+      showRun(facts);
+      if (facts.model === 'space') byId('show').click();
+    },
   });
   const stopPlay = jobOf({
     start: 'show', stop: 'stop', tell: 'progress', name: 'play', message, work: playRun,
@@ -128,8 +141,7 @@ export function startJobs() {
   for (const button of byId('take').querySelectorAll('button'))
     button.addEventListener('click', () => take(button.dataset.what));
   return () => {
-    stopRun();
-    stopPlay();
+    if (![stopRun(), stopPlay()].some(Boolean)) byId('progress').textContent = '';
     byId('ran').tBodies[0].replaceChildren();
   };
 }

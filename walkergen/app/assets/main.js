@@ -16,18 +16,22 @@ let stopJobs = () => {};
 
 const refresh = lastOnly(async () => {
   const document = state.current();
+  byId('outlook').ariaBusy = 'true';
   const answer = await askWalker({ document });
+  byId('outlook').ariaBusy = String(document !== state.current());
   refuse(answer.refused ?? []);
   if (answer.refused) return;
   walker = answer;
   showPart(answer);
   showSpeed(answer.facts);
   compare(answer.facts);
-  if (answer.facts.tilt_key) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
+  if (answer.facts.tilt_key && document === state.current()) showValue(answer.facts.tilt_key, answer.facts.tilt_deg);
 });
 
 const look = lastOnly(async () => {
-  const answer = await ask('outlook', { document: state.current() });
+  const document = state.current();
+  const answer = await ask('outlook', { document });
+  byId('findings').ariaBusy = String(document !== state.current());
   if (answer.refused) return;
   showOutlook(answer);
   markLegs(answer.legs_at_fault);
@@ -46,6 +50,7 @@ function changed(document, why) {
   for (const [id, name] of [['scene', document.scene], ['printer', document.printer]])
     byId(`choose-${id}`).value = name;
   stopJobs();
+  byId('findings').ariaBusy = 'true';
   refresh();
   lookSoon();
   keepSoon();

@@ -160,9 +160,14 @@ def table(walkers: Sequence[Member]) -> Table:
 
 
 def settings(data: Mapping[str, Any]) -> dict[str, dict[str, str]]:
-    """Settings of a manifest, text by key, in a group for every table of its top level."""
+    """Settings of a manifest, text by key, in a group for every table of its top level.
+
+    The time that it took is left out: equal families have equal pages.
+    """
     groups: dict[str, dict[str, str]] = {"run": {}}
     for key, value in data.items():
+        if key == "time_taken_s":
+            continue
         if isinstance(value, Mapping):
             groups[key] = dict(_flat(value))
         else:

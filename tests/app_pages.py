@@ -1,0 +1,162 @@
+"""The page of `walkergen app` in a real browser, by what a person does with it."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from selenium import webdriver
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+from selenium.webdriver.support.select import Select
+from selenium.webdriver.support.wait import WebDriverWait
+
+BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
+WANTED = "no chromium and chromedriver: apt-get install chromium chromium-driver"
+PATIENCE_S = 60.0
+"""Longest wait for what takes a second on an idle machine."""
+
+
+def chromium(profile):
+    """A headless browser that logs its console."""
+    if not (BROWSER and DRIVER):
+        pytest.fail(WANTED)
+    options = webdriver.ChromeOptions()
+    options.binary_location = BROWSER
+    for flag in (
+        "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
+        "--no-first-run", "--disable-background-networking", "--disable-component-update",
+        "--disable-sync", "--window-size=1280,1000", f"--user-data-dir={profile}",
+        "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+    ):  # fmt: skip
+        options.add_argument(flag)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    return webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+
+
+def walkergen(folder, *words):
+    """What a command line printed that was run in a folder and succeeded."""
+    done = subprocess.run(
+        [sys.executable, "-m", "walkergen", *map(str, words)],
+        cwd=folder, capture_output=True, text=True, timeout=300,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+class Page:
+    """A page of a server of its own, in a folder of its own."""
+
+    def __init__(self, browser, folder: Path, *words) -> None:
+        self.browser, self.folder, self.words = browser, folder, words
+        self.downloads = folder / "downloads"
+        self.downloads.mkdir(exist_ok=True)
+        browser.execute_cdp_cmd(
+            "Browser.setDownloadBehavior",
+            {"behavior": "allow", "downloadPath": str(self.downloads)},
+        )
+        self.start()
+
+    def start(self):
+        """Start the server and open its page."""
+        self.server = subprocess.Popen(
+            [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser", *self.words],
+            cwd=self.folder, stdout=subprocess.PIPE, text=True,
+        )  # fmt: skip
+        line = self.server.stdout.readline()
+        self.address = re.search(r"http://\S+", line)[0]
+        self.open()
+
+    def open(self):
+        """Open the page afresh, as a new tab does."""
+        self.browser.get(self.address)
+        self.settle()
+
+    def stop(self):
+        """End the server as Ctrl-C does."""
+        self.server.terminate()
+        self.server.communicate(timeout=30)
+
+    def until(self, condition):
+        """Wait for a condition of the page."""
+        wait = WebDriverWait(self.browser, PATIENCE_S, 0.05)
+        return wait.until(lambda _: condition())
+
+    def settle(self):
+        """Wait until the page shows what was set last."""
+        self.until(lambda: self.find("#speed").text and self.find("#form").text)
+        time.sleep(0.4)  # a form is built anew, and slower numbers asked for, after 0.15 s
+        for part in ("#outlook", "#findings"):
+            self.until(lambda part=part: self.find(part).get_attribute("aria-busy") == "false")
+
+    def find(self, selector):
+        return self.browser.find_element(By.CSS_SELECTOR, selector)
+
+    def text(self, selector):
+        return self.find(selector).text
+
+    def click(self, selector):
+        element = self.find(selector)
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        element.click()
+
+    def control(self, key):
+        """Control of a key; its table is opened."""
+        element = self.find(f'[id="key-{key}"]')
+        self.browser.execute_script("arguments[0].closest('details').open = true", element)
+        self.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", element)
+        return element
+
+    def type(self, key, value):
+        """Write a value into a control, as a person does; a choice is chosen."""
+        element = self.control(key)
+        if element.tag_name == "select":
+            Select(element).select_by_visible_text(value)
+        else:
+            element.send_keys(Keys.CONTROL, "a")
+            element.send_keys(str(value), Keys.TAB)
+        self.settle()
+
+    def choose(self, selector, text):
+        Select(self.find(selector)).select_by_visible_text(text)
+        self.settle()
+
+    def template(self, name):
+        self.click(f'#templates button[value="{name}"]')
+        self.settle()
+
+    def drop(self, path):
+        """Give the page a file, as the dialogue of its button does."""
+        self.find("#file").send_keys(str(path))
+
+    def speed(self):
+        return float(self.text("#speed").removesuffix(" mm/s"))
+
+    def refusals(self):
+        """Sentences beside controls, and those that belong to none."""
+        selector = ".refusal:not([hidden]), #stray p"
+        return [each.text for each in self.browser.find_elements(By.CSS_SELECTOR, selector)]
+
+    def take(self, what):
+        """Take a file from the page; returns its path and the lines for a shell that it shows."""
+        before = set(self.downloads.iterdir())
+        self.click(f'#take [data-what="{what}"]')
+        self.until(lambda: "in your downloads" in self.text("#taken"))
+        first, *lines = self.text("#taken").splitlines()
+        path = self.downloads / first.removesuffix(" is in your downloads.")
+        self.until(lambda: path.exists() and path not in before)
+        return path, lines
+
+    def problems(self):
+        """What the browser's console complains of, but for refusals, which a page shows."""
+        messages = [entry["message"] for entry in self.browser.get_log("browser")]
+        return [message for message in messages if "status of 422" not in message]
+
+
+needs_browser = pytest.mark.skipif(
+    not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED
+)

@@ -1,0 +1,355 @@
+"""Journeys through `walkergen app` in a browser; each ends in files that a command makes too."""
+
+import shlex
+import shutil
+import zipfile
+
+import pytest
+from app_pages import Page, chromium, needs_browser, walkergen
+from selenium.webdriver.common.action_chains import ActionChains
+from selenium.webdriver.common.by import By
+from selenium.webdriver.common.keys import Keys
+
+pytestmark = [pytest.mark.slow, pytest.mark.programs, needs_browser]
+
+SQUARE = '<svg xmlns="http://www.w3.org/2000/svg" width="20mm" height="10mm" viewBox="0 0 20 10"><path d="M0 0H20V10H0Z"/></svg>'  # noqa: E501
+
+
+@pytest.fixture(scope="module")
+def browser(tmp_path_factory):
+    browser = chromium(tmp_path_factory.mktemp("profile"))
+    yield browser
+    browser.quit()
+
+
+@pytest.fixture
+def page(browser, tmp_path):
+    page = Page(browser, tmp_path)
+    yield page
+    problems = page.problems()
+    browser.get("about:blank")
+    page.stop()
+    assert problems == []
+
+
+def made_again(page, path, lines):
+    """Assert that the lines which the page shows make the same file, which `check` accepts."""
+    made = page.folder / "out" / "app"
+    kept = page.folder / "kept"
+    for target in made.iterdir():
+        if target.is_dir() and target.name != "uploads":
+            shutil.move(target, kept / target.name)
+    for line in lines:
+        walkergen(page.folder, *shlex.split(line)[1:])
+    if path.suffix == ".zip":
+        with zipfile.ZipFile(path) as archive:
+            files = {name: archive.read(name) for name in archive.namelist()}
+    else:
+        files = {path.name: path.read_bytes()}
+    for name, data in files.items():
+        (again,) = made.rglob(name)
+        assert again.read_bytes() == data, name
+    checked(page)
+
+
+def checked(page):
+    """Assert that `check` accepts the walker of the page's settings, and the printer's."""
+    path, _ = page.take("toml")
+    folder = page.folder / "settings"
+    with zipfile.ZipFile(path) as archive:
+        archive.extractall(folder)
+    inner = folder / "settings"
+    walkergen(inner, "check", "walker.toml", "--printer", "printer.toml")
+
+
+def set_range(page, key, share):
+    """Drag the thumb of a control's slider to a share of its way."""
+    slider = page.control(key).find_element(By.XPATH, "../input[@type='range']")
+    wide = slider.size["width"] - 16  # of the thumb
+    now = float(slider.get_attribute("value")) / 1000
+    page.browser.execute_script("arguments[0].scrollIntoView({block: 'center'})", slider)
+    start = round((now - 0.5) * wide)
+    drag = ActionChains(page.browser, duration=30).move_to_element_with_offset(slider, start, 0)
+    drag.click_and_hold()
+    for _ in range(8):
+        drag.move_by_offset(round((share - now) * wide / 8), 0)
+    drag.release().perform()
+    page.settle()
+
+
+def test_from_a_template_to_its_part_in_three_clicks(page):
+    page.template("maker-large")
+    page.click('#form [data-title="tilt"] input[type="range"]')  # its middle
+    page.settle()
+    path, lines = page.take("stl")
+    assert path.suffix == ".stl"
+    made_again(page, path, lines)
+
+
+def test_a_tilt_that_is_typed_gives_the_speed_of_predict(page):
+    page.type("legs.tilt_deg", 7.5)
+    row = walkergen(page.folder, "predict", "koumakis2016", "--tilt", "7.5")
+    assert f"{page.speed():.1f}" in row
+    path, lines = page.take("stl")
+    assert "--tilt 7.5" in lines[0]
+    made_again(page, path, lines)
+
+
+def test_a_slider_moves_the_walker_and_its_speed_together(page):
+    before = page.speed()
+    set_range(page, "legs.tilt_deg", 0.8)
+    tilt = float(page.control("legs.tilt_deg").get_attribute("value"))
+    assert tilt > 20.0
+    assert page.find("#marker").get_attribute("aria-valuenow") == f"{tilt:g}"
+    assert page.speed() < before
+    path, lines = page.take("3mf")
+    made_again(page, path, lines)
+
+
+def test_a_drag_is_one_step_to_undo(page):
+    first = page.speed()
+    set_range(page, "legs.length_mm", 0.7)
+    second = page.speed()
+    assert second != first
+    page.click("#undo")
+    page.settle()
+    assert page.speed() == first
+    assert not page.find("#undo").is_enabled()
+    page.find("body").send_keys(Keys.CONTROL, Keys.SHIFT, "z")
+    page.settle()
+    assert page.speed() == second
+    made_again(page, *page.take("stl"))
+
+
+def test_a_name_that_is_typed_prints_as_a_walker(page):
+    page.template("name")
+    page.type("body.text", "LEA")
+    assert page.refusals() == []
+    path, lines = page.take("plate")
+    assert "body.text=LEA" in lines[0]
+    made_again(page, path, lines)
+
+
+def test_a_polygon_grows_by_its_points(page):
+    page.choose("#shape", "polygon")
+    page.type("body.points_mm", "[[-14,-7],[14,-7],[14,7],[-14,7]]")
+    assert page.refusals() == []
+    made_again(page, *page.take("stl"))
+
+
+def test_a_drawing_that_is_dropped_is_the_body(page):
+    drawing = page.folder / "square.svg"
+    drawing.write_text(SQUARE)
+    page.drop(drawing)
+    page.settle()
+    assert page.refusals() == []
+    made_again(page, *page.take("stl"))
+
+
+def test_a_broken_mesh_is_refused_in_words_and_the_last_walker_stays(page):
+    before = page.speed()
+    broken = page.folder / "broken.stl"
+    broken.write_bytes(b"solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 nan\n")
+    page.drop(broken)
+    page.until(page.refusals)
+    assert page.speed() == before
+    page.click("#undo")
+    page.settle()
+    assert page.refusals() == []
+    made_again(page, *page.take("stl"))
+
+
+def test_what_cannot_be_built_is_said_beside_its_control(page):
+    page.type("legs.tilt_deg", 8)
+    before = page.speed()
+    page.type("legs.tilt_deg", 89)  # by way of 8
+    row = page.find('.row[data-key="legs.tilt_deg"] .refusal')
+    assert "89" in row.text
+    assert page.find('[id="key-legs.tilt_deg"]').get_attribute("aria-invalid") == "true"
+    assert page.speed() == before
+    page.type("legs.tilt_deg", 12)
+    assert page.refusals() == []
+    made_again(page, *page.take("stl"))
+
+
+def test_a_run_is_started_stopped_and_started(page):
+    page.type("scene.run.seconds", 200)
+    page.click("#run")
+    page.until(lambda: page.text("#progress") not in ("", "starting"))
+    page.click("#stop")
+    assert page.text("#progress") == "stopped"
+    page.type("scene.run.seconds", 1)
+    page.click("#run")
+    page.until(lambda: "speed" in page.text("#ran"))
+    words = ("simulate", "koumakis2016", "--seconds", 1, "--runs", 8, "--tilt", 10)
+    speed = page.text("#ran tr td").split(" ± ")[0]
+    assert f"{speed}" in walkergen(page.folder, *words)
+    page.until(lambda: page.find("#player").is_displayed())
+    made_again(page, *page.take("stl"))
+
+
+def test_a_second_of_a_run_plays_and_pauses(page):
+    page.click("#show")
+    page.until(lambda: page.find("#player").is_displayed())
+    page.until(lambda: page.text("#time-shown") not in ("", "0.0 ms"))
+    page.click("#play")
+    shown = page.text("#time-shown")
+    image = page.find("#canvas").screenshot_as_png
+    assert page.text("#play") == "play"
+    page.browser.execute_script(
+        "arguments[0].value = 0.5; arguments[0].dispatchEvent(new Event('input'))",
+        page.find("#time"),
+    )
+    assert page.text("#time-shown") == "500.0 ms" != shown
+    assert page.find("#canvas").screenshot_as_png != image
+    made_again(page, *page.take("stl"))
+
+
+def test_the_marker_on_the_curve_drags_the_tilt(page):
+    marker = page.find("#marker .touch")
+    drag = ActionChains(page.browser, duration=30).move_to_element(marker).click_and_hold()
+    for _ in range(6):
+        drag.move_by_offset(8, 0)
+    drag.release().perform()
+    page.settle()
+    tilt = float(page.control("legs.tilt_deg").get_attribute("value"))
+    assert 13.0 < tilt < 20.0  # 48 pixels of some 37 degrees a 300
+    assert page.find("#marker").get_attribute("aria-valuenow") == f"{tilt:g}"
+    made_again(page, *page.take("stl"))
+
+
+def test_a_design_outlives_a_reload_and_a_restart(page):
+    page.type("legs.tilt_deg", 14)
+    speed = page.speed()
+    page.browser.refresh()
+    page.settle()
+    assert page.speed() == speed
+    page.until(lambda: (page.folder / "out" / "app" / "kept.json").exists())
+    assert page.problems() == []
+    page.browser.get("about:blank")
+    page.stop()
+    page.start()
+    assert page.speed() == speed
+    made_again(page, *page.take("stl"))
+
+
+def test_a_phone_shows_all_in_one_column(page):
+    page.browser.set_window_size(500, 800)  # the narrowest window; the page's own is narrower
+    page.browser.execute_cdp_cmd(
+        "Emulation.setDeviceMetricsOverride",
+        {"width": 360, "height": 740, "deviceScaleFactor": 2, "mobile": True},
+    )
+    page.open()
+    wide = page.browser.execute_script("return document.documentElement.scrollWidth")
+    assert wide <= 360
+    page.type("legs.tilt_deg", 15)
+    made_again(page, *page.take("stl"))
+    page.browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def test_the_keyboard_alone_is_enough(page):
+    active = page.browser.switch_to.active_element
+    for _ in range(30):
+        ActionChains(page.browser).send_keys(Keys.TAB).perform()
+        active = page.browser.switch_to.active_element
+        if active.get_attribute("id") == "key-legs.tilt_deg":
+            break
+    active.send_keys(Keys.CONTROL, "a")
+    active.send_keys("8")
+    page.settle()
+    for _ in range(200):
+        ActionChains(page.browser).send_keys(Keys.TAB).perform()
+        active = page.browser.switch_to.active_element
+        if active.get_attribute("data-what") == "stl":
+            break
+    ActionChains(page.browser).send_keys(Keys.ENTER).perform()
+    page.until(lambda: "in your downloads" in page.text("#taken"))
+    (path,) = page.downloads.glob("*.stl")
+    made_again(page, path, page.text("#taken").splitlines()[1:])
+
+
+def test_the_keyboard_moves_the_marker(page):
+    page.find("#marker").send_keys(Keys.ARROW_RIGHT)
+    page.settle()
+    assert page.control("legs.tilt_deg").get_attribute("value") == "10.5"
+    ActionChains(page.browser).send_keys(Keys.PAGE_UP).perform()  # it has kept the focus
+    page.settle()
+    assert page.control("legs.tilt_deg").get_attribute("value") == "15.5"
+    made_again(page, *page.take("stl"))
+
+
+def test_a_walker_of_a_wished_speed_is_found_and_taken(page):
+    page.find("#wished").clear()
+    page.find("#wished").send_keys("40")
+    page.click("#find")
+    page.until(lambda: page.browser.find_elements(By.CSS_SELECTOR, "#designs button"))
+    page.click("#designs button")
+    page.settle()
+    assert page.speed() == pytest.approx(40.0, rel=0.3)  # what is simulated differs by so much
+    made_again(page, *page.take("stl"))
+
+
+def test_two_designs_stand_side_by_side(page):
+    first = page.speed()
+    page.click("#hold")
+    page.type("legs.tilt_deg", 20)
+    second = page.speed()
+    assert "legs.tilt_deg: 20 here" in page.text("#differences")
+    assert f"Held: {first:.1f} mm/s" in page.text("#other-speed")
+    page.click("#swap")
+    page.settle()
+    assert page.speed() == first
+    assert f"Held: {second:.1f} mm/s" in page.text("#other-speed")
+    page.click("#release")
+    assert not page.find("#other").is_displayed()
+    made_again(page, *page.take("stl"))
+
+
+def test_a_leg_that_the_printer_drops_is_named(page):
+    page.choose("#choose-printer", "ender3")
+    page.type("legs.flexible_thickness_mm", 0.2)
+    assert "leg" in page.text("#findings .error, #findings .warning")
+    page.type("legs.flexible_thickness_mm", 0.8)
+    assert not page.browser.find_elements(By.CSS_SELECTOR, "#findings .error")
+    made_again(page, *page.take("plate"))
+
+
+def test_legs_one_by_one_are_added_and_removed(page):
+    def legs():
+        tables = page.browser.find_elements(By.CSS_SELECTOR, '[data-title^="walker: legs "]')
+        return len(tables)
+
+    page.click('[data-title="walker: legs"] .bar button')
+    page.settle()
+    assert legs() == 2
+    page.browser.find_element(By.XPATH, "//button[text()='another like this']").click()
+    page.settle()
+    assert legs() == 3
+    page.browser.find_element(By.XPATH, "//button[text()='remove']").click()
+    page.settle()
+    assert legs() == 2
+    made_again(page, *page.take("stl"))
+
+
+def test_all_files_come_as_one_archive(page):
+    page.type("legs.tilt_deg", 9)
+    path, lines = page.take("zip")
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+        kinds = {name.rpartition(".")[2] for name in names}
+        assert {"stl", "3mf", "toml", "html", "csv"} <= kinds
+        assert "settings/walker.toml" in names
+    assert [line.split()[1] for line in lines] == ["export", "export", "plate", "family", "report"]
+    checked(page)
+
+
+def test_the_page_of_the_report_is_the_commands(page):
+    made_again(page, *page.take("page"))
+
+
+def test_on_a_plane_a_run_tells_how_the_walker_turns(page):
+    page.choose("#choose-scene", "plane-90hz")
+    page.type("scene.run.seconds", 4)
+    page.click("#run")
+    page.until(lambda: "rad/s" in page.text("#ran"))
+    made_again(page, *page.take("stl"))
