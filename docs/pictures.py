@@ -9,6 +9,7 @@ import functools
 import hashlib
 import io
 import json
+import os
 import shlex
 import shutil
 import struct
@@ -64,6 +65,7 @@ OTHERS = {
 """Templates of other mechanisms than the paper's, each with the words below its picture."""
 
 WINDOW = (1215, 845)
+APP_WINDOW = (1440, 900)
 """Width and height of the browser's window, pixels."""
 
 LONGER_RUNS = b"\n## Longer runs\n"
@@ -110,11 +112,31 @@ def mechanisms(folder: Path) -> bytes:
 def page(folder: Path) -> bytes:
     """Picture of a family's page in a browser."""
     walkergen("walkergen report", str(folder))
-    shot = folder / "page.png"
+    return browser(folder, (folder / "report.html").as_uri(), *WINDOW)
+
+
+def app(folder: Path) -> bytes:
+    """Picture of the page on which a walker is designed."""
+    words = [sys.executable, "-m", "walkergen", "app", "--port", "0", "--no-browser"]
+    environment = os.environ | {"PYTHONPATH": str(ROOT)}
+    with subprocess.Popen(
+        words, cwd=folder, env=environment, stdout=subprocess.PIPE, text=True
+    ) as server:
+        assert server.stdout is not None
+        address = server.stdout.readline().split()[-1]
+        try:
+            return browser(folder, address, *APP_WINDOW)
+        finally:
+            server.terminate()
+
+
+def browser(folder: Path, address: str, width: int, height: int) -> bytes:
+    """Picture of a page in a browser."""
+    shot = folder / "shot.png"
     command = [
         "chromium", "--headless", "--no-sandbox", "--hide-scrollbars", "--use-angle=swiftshader",
-        "--enable-unsafe-swiftshader", f"--window-size={WINDOW[0]},{WINDOW[1]}",
-        "--virtual-time-budget=8000", f"--screenshot={shot}", (folder / "report.html").as_uri(),
+        "--enable-unsafe-swiftshader", f"--window-size={width},{height}",
+        "--virtual-time-budget=8000", f"--screenshot={shot}", address,
     ]  # fmt: skip
     subprocess.run(command, check=True, capture_output=True)
     return shot.read_bytes()
@@ -126,6 +148,8 @@ PICTURES = (
     Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0,
             "speed.png"),
     Picture("page.png", FAMILY, (*PREDICTION, "walkergen/jobs/page/report/**/*"), 10, page,
+            program="chromium", package="chromium"),
+    Picture("app.png", "", (*PREDICTION, *WALKER, "walkergen/app/**/*", "viewer/*.js"), 10, app,
             program="chromium", package="chromium"),
     Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 2,
             mechanisms),

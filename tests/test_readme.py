@@ -5,15 +5,16 @@ import re
 import shlex
 import subprocess
 import sys
+import urllib.request
 from pathlib import Path
 
 import pytest
 
 ROOT = Path(__file__).parent.parent
 PAGES = [ROOT / name for name in ("README.md", *(f"docs/{name}.md" for name in (
-    "tutorial", "making", "running", "trusting", "python")))]  # fmt: skip
+    "app", "tutorial", "making", "running", "trusting", "python")))]  # fmt: skip
 """Pages whose commands and Python are run, in this order in one folder."""
-README, TUTORIAL = (page.read_text(encoding="utf-8") for page in PAGES[:2])
+README, TUTORIAL = (page.read_text(encoding="utf-8") for page in (PAGES[0], PAGES[2]))
 
 
 def blocks(kind):
@@ -50,6 +51,8 @@ def test_the_tour_runs_as_shown(tmp_path):
     for name, text in re.findall(r'```csv title="([^"]+)"\n(.*?)```', TUTORIAL, flags=re.DOTALL):
         (tmp_path / name).write_text(text, encoding="utf-8")
     tour = [line for line in commands() if line.startswith("walkergen")]
+    assert tour.count("walkergen app") == 2  # it ends when somebody ends it: the next test
+    tour = [line for line in tour if line != "walkergen app"]
     assert len(tour) > 25
     tour.insert(0, "walkergen family koumakis2016")  # the first command of the set-up
     for line in tour:
@@ -58,6 +61,15 @@ def test_the_tour_runs_as_shown(tmp_path):
         assert result.returncode == 0, (line, result.stderr, result.stdout[-2000:])
         assert result.stdout
     assert len(list((tmp_path / "out" / "mine" / "stl").iterdir())) == 34
+
+
+def test_the_page_is_served_as_shown(tmp_path):
+    words = [sys.executable, "-m", "walkergen", "app", "--no-browser", "--port", "0"]
+    with subprocess.Popen(words, cwd=tmp_path, stdout=subprocess.PIPE, text=True) as server:
+        address = server.stdout.readline().split()[-1]
+        with urllib.request.urlopen(address) as answer:
+            assert b"<title>walkergen</title>" in answer.read()
+        server.terminate()
 
 
 @pytest.mark.parametrize(("page", "code"), list(blocks("python")))
