@@ -68,6 +68,10 @@ class Group(NamedTuple):
 
     title: str
     controls: list[Control]
+    absent: tuple[str, Any] | None = None
+    """Key of a table that the file leaves out, and what to begin it with; None for one that is."""
+    optional: str | None = None
+    """Key of a table that may be left out."""
 
 
 def groups(document: Document) -> list[Group]:
@@ -99,21 +103,50 @@ def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
     own, inner = [], []
     idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
-        value = getattr(section, name)
+        value, heading = getattr(section, name), f"{title}: {name}"
         if name in idle or isinstance(value, Family):
             continue  # a page is about one walker
+        table = _optional_table(field)
         if isinstance(value, Section):
-            inner.append((value, f"{prefix}{name}.", f"{title}: {name}"))
+            key = f"{prefix}{name}" if table else None
+            inner.append((value, f"{prefix}{name}.", heading, key))
         elif isinstance(value, list) and value and isinstance(value[0], Section):
             for number, entry in enumerate(value, start=1):
-                inner.append((entry, f"{prefix}{name}[{number}].", f"{title}: {name} {number}"))
+                inner.append((entry, f"{prefix}{name}[{number}].", f"{heading} {number}", None))
+        elif table:
+            yield Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table)))
         else:
             control = _control(f"{prefix}{name}", field, value, _notes(type(section)).get(name, ""))
             own += [control] if control else []
-    for table, place, heading in inner:
-        yield from _tables(table, place, heading.replace("_", " "))
+    for entry, place, heading, key in inner:
+        for group in _tables(entry, place, heading.replace("_", " ")):
+            yield group._replace(optional=key) if key else group
     if own:
         yield Group(title, own)
+
+
+def _optional_table(field: Any) -> type[Section] | None:
+    """Class of a table that may be left out; None for other keys."""
+    types, _ = _parts(field)
+    tables = [each for each in types if isinstance(each, type) and issubclass(each, Section)]
+    return tables[0] if tables and type(None) in types else None
+
+
+def _smallest(table: type[Section]) -> dict[str, Any]:
+    """Table to begin with: empty or, where that is not sound, of one choice that makes it so."""
+    choices = (
+        {name: get_args(each)[0]}
+        for name, field in table.model_fields.items()
+        for each in _parts(field)[0]
+        if get_origin(each) is Literal
+    )
+    for start in ({}, *choices):
+        try:
+            table.model_validate(start)
+        except ValueError:
+            continue
+        return start
+    return {}
 
 
 def _control(key: str, field: Any, value: Any, note: str) -> Control | None:

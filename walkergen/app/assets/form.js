@@ -112,18 +112,19 @@ function row(control) {
   return holder;
 }
 
+function toolOf(text, work) {
+  const button = make('button', { type: 'button', textContent: text });
+  button.addEventListener('click', work);
+  return button;
+}
+
 // Buttons that change how many legs there are.
 function legTools(title) {
   const number = Number(title.match(/legs (\d+)$/)?.[1] ?? 0);
-  const button = (text, work) => {
-    const made = make('button', { type: 'button', textContent: text });
-    made.addEventListener('click', work);
-    return made;
-  };
   const listed = () => structuredClone(legs);
   const tools = make('div', { className: 'bar' });
   if (!number && legs.length) {
-    tools.append(button('one by one: more legs, or unlike ones', () => {
+    tools.append(toolOf('one by one: more legs, or unlike ones', () => {
       const tilt = Number(byId('key-legs.tilt_deg')?.value ?? 10);
       const values = { ...without(current().values, 'legs'), legs: listed(), leg_tilt_deg: tilt };
       change({ ...current(), values }, 'shape');
@@ -131,7 +132,7 @@ function legTools(title) {
   } else if (number) {
     const become = (list) =>
       change({ ...current(), values: { ...without(current().values, 'legs'), legs: list } }, 'shape');
-    tools.append(button('another like this', () => {
+    tools.append(toolOf('another like this', () => {
       const list = listed();
       const twin = { ...list[number - 1] };
       twin.along_mm = rounded((twin.along_mm ?? 0) + 2);
@@ -139,7 +140,7 @@ function legTools(title) {
       become(list);
     }));
     if (legs.length > 1)
-      tools.append(button('remove', () => become(listed().filter((_, k) => k !== number - 1))));
+      tools.append(toolOf('remove', () => become(listed().filter((_, k) => k !== number - 1))));
   }
   return tools;
 }
@@ -161,6 +162,14 @@ function groupOf(group, shapes, opened) {
   const details = make('details', { open: opened });
   details.dataset.title = group.title;
   details.append(make('summary', { textContent: group.title.replace('walker: ', '') }));
+  if (group.absent) {
+    const [key, start] = group.absent;
+    details.append(toolOf('add', () => set(key, start, 'shape')));
+  } else if (group.optional && isSet(group.optional)) {
+    details.append(toolOf('leave out', () => {
+      change({ ...current(), values: without(current().values, group.optional) }, 'shape');
+    }));
+  }
   if (group.title === 'walker: body') details.append(bodyTools(shapes));
   if (/^walker: legs( \d+)?$/.test(group.title)) details.append(legTools(group.title));
   details.append(...group.controls.map(row));
