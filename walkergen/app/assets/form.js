@@ -178,9 +178,11 @@ function groupOf(group, shapes, opened) {
 
 /** Ask for the form and build it anew, with the same tables open and the same control in focus. */
 export const rebuild = lastOnly(async () => {
-  const answer = await ask('form', { document: current() });
-  if (answer.refused) return; // the last good form stays
+  const drawn = current();
+  const answer = await ask('form', { document: drawn });
   const form = byId('form');
+  form.ariaBusy = String(drawn !== current());
+  if (answer.refused) return; // the last good form stays
   const open = new Map([...form.children].map((each) => [each.dataset.title, each.open]));
   const focused = document.activeElement?.closest('#form') ? document.activeElement.id : '';
   legs = answer.legs;

@@ -54,7 +54,9 @@ function changed(document, why) {
   refresh();
   lookSoon();
   keepSoon();
-  if (why !== 'value') rebuildSoon();
+  if (why === 'value') return;
+  byId('form').ariaBusy = 'true';
+  rebuildSoon();
 }
 
 let about = {};
