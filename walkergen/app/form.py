@@ -27,17 +27,8 @@ WIDE, FACTOR = 100.0, 4.0
 """End of a range over the value up to which a slider runs over the range whole; over a wider one it
 runs from the value's FACTORth to its FACTORfold, by factors."""
 
-SHAPES: Mapping[str, Mapping[str, Any]] = {
-    "side view": {"length_mm": 28.0, "depth_mm": 8.0, "thickness_mm": 3.0},
-    "disc": {"outline": "disc", "length_mm": 24.0, "thickness_mm": 3.0},
-    "ellipse": {"outline": "ellipse", "length_mm": 28.0, "depth_mm": 14.0, "thickness_mm": 3.0},
-    "side view by corners": {"profile_mm": [[-14, -1.5], [14, -1.5], [10, 1.5], [-10, 1.5]],
-                             "depth_mm": 8.0},
-    "polygon": {"outline": "polygon", "thickness_mm": 3.0,
-                "points_mm": [[-14, -6], [8, -6], [14, 0], [8, 6], [-14, 6]]},
-    "letters": {"text": "ANNA", "depth_mm": 10.0, "thickness_mm": 3.0, "rails_mm": 2.0},
-}  # fmt: skip
-"""Tables [body] to start from; a drawing or a mesh is dropped onto the page."""
+LETTERED = "name"
+"""Template of a walker whose body is letters, on legs that stand under them."""
 
 Kind = Literal["number", "whole", "choice", "yes", "text", "list"]
 
@@ -218,6 +209,40 @@ def _notes(table: type[Section]) -> Mapping[str, str]:
         ):  # fmt: skip
             notes[key.target.id] = " ".join(str(note.value.value).split())
     return notes
+
+
+def shapes(document: Document) -> dict[str, dict[str, Any]]:
+    """Other shapes of a walker's body, as large as it is now: values that make each of it.
+
+    A drawing or a mesh is dropped onto the page; letters begin with a template of their own. Raises
+    InputError for a document that is not sound.
+    """
+    design = document.design()
+    length, thickness, depth = (round(extent, 1) for extent in design.size)
+    x, y, z = 0.5 * length, 0.5 * thickness, 0.75 * depth
+    bodies: dict[str, dict[str, Any]] = {
+        "side view": {"length_mm": length, "depth_mm": depth, "thickness_mm": thickness},
+        "side view by corners": {
+            "profile_mm": [[-x, -y], [x, -y], [0.7 * x, y], [-0.7 * x, y]], "depth_mm": depth
+        },
+        "disc": {"outline": "disc", "length_mm": length, "thickness_mm": thickness},
+        "ellipse": {"outline": "ellipse", "length_mm": length, "depth_mm": 1.75 * depth,
+                    "thickness_mm": thickness},
+        "polygon": {"outline": "polygon", "thickness_mm": thickness,
+                    "points_mm": [[-x, -z], [0.8 * x, -z], [x, 0.0], [0.8 * x, z], [-x, z]]},
+    }  # fmt: skip
+    legs = {"legs.width_mm": round(design.limbs[0].width, 1)} if design.pair else {}
+    found = {name: {"values": {"body": _rounded(body), **legs}} for name, body in bodies.items()}
+    return found | {"letters": {"walker": LETTERED, "values": {}}}
+
+
+def _rounded(value: Any) -> Any:
+    """Lengths of a shape in tenths of a millimetre."""
+    if isinstance(value, float):
+        return round(value, 1)
+    if isinstance(value, dict):
+        return {key: _rounded(own) for key, own in value.items()}
+    return [_rounded(own) for own in value] if isinstance(value, list) else value
 
 
 def listed_legs(document: Document) -> list[dict[str, Any]]:

@@ -230,7 +230,11 @@ async def _form(server: Server, request: Request) -> Response:
             {"title": group.title, "controls": [control._asdict() for control in group.controls]}
             for group in form.groups(document)
         ]
-        return {"groups": groups, "legs": form.listed_legs(document), "shapes": form.SHAPES}
+        return {
+            "groups": groups,
+            "legs": form.listed_legs(document),
+            "shapes": form.shapes(document),
+        }
 
     return _json(await run_in_threadpool(answer))
 

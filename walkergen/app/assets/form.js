@@ -151,8 +151,9 @@ function bodyTools(shapes) {
   for (const name of Object.keys(shapes)) select.append(new Option(name, name));
   select.addEventListener('change', () => {
     if (!select.value) return;
-    const values = { ...without(current().values, 'body'), body: shapes[select.value] };
-    change({ ...current(), values }, 'shape');
+    const { walker, values } = shapes[select.value];
+    const kept = without(current().values, 'body', ...(walker ? ['leg'] : []));
+    change({ ...current(), walker: walker ?? current().walker, values: { ...kept, ...values } }, 'shape');
   });
   select.setAttribute('aria-label', 'shape of the body');
   return make('div', { className: 'bar' }, select);

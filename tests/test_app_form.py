@@ -1,0 +1,70 @@
+"""The form of the page follows from the tables that check what people write."""
+
+import pytest
+
+from walkergen.app import form
+from walkergen.app.document import Document
+from walkergen.files import templates
+
+
+def document(walker="koumakis2016", **values):
+    return Document(walker, "lane-90hz", "prusa-mk3s", values)
+
+
+def controls(page):
+    return {control.key: control for group in form.groups(page) for control in group.controls}
+
+
+@pytest.mark.parametrize("walker", templates.names("walkers"))
+def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
+    found = controls(document(walker))
+    assert {"body.thickness_mm", "scene.contact.friction", "printer.nozzle_mm"} <= set(found)
+    for control in found.values():
+        if control.kind == "number" and control.value is not None and control.low is not None:
+            assert control.low <= control.value <= control.high
+        if control.slider:
+            low, high, logarithmic = control.slider
+            assert control.low <= low < high <= control.high
+            assert low <= control.value <= high
+            assert not logarithmic or low > 0.0
+
+
+def test_limits_are_those_that_a_refusal_names():
+    tilt = controls(document())["legs.tilt_deg"]
+    assert (tilt.low, tilt.high, tilt.unit) == (-85.0, 85.0, "°")
+    with pytest.raises(ValueError, match=">= -85 and <= 85"):
+        document(**{"legs.tilt_deg": 89}).design()
+
+
+def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
+    assert [each.key for each in form.groups(document())[0].controls] == ["legs.tilt_deg"]
+    first = form.groups(document("bristle"))[0].controls
+    assert [each.key for each in first] == ["leg_tilt_deg"]
+    assert first[0].value == 10.0
+
+
+def test_keys_that_say_nothing_of_a_shape_have_no_control():
+    plain, disc = controls(document()), controls(document(body={"outline": "disc"}))
+    assert "body.depth_mm" in plain
+    assert {"body.outline", "body.mesh", "body.up"}.isdisjoint(plain)
+    assert "body.outline" in disc
+    assert "body.depth_mm" not in disc
+
+
+def test_a_control_says_what_its_table_says():
+    assert "Width across the run" in controls(document())["legs.width_mm"].help
+
+
+@pytest.mark.parametrize("walker", ["koumakis2016", "maker-large", "bristle", "name"])
+def test_every_other_shape_stands_on_the_legs_of_a_walker(walker):
+    for name, change in form.shapes(document(walker)).items():
+        shaped = document(change.get("walker", walker), **change["values"])
+        assert shaped.design().limbs, name
+
+
+def test_two_equal_legs_can_be_listed():
+    legs = form.listed_legs(document())
+    listed = document(legs=legs, leg_tilt_deg=10.0).design()
+    pair = document().design()
+    assert [limb.along for limb in listed.limbs] == [limb.along for limb in pair.limbs]
+    assert [limb.thickness for limb in listed.limbs] == [limb.thickness for limb in pair.limbs]
