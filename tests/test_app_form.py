@@ -1,9 +1,12 @@
 """The form of the page follows from the tables that check what people write."""
 
+import math
+
 import pytest
 
 from walkergen.app import form
 from walkergen.app.document import Document
+from walkergen.errors import WalkergenError
 from walkergen.files import templates
 
 
@@ -20,8 +23,9 @@ def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
     found = controls(document(walker))
     assert {"body.thickness_mm", "scene.contact.friction", "printer.nozzle_mm"} <= set(found)
     for control in found.values():
-        if control.kind == "number" and control.value is not None and control.low is not None:
-            assert control.low <= control.value <= control.high
+        if control.kind == "number" and control.value is not None:
+            low = -math.inf if control.low is None else control.low
+            assert low <= control.value <= (math.inf if control.high is None else control.high)
         if control.slider:
             low, high, logarithmic = control.slider
             assert control.low <= low < high <= control.high
@@ -32,7 +36,7 @@ def test_every_control_holds_the_value_of_its_key_and_limits_around_it(walker):
 def test_limits_are_those_that_a_refusal_names():
     tilt = controls(document())["legs.tilt_deg"]
     assert (tilt.low, tilt.high, tilt.unit) == (-85.0, 85.0, "°")
-    with pytest.raises(ValueError, match=">= -85 and <= 85"):
+    with pytest.raises(WalkergenError, match=">= -85 and <= 85"):
         document(**{"legs.tilt_deg": 89}).design()
 
 
@@ -44,7 +48,10 @@ def test_the_tilt_comes_first_by_the_key_that_the_legs_share():
 
 
 def test_keys_that_say_nothing_of_a_shape_have_no_control():
-    plain, disc = controls(document()), controls(document(body={"outline": "disc"}))
+    plain, disc = (
+        controls(document()),
+        controls(document(**form.shapes(document())["disc"]["values"])),
+    )
     assert "body.depth_mm" in plain
     assert {"body.outline", "body.mesh", "body.up"}.isdisjoint(plain)
     assert "body.outline" in disc

@@ -94,7 +94,7 @@ function row(control) {
     holder.append(range);
     holder.place = place;
   }
-  const near = control.low !== null && control.high < FAR;
+  const near = control.low !== null && control.high !== null && control.high < FAR;
   const limits = near ? `${control.low} to ${control.high} ${control.unit}` : '';
   const help = [control.help, limits].filter(Boolean).join(' ');
   const hint = make('small', { className: 'help', id: `${id}-help`, textContent: help });
