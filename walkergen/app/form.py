@@ -189,9 +189,9 @@ def _limit(metadata: list[Any], names: tuple[str, ...]) -> float | None:
 
 def _slider(low: float | None, high: float | None, value: float | None) -> Any:
     """Range of a slider: the key's own or, where that is too wide to move in, about its value."""
-    if low is None or high is None:
+    if low is None or high is None or value is None:
         return None
-    if low < 0.0 or high <= WIDE * (value or 0.0):
+    if low < 0.0 or high <= WIDE * value:
         return low, high, False
     return (max(low, value / FACTOR), min(high, value * FACTOR), True) if value else None
 

@@ -88,7 +88,7 @@ function row(control) {
   const label = make('label', { htmlFor: id, textContent: control.name });
   const holder = make('div', { className: 'row' }, label);
   holder.dataset.key = control.key;
-  if (control.slider && control.value !== null) {
+  if (control.slider) {
     const { range, place, step } = slider(control, input);
     input.step = step;
     holder.append(range);
