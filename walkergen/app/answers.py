@@ -13,6 +13,7 @@ import numpy.typing as npt
 from walkergen.app import document as documents
 from walkergen.app.document import Document
 from walkergen.errors import WalkergenError
+from walkergen.files import plain
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import checks
@@ -77,8 +78,9 @@ def refusal(error: WalkergenError) -> list[dict[str, str]]:
     lines = []
     for line in str(error).splitlines():
         text = line.removeprefix(f"{documents.SOURCE}: ")
-        key = KEY.match(text)
-        lines.append({"key": key[0] if key and len(key[0]) < len(text) else "", "text": text})
+        match = KEY.match(text)
+        key = match[0] if match and len(match[0]) < len(text) else ""
+        lines.append({"key": key, "text": plain.line(text)})
     return lines
 
 
