@@ -1,6 +1,7 @@
 """Doors of `walkergen app`, called in this process or in one of its own, and hostile messages."""
 
 import asyncio
+import contextlib
 import http.client
 import json
 import math
@@ -129,19 +130,20 @@ class Process:
 
     def ask(self, door, message, **headers):
         """Answer to a message."""
-        answer = self.send(door, message, **headers).getresponse()
-        return Answer(answer.status, dict(answer.getheaders()), answer.read())
+        with contextlib.closing(self.send(door, message, **headers)) as connection:
+            answer = connection.getresponse()
+            return Answer(answer.status, dict(answer.getheaders()), answer.read())
 
     def children(self):
         """Process ids of its children and theirs, also of those whose parent has gone."""
         return [pid for pid in pids() if is_below(pid, self.process.pid)]
 
     def end(self, number=signal.SIGINT):
-        """Exit code, time that the end took (s), and what was printed on the two streams."""
+        """Exit code, time that the end took (s), and what was printed of errors."""
         begun = time.monotonic()
         self.process.send_signal(number)
-        out, err = self.process.communicate(timeout=PATIENCE_S)
-        return self.process.returncode, time.monotonic() - begun, out, err
+        _, errors = self.process.communicate(timeout=PATIENCE_S)
+        return self.process.returncode, time.monotonic() - begun, errors
 
 
 def pids():

@@ -63,8 +63,8 @@ def test_ctrl_c_ends_the_server_at_once_whatever_runs(process):
     connections = [process.send("run", {"document": LONG}) for _ in range(4)]
     assert until(lambda: len(process.children()) >= 4)
     pids = process.children()
-    code, seconds, out, err = process.end()
-    assert (code, out, err) == (0, "Ctrl-C ends it\n", "")
+    code, seconds, errors = process.end()
+    assert (code, errors) == (0, "")
     assert seconds < 4.0  # 2 s on an idle machine
     assert until(lambda: not any(map(lives, pids)), 5.0)
     for connection in connections:
@@ -77,14 +77,15 @@ def test_ten_tabs_start_four_runs_and_the_others_hear_why(process):
     connections = [process.send("run", {"document": LONG}) for _ in range(10)]
     assert until(lambda: len(process.children()) >= 4)
     # Whoever runs says how far it is
-    answers = [json.loads(each.getresponse().readline()) for each in connections]
-    refused = [answer["refused"] for answer in answers if "refused" in answer]
+    answers = [connection.getresponse() for connection in connections]
+    first = [json.loads(answer.readline()) for answer in answers]
+    refused = [event["refused"] for event in first if "refused" in event]
     assert len(refused) == 6
     assert all("4 runs, searches or files" in line for (line,) in refused)
     assert len(process.children()) == 4
     assert process.ask("walker", {"document": PAPER}).status == 200
-    for connection in connections:
-        connection.close()
+    for each in (*answers, *connections):
+        each.close()
     assert until(lambda: not process.children(), 10.0)
 
 
@@ -97,7 +98,7 @@ def test_an_upload_over_the_limit_hears_why(process):
 @needs_proc
 def test_a_server_ends_quietly(process):
     assert process.ask("walker", {"document": PAPER}).status == 200
-    assert process.end()[::2] == (0, "Ctrl-C ends it\n")
+    assert process.end()[::2] == (0, "")
 
 
 def refusal_of(*words):
@@ -122,12 +123,12 @@ def test_a_port_in_use_is_refused_in_one_line(process):
 @pytest.mark.parametrize("host", ["192.0.2.1", "0.0.0.0", "::", "no.such.host.invalid", "a b", ""])
 def test_an_address_of_no_interface_is_refused_in_one_line(host):
     line = refusal_of("--port", "0", "--host", host)
-    assert line.startswith(f"error: --host {host}: ")
+    assert line.startswith(f"error: --host {host or repr(host)}: ")
     assert len(line.splitlines()) == 1
 
 
 def test_a_port_of_no_machine_is_refused():
-    assert "70000" in refusal_of("--port", "70000")
+    assert "--port" in refusal_of("--port", "70000")
 
 
 def test_a_walker_that_is_none_is_refused_before_a_page_opens():

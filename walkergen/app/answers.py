@@ -5,6 +5,7 @@ Every number comes from the job that the command line calls for it.
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -27,6 +28,15 @@ from walkergen.walker.mass import MassProperties, from_centre
 
 STEEPEST_DEG = 45.0
 """Tilt up to which the curve is drawn, unless the walker's own is larger."""
+
+STEP_DEG = 0.2
+"""Error of the tilt up to which a walker can be built, where that is less."""
+
+FEWER = 19
+"""Points of the curve where the modeller joins legs to a body, as long as that takes."""
+
+MOST_CURVES = 32
+"""Curves that are kept."""
 
 LEGS_MM = 1e-4
 """Distance below the body's underside from which on a triangle belongs to a leg."""
@@ -97,15 +107,47 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
 
 
 def _curve(design: Design, scene: Scene) -> dict[str, list[float]]:
-    """Predicted speed against tilt, as the figure of a family draws it."""
-    high = max(STEEPEST_DEG, abs(design.tilt_deg))
-    low = -high if design.tilt_deg < 0.0 else 0.0
-    curve = prediction.curve(design, scene, "coulomb", low, high)
+    """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built.
+
+    It does not depend on the walker's own tilt: dragging that asks for none anew.
+    """
+    far = max(STEEPEST_DEG, abs(design.tilt_deg))
+    low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
+    things = (design.unmarked.variant(tilt_deg=low), scene)
+    own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
+    return _drawn(own, ground, design.body.key, low, _end(design, far))
+
+
+@lru_cache(maxsize=MOST_CURVES)
+def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]]:
+    """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
+    walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
+    count = prediction.POINTS if walker.body.plain else FEWER
+    curve = prediction.curve(walker, ground, "coulomb", low, high, count)
     return {
         "tilt_deg": curve.tilt_deg.tolist(), "speed": curve.speed.tolist(),
         "low_95": curve.bounds[0].tolist(), "low_68": curve.bounds[1].tolist(),
         "high_68": curve.bounds[2].tolist(), "high_95": curve.bounds[3].tolist(),
     }  # fmt: skip
+
+
+def _end(design: Design, far: float) -> float:
+    """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
+    if _is_sound(design, far):
+        return far
+    near = design.tilt_deg
+    while abs(far - near) > STEP_DEG:
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if _is_sound(design, middle) else (near, middle)
+    return near
+
+
+def _is_sound(design: Design, tilt_deg: float) -> bool:
+    try:
+        solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
+    except WalkergenError:
+        return False
+    return True
 
 
 def _finding(finding: Finding) -> dict[str, str]:

@@ -87,13 +87,13 @@ def _is_away(host: str) -> bool:
     if host in LOOPBACK:
         return False
     try:
-        address = ipaddress.ip_address(host)
+        address = ipaddress.ip_address(host or "0.0.0.0")
     except ValueError:
         return True
     if address.is_unspecified:
         raise InputError(
-            f"--host {host}: stands for every address of this machine: give the one that the other "
-            "device shall call"
+            f"--host {host or repr(host)}: stands for every address of this machine: give the one "
+            "that the other device shall call"
         )
     return not address.is_loopback
 
