@@ -5,6 +5,7 @@ Every number comes from the job that the command line calls for it.
 
 import re
 from collections.abc import Iterator, Sequence
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,8 @@ import numpy.typing as npt
 
 from walkergen.app import document as documents
 from walkergen.app.document import Document
-from walkergen.errors import GeometryError, WalkergenError
+from walkergen.errors import WalkergenError
+from walkergen.files import plain
 from walkergen.jobs.make.check import make as checking
 from walkergen.jobs.run.predict import make as predicting
 from walkergen.printing import checks
@@ -26,6 +28,15 @@ from walkergen.walker.mass import MassProperties, from_centre
 
 STEEPEST_DEG = 45.0
 """Tilt up to which the curve is drawn, unless the walker's own is larger."""
+
+STEP_DEG = 0.2
+"""Error of the tilt up to which a walker can be built, where that is less."""
+
+FEWER = 19
+"""Points of the curve where the modeller joins legs to a body, as long as that takes."""
+
+MOST_CURVES = 32
+"""Curves that are kept."""
 
 LEGS_MM = 1e-4
 """Distance below the body's underside from which on a triangle belongs to a leg."""
@@ -77,8 +88,9 @@ def refusal(error: WalkergenError) -> list[dict[str, str]]:
     lines = []
     for line in str(error).splitlines():
         text = line.removeprefix(f"{documents.SOURCE}: ")
-        key = KEY.match(text)
-        lines.append({"key": key[0] if key and len(key[0]) < len(text) else "", "text": text})
+        match = KEY.match(text)
+        key = match[0] if match and len(match[0]) < len(text) else ""
+        lines.append({"key": key, "text": plain.line(text)})
     return lines
 
 
@@ -95,12 +107,25 @@ def of_legs(document: Document, mesh: Mesh) -> npt.NDArray[np.uint8]:
 
 
 def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
-    """Predicted speed against tilt, as a family's figure draws it; None over less than 1 deg."""
-    high = _steepest(design, max(STEEPEST_DEG, abs(design.tilt_deg)), 1.0)
-    low = 0.0 if design.tilt_deg >= 0.0 else -_steepest(design, STEEPEST_DEG, -1.0)
-    if high - low < 1.0:
-        return None
-    curve = prediction.curve(design, scene, "coulomb", low, high)
+    """Predicted speed against tilt, as the figure of a family draws it, as far as it can be built.
+
+    None where no other tilt can be. It does not depend on the walker's own tilt: dragging that
+    asks for none anew.
+    """
+    far = max(STEEPEST_DEG, abs(design.tilt_deg))
+    low = _end(design, -far if design.tilt_deg < 0.0 else 0.0)
+    things = (design.unmarked.variant(tilt_deg=low), scene)
+    own, ground = (thing.model_dump_json(exclude_unset=True) for thing in things)
+    high = _end(design, far)
+    return _drawn(own, ground, design.body.key, low, high) if low < high else None
+
+
+@lru_cache(maxsize=MOST_CURVES)
+def _drawn(design: str, scene: str, body: str, low: float, high: float) -> dict[str, list[float]]:
+    """Curve of a design and a scene by their JSON; `body` knows the contents of its files."""
+    walker, ground = Design.model_validate_json(design), Scene.model_validate_json(scene)
+    count = prediction.POINTS if walker.body.plain else FEWER
+    curve = prediction.curve(walker, ground, "coulomb", low, high, count)
     return {
         "tilt_deg": curve.tilt_deg.tolist(), "speed": curve.speed.tolist(),
         "low_95": curve.bounds[0].tolist(), "low_68": curve.bounds[1].tolist(),
@@ -108,15 +133,23 @@ def _curve(design: Design, scene: Scene) -> dict[str, list[float]] | None:
     }  # fmt: skip
 
 
-def _steepest(design: Design, high: float, sense: float) -> float:
-    """Largest tilt (deg), in whole degrees down from a high one, at which a walker can be built."""
-    for tilt in np.arange(high, abs(design.tilt_deg), -1.0):
-        try:
-            design.members([float(sense * tilt)], [design.kind] if design.pair else None)
-        except GeometryError:
-            continue
-        return float(tilt)
-    return abs(design.tilt_deg)
+def _end(design: Design, far: float) -> float:
+    """Tilt nearest to `far` at which a walker can be built, deg, from its own on."""
+    if _is_sound(design, far):
+        return far
+    near = design.tilt_deg
+    while abs(far - near) > STEP_DEG:
+        middle = 0.5 * (near + far)
+        near, far = (middle, far) if _is_sound(design, middle) else (near, middle)
+    return near
+
+
+def _is_sound(design: Design, tilt_deg: float) -> bool:
+    try:
+        solids.mass_of(design.unmarked.variant(tilt_deg=tilt_deg))
+    except WalkergenError:
+        return False
+    return True
 
 
 def _finding(finding: Finding) -> dict[str, str]:

@@ -11,9 +11,9 @@ import signal
 import subprocess
 import sys
 import threading
-from collections.abc import AsyncIterator, Sequence
-from pathlib import Path
-from typing import Any
+import time
+from collections.abc import AsyncIterator, Coroutine, Sequence
+from typing import Any, TypeVar
 
 COMMAND = "walkergen.cli.child"
 """Module that runs a command line as a child."""
@@ -21,26 +21,58 @@ COMMAND = "walkergen.cli.child"
 PLAY = "walkergen.app.play"
 """Module that simulates a second of a walker's run, to be played."""
 
-PATIENCE_S = 3.0
-"""Time after which a child that was asked to end is ended by force."""
+MOST = 4
+"""Most children at once: a browser opens six connections to a server, for all its tabs together,
+and their sliders need some."""
+
+PATIENCE_S = 1.0
+"""Time after which a child that was interrupted is ended by force."""
 
 LARGEST_LINE = 2**26
 """Longest line of a child, bytes: a run that is played is one of 0.3 MB."""
 
 Event = dict[str, Any]
+Running = set[asyncio.Future[Any]]
+"""Tasks that have a child, of one server."""
+
+Result = TypeVar("Result")
 
 
-async def run(module: str, words: Sequence[str], folder: Path, sent: Any) -> AsyncIterator[Event]:
+async def run(
+    running: Running, module: str, words: Sequence[str], sent: Any
+) -> AsyncIterator[Event]:
     """Run a module's main with these words; `sent` reaches it as a line of JSON.
 
     Yields {"progress": line} for what it says meanwhile, at last {"output": text} or {"refused":
-    lines}. Closing the iterator ends the child.
+    lines}. Closing the iterator, or cancelling its task, ends the child.
     """
-    child = await asyncio.create_subprocess_exec(
-        sys.executable, "-m", module, *words, cwd=folder, limit=LARGEST_LINE,
-        stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
-        start_new_session=True,  # its own workers end with it
-    )  # fmt: skip
+    task = asyncio.current_task()
+    assert task is not None
+    if len(running - {task}) >= MOST:
+        yield {"refused": [
+            f"{MOST} runs, searches or files are being made for pages of this server, which is the "
+            "most at once: stop one, or wait until one is done"
+        ]}  # fmt: skip
+        return
+    running.add(task)
+    try:
+        async for event in _run(module, words, sent):
+            yield event
+    finally:
+        running.discard(task)
+
+
+async def _run(module: str, words: Sequence[str], sent: Any) -> AsyncIterator[Event]:
+    try:
+        child = await asyncio.create_subprocess_exec(
+            sys.executable, "-m", module, *words, limit=LARGEST_LINE,
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+            start_new_session=True,  # its own workers end with it
+        )  # fmt: skip
+    except (OSError, ValueError) as error:  # more or longer words than the system takes
+        reason = getattr(error, "strerror", None) or "its words are none of this system"
+        yield {"refused": [f"the command cannot be started: {reason}"]}
+        return
     assert child.stdin is not None
     assert child.stdout is not None
     assert child.stderr is not None
@@ -69,11 +101,15 @@ def _mistakes(said: Sequence[str], code: int) -> list[str]:
 
 
 async def _end(child: asyncio.subprocess.Process) -> None:
-    """End a child that may run still, and its workers."""
-    _signal(child, "SIGTERM")
-    with contextlib.suppress(TimeoutError):
-        await asyncio.wait_for(child.wait(), PATIENCE_S)
-    _signal(child, "SIGKILL")
+    """End a child that may run still, and its workers: by Ctrl-C, after which no file is half
+    written, and by force.
+    """
+    try:
+        _signal(child, "SIGINT")
+        with contextlib.suppress(TimeoutError):
+            await asyncio.wait_for(child.wait(), PATIENCE_S)
+    finally:
+        _signal(child, "SIGKILL")
     await child.wait()
 
 
@@ -86,6 +122,34 @@ def _signal(child: asyncio.subprocess.Process, name: str) -> None:
             child.terminate()
 
 
+async def while_heard(receive: Any, work: Coroutine[Any, Any, Result]) -> Result | None:
+    """Result of work; None where it was ended: nobody waits for it any more, or the server ends.
+
+    `receive` tells by a message of ASGI that a page has gone.
+    """
+    working, gone = asyncio.ensure_future(work), asyncio.ensure_future(_gone(receive))
+    try:
+        await asyncio.wait({working, gone}, return_when=asyncio.FIRST_COMPLETED)
+    finally:
+        gone.cancel()
+        working.cancel()
+        await asyncio.wait({working})
+    return None if working.cancelled() else working.result()
+
+
+async def _gone(receive: Any) -> None:
+    while (await receive())["type"] != "http.disconnect":
+        pass
+
+
+async def end(running: Running) -> None:
+    """End all children of a server, and what waits for them."""
+    for task in running:
+        task.cancel()
+    if running:
+        await asyncio.wait(set(running))
+
+
 def listen() -> Any:
     """What a child's server sent. From then on the child ends when the server does, whatever it is
     doing: a pipe closes with the process that holds it.
@@ -96,6 +160,8 @@ def listen() -> Any:
         while os.read(sys.stdin.fileno(), 4096):
             pass
         if hasattr(os, "killpg"):
+            os.kill(os.getpid(), signal.SIGINT)  # what is half written goes
+            time.sleep(PATIENCE_S)
             os.killpg(0, signal.SIGKILL)
         os._exit(1)
 

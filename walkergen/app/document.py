@@ -5,6 +5,7 @@ thing in their own words.
 """
 
 import json
+import math
 import re
 import shlex
 from collections.abc import Iterator, Mapping, Sequence
@@ -31,8 +32,13 @@ SOURCE = "page"
 FILE_KEYS = ("mesh", "outline")
 """Keys of a design that name files."""
 
-UPLOADED = re.compile(r"[0-9a-f]{16}\.(stl|obj|ply|off|3mf|glb|svg|dxf)")
+DROPPED = ("stl", "obj", "ply", "off", "3mf", "glb", "svg", "dxf")
+"""Kinds of files that may be dropped onto a page, as their names end."""
+
+UPLOADED = re.compile(rf"[0-9a-f]{{16}}\.({'|'.join(DROPPED)})")
 """Name of a file that was dropped onto a page: the beginning of its hash, and its kind."""
+
+HALVES = re.compile("[\ud800-\udfff]")
 
 BARE = re.compile(r"[A-Za-z0-9_-]+")
 """Key of TOML without quotes; such a word is also a value on a command line."""
@@ -108,65 +114,89 @@ class Document(NamedTuple):
         return assignments.read(path, model, self.own(prefix), SOURCE, prefix)
 
 
-def read(data: bytes, place: Place) -> Document:
-    """Document of a page's message.
+def read(data: Any, place: Place) -> Document:
+    """Document that a page sends.
 
     Raises InputError for what is none, and for files that were not dropped onto a page.
     """
-    message = config.validate(json_of(data), Message, SOURCE)
+    if not isinstance(data, dict):
+        raise InputError(f"{SOURCE}: document: must be a table")
+    message = config.validate(data, Message, SOURCE)
     for kind, name in (("walkers", message.walker), ("scenes", message.scene),
                        ("printers", message.printer)):  # fmt: skip
         if name not in templates.names(kind) and not (kind == "walkers" and name == place.own):
             raise InputError(f"{SOURCE}: {name[:60]!r} is none of the {kind} of this page")
-    values = {key: _located(key, value, place.uploads) for key, value in message.values.items()}
+    values = _located("values", message.values, place.uploads)
     return Document(message.walker, message.scene, message.printer, values)
 
 
 def json_of(data: bytes) -> dict[str, Any]:
-    """Table of a page's message. Raises InputError."""
+    """Table of a page's message. Raises InputError, also for one that no TOML file could hold."""
     try:
-        found = json.loads(data)
+        message = json.loads(data)
     except (ValueError, RecursionError):
-        found = None
-    if not isinstance(found, dict):
+        message = None
+    if not isinstance(message, dict):
         raise InputError(f"{SOURCE}: the message is no table in JSON")
-    return found
+    if config.depth(message) > config.DEEPEST:
+        raise InputError(f"{SOURCE}: nested too deeply: more than {config.DEEPEST} levels")
+    return message
 
 
 def _located(key: str, value: Any, uploads: Path) -> Any:
-    """Value of a key in which files that were dropped are found; others are refused."""
-    if value is None:
-        raise InputError(f"{SOURCE}: {key[:60]}: no value: leave the key out")
+    """Value of a key in which files that were dropped are found; others are refused.
+
+    Raises InputError for those, and for what TOML has not.
+    """
     if isinstance(value, dict):
-        return {inner: _located(inner, own, uploads) for inner, own in value.items()}
+        return {_whole(inner): _located(inner, own, uploads) for inner, own in value.items()}
     if isinstance(value, list):
         return [_located(key, own, uploads) for own in value]
-    if key.rpartition(".")[2] not in FILE_KEYS or not isinstance(value, str) or value in DRAWN:
+    if value is None:
+        raise InputError(f"{SOURCE}: {_whole(key)[:60]}: no value: leave the key out")
+    if isinstance(value, float) and not math.isfinite(value):
+        raise InputError(f"{SOURCE}: {_whole(key)[:60]} = {value}: must be a number")
+    if not isinstance(value, str):
         return value
+    name = key.rpartition(".")[2]
+    if name not in FILE_KEYS or (name == "outline" and value in DRAWN):
+        return _whole(value)
     path = uploads / value
     if not UPLOADED.fullmatch(value) or not path.is_file():
-        raise InputError(f"{SOURCE}: {key} = {value[:60]!r}: drop the file onto the page first")
+        raise InputError(
+            f"{SOURCE}: {key[:60]} = {value[:60]!r}: drop the file onto the page first"
+        )
     return path.as_posix()
+
+
+def _whole(text: str) -> str:
+    """Text of whole letters. Raises InputError for halves, which JSON alone has."""
+    if HALVES.search(text):
+        raise InputError(f"{SOURCE}: {text[:60]!r}: holds half a letter: write it again")
+    return text
 
 
 def arguments(document: Document, command: str, *options: str) -> list[str]:
     """Words after `walkergen` by which a command does the same with a page's walker.
 
-    The tilt and the kind of legs are said by the flags that choose one walker of a family, but for
-    `design`, which varies a walker of its own. Raises InputError, as `Document.design` does.
+    The tilt and the kind of legs are said by the flags that choose one walker of a family, which
+    `design` has not. Raises InputError, as `Document.design` does, and for a value that is too long
+    for a command line.
     """
-    design, things = document.design(), THINGS[command]
-    flags = [] if command == "design" else _chosen(design)
-    words = (
-        ["design", "--from", document.walker] if command == "design" else [command, document.walker]
-    )
+    flags, things = _chosen(document.design()), THINGS[command]
+    if command == "design":
+        flags, words = [], [command, "--from", document.walker]
+    else:
+        words = [command, document.walker]
     words += ["--scene", document.scene] if "scene." in things else []
     words += ["--printer", document.printer] if "printer." in things else []
     dropped = CHOSEN if flags else ()
     for prefix in ("", *things):
         for key, value in document.own(prefix).items():
             if prefix or key not in dropped:
-                words += ["--set", f"{prefix}{key}={text_of(value)}"]
+                setting = f"{prefix}{key}={text_of(value)}"
+                assignments.split(setting)
+                words += ["--set", setting]
     return [*words, *flags, *options]
 
 
@@ -196,11 +226,16 @@ def _toml(value: Any) -> Iterator[str]:
     elif isinstance(value, Sequence) and not isinstance(value, str):
         yield "[" + ", ".join("".join(_toml(own)) for own in value) + "]"
     else:
-        yield json.dumps(value, ensure_ascii=False)
+        yield _quoted(value)
 
 
 def _key(key: str) -> str:
-    return key if BARE.fullmatch(key) else json.dumps(key)
+    return key if BARE.fullmatch(key) else _quoted(key)
+
+
+def _quoted(value: Any) -> str:
+    """TOML of a text, a number or a yes; it takes all of JSON's escapes, but one letter bare."""
+    return json.dumps(value, ensure_ascii=False).replace("\x7f", "\\u007f")
 
 
 def shell(words: Sequence[str]) -> str:

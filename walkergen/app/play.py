@@ -4,7 +4,7 @@ import json
 import sys
 
 from walkergen.app import children
-from walkergen.app.document import Document
+from walkergen.app.document import SOURCE, Document
 from walkergen.errors import WalkergenError
 
 
@@ -17,7 +17,7 @@ def main() -> int:
         print(json.dumps(play.run(document.design(), document.ground())))
     except WalkergenError as error:
         for line in str(error).splitlines():
-            print(f"error: {line}", file=sys.stderr)
+            print(f"error: {line.removeprefix(f'{SOURCE}: ')}", file=sys.stderr)
         return 2
     return 0
 

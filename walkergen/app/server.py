@@ -4,25 +4,27 @@ Doors stand below a path that nobody can guess, and open only to pages of this s
 elsewhere names another Host or Origin. No path of a file comes from a page.
 """
 
+import asyncio
 import hashlib
 import json
 import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
+from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 from starlette.applications import Starlette
-from starlette.concurrency import run_in_threadpool
-from starlette.requests import Request
-from starlette.responses import RedirectResponse, Response, StreamingResponse
+from starlette.exceptions import HTTPException
+from starlette.requests import ClientDisconnect, Request
+from starlette.responses import RedirectResponse, Response
 from starlette.routing import Mount, Route
 
 from walkergen.app import answers, children, form, pictures, taking
 from walkergen.app import document as documents
 from walkergen.app.document import Document, Place
 from walkergen.errors import InputError, WalkergenError
-from walkergen.files import output, templates, viewer
+from walkergen.files import output, reading, templates, viewer
 from walkergen.files.ledger import manifest
 
 MOST_BYTES = 1_000_000
@@ -31,8 +33,17 @@ MOST_BYTES = 1_000_000
 MOST_UPLOADED = 200_000_000
 """Largest file that may be dropped onto a page, bytes."""
 
+MOST_HEARD = 5 * MOST_UPLOADED
+"""Bytes of a message after which it is broken off, whoever sends it."""
+
+THREADS = 2
+"""Answers that are made at once: more would share the same core, and all be late."""
+
 KEPT = "kept.json"
 """File in the server's folder with the document that was changed last."""
+
+MOST_KEPT = 50 * MOST_BYTES
+"""Largest such file, bytes: a message with a line for each number in it."""
 
 START = {"scene.run.seconds": 10.0, "scene.run.runs": 8}
 """Values of a new document: a run that is done within seconds."""
@@ -51,6 +62,9 @@ ASSETS = {
 """Files of the page beside its HTML, and their types."""
 
 
+Result = TypeVar("Result")
+
+
 class Server(NamedTuple):
     """What a server knows from its start."""
 
@@ -63,6 +77,10 @@ class Server(NamedTuple):
     place: Place
     first: Document
     """Document of a page that is opened for the first time."""
+    running: children.Running
+    """What has a child."""
+    threads: ThreadPoolExecutor
+    """Threads of all else that takes its time."""
     once: str | None = None
     """Word in the address that opens the page once, for a phone; None for this machine alone."""
 
@@ -73,7 +91,8 @@ def new(
     """Server with fresh secrets; `away` if other machines can reach it."""
     place = Place(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
-    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, once)
+    return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(),
+                  ThreadPoolExecutor(THREADS), once)  # fmt: skip
 
 
 def application(server: Server) -> Any:
@@ -85,20 +104,33 @@ def application(server: Server) -> Any:
     inner: list[Any] = [
         *(Route(f"/{name}", _door(server, door), methods=["POST"]) for name, door in doors.items()),
         *(Route(f"/{name}", _asset) for name in ASSETS),
-        Route("/", _page), Route("/viewer.js", _viewer), Route("/picture/{name}.svg", _picture),
+        Route("/picture/{name}.svg", _door(server, _picture)),
+        Route("/", _page), Route("/viewer.js", _viewer),
     ]  # fmt: skip
-    used: list[str] = []
+    word = (server.once or "").encode()
+    used: list[bytes] = []
 
     def once(request: Request) -> Response:
-        if used or request.path_params["word"] != server.once:
+        if used or not secrets.compare_digest(request.path_params["word"].encode(), word):
             return _refused(["this address has been used: start walkergen app again"], 410)
-        used.append("")
+        used.append(word)
         return RedirectResponse(f"/{server.secret}/", 303)
 
     outer: list[Any] = [Mount(f"/{server.secret}", routes=inner)]
     if server.once:
         outer.append(Route("/once/{word}", once))
-    return _guarded(Starlette(routes=outer), server.hosts)
+    handlers: Any = {HTTPException: _no_door, Exception: _mistake}
+    return _guarded(Starlette(routes=outer, exception_handlers=handlers), server.hosts)
+
+
+def _no_door(_: Request, error: HTTPException) -> Response:
+    """Refusal of what is asked of no door, or not as doors are asked."""
+    return _refused([f"this server has no such door: {error.detail}"], error.status_code)
+
+
+def _mistake(_: Request, error: Exception) -> Response:
+    """Answer where walkergen has a mistake, which the terminal then shows."""
+    return _refused(["a mistake of walkergen: its terminal shows more; please report it"], 500)
 
 
 def _guarded(app: Any, hosts: frozenset[str]) -> Any:
@@ -140,25 +172,30 @@ def _door(server: Server, door: Callable[[Server, Request], Awaitable[Response]]
             return _json({"refused": answers.refusal(error)}, 422)
         except (MemoryError, RecursionError):
             return _refused(["too large for this machine: ask for less"], 422)
+        except ClientDisconnect:  # nobody reads this
+            return Response(status_code=400)
 
     return endpoint
 
 
 async def _body(request: Request, most: int = MOST_BYTES) -> bytes:
     """Message of a page. Raises InputError for one that is too long."""
-    data = bytearray()
-    async for piece in request.stream():
-        data += piece
-        if len(data) > most:
-            raise InputError(f"{documents.SOURCE}: more than {most / 1e6:g} MB")
+    data, length = bytearray(), 0
+    async for piece in request.stream():  # to its end: who still sends hears no refusal
+        length += len(piece)
+        if length <= most:
+            data += piece
+        elif length > MOST_HEARD:
+            break
+    if length > most:
+        raise InputError(f"{documents.SOURCE}: more than {most / 1e6:g} MB")
     return bytes(data)
 
 
 async def _asked(server: Server, request: Request) -> tuple[Document, dict[str, Any]]:
     """Document of a request, and what else it says. Raises InputError."""
-    data = documents.json_of(await _body(request))
-    inner = data.pop("document", None)
-    return documents.read(json.dumps(inner).encode(), server.place), data
+    message = documents.json_of(await _body(request))
+    return documents.read(message.pop("document", None), server.place), message
 
 
 def _json(data: Any, status: int = 200) -> Response:
@@ -175,7 +212,7 @@ async def _start(server: Server, request: Request) -> Response:
     names = {kind: templates.names(kind) for kind in templates.KINDS}
     listed = [row for row in templates.listing().facts["rows"] if row["kind"] == "walkers"]
     about = {row["name"]: row["description"] for row in listed}
-    kept = await run_in_threadpool(_kept, server)
+    kept = await _worked(server, _kept, server)
     return _json({
         **names, "walkers": server.place.walkers(), "about": about,
         "document": kept or server.first._asdict(), "fresh": server.first._asdict(),
@@ -187,19 +224,20 @@ def _kept(server: Server) -> Any:
     than that of the command line.
     """
     try:
-        kept = json.loads((server.folder / KEPT).read_bytes())["document"]
-        documents.read(json.dumps(kept).encode(), server.place)
-    except (OSError, ValueError, KeyError, TypeError, WalkergenError):
+        data = reading.content(server.folder / KEPT, MOST_KEPT, "a JSON file")
+        kept = documents.json_of(data).get("document")
+        walker = documents.read(kept, server.place).walker
+    except WalkergenError:
         return None
-    return kept if server.place.own in (None, kept["walker"]) else None
+    return kept if server.place.own in (None, walker) else None
 
 
 async def _keep(server: Server, request: Request) -> Response:
     """Keep a document, as the page sent it, for the next start."""
-    data = await _body(request)
-    inner = documents.json_of(data).get("document")
-    documents.read(json.dumps(inner).encode(), server.place)
-    await run_in_threadpool(output.renew, server.folder / KEPT, manifest({"document": inner}))
+    document = documents.json_of(await _body(request)).get("document")
+    documents.read(document, server.place)
+    kept = manifest({"document": document})
+    await _worked(server, output.renew, server.folder / KEPT, kept)
     return _json({})
 
 
@@ -214,12 +252,12 @@ async def _walker(server: Server, request: Request) -> Response:
         head += b" " * (-(len(head) + 1) % 4) + b"\n"  # numbers begin at a multiple of 4 bytes
         return head + corners.tobytes() + legs.tobytes()
 
-    return Response(await run_in_threadpool(answer), media_type="application/octet-stream")
+    return Response(await _worked(server, answer), media_type="application/octet-stream")
 
 
 async def _outlook(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _json(await run_in_threadpool(answers.outlook, document))
+    return _json(await _worked(server, answers.outlook, document))
 
 
 async def _form(server: Server, request: Request) -> Response:
@@ -236,35 +274,53 @@ async def _form(server: Server, request: Request) -> Response:
             "shapes": form.shapes(document),
         }
 
-    return _json(await run_in_threadpool(answer))
+    return _json(await _worked(server, answer))
 
 
-def _streamed(events: AsyncIterator[children.Event]) -> Response:
+async def _worked(server: Server, work: Callable[..., Result], *given: Any) -> Result:
+    """Result of what takes its time, beside which the server listens on."""
+    return await asyncio.get_running_loop().run_in_executor(server.threads, work, *given)
+
+
+class Streamed(Response):
     """Events as lines of JSON; a page that goes away ends what makes them."""
 
-    async def lines() -> AsyncIterator[bytes]:
-        async for event in events:
-            yield json.dumps(event).encode() + b"\n"
+    media_type = "application/x-ndjson"
 
-    return StreamingResponse(lines(), media_type="application/x-ndjson")
+    def __init__(self, events: AsyncIterator[children.Event]) -> None:
+        super().__init__()
+        del self.headers["content-length"]
+        self._events = events
+
+    async def __call__(self, scope: Any, receive: Any, send: Any) -> None:
+        """Send the events as they come."""
+        await send({"type": "http.response.start", "status": 200, "headers": self.raw_headers})
+
+        async def lines() -> None:
+            async for event in self._events:
+                line = json.dumps(event).encode() + b"\n"
+                await send({"type": "http.response.body", "body": line, "more_body": True})
+
+        await children.while_heard(receive, lines())
+        await send({"type": "http.response.body", "body": b""})
 
 
 async def _run(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
     words = documents.arguments(document, "simulate", "--json")
-    return _streamed(children.run(children.COMMAND, words, Path.cwd(), None))
+    return Streamed(children.run(server.running, children.COMMAND, words, None))
 
 
 async def _play(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    return _streamed(children.run(children.PLAY, (), Path.cwd(), document._asdict()))
+    return Streamed(children.run(server.running, children.PLAY, (), document._asdict()))
 
 
 async def _design(server: Server, request: Request) -> Response:
     """Search for a walker of a wished speed, as `walkergen design` does."""
     document, wish = await _asked(server, request)
     words = taking.search(document, wish, server.folder / "designs")
-    return _streamed(children.run(children.COMMAND, words, Path.cwd(), None))
+    return Streamed(children.run(server.running, children.COMMAND, words, None))
 
 
 async def _take(server: Server, request: Request) -> Response:
@@ -272,13 +328,18 @@ async def _take(server: Server, request: Request) -> Response:
     document, asked = await _asked(server, request)
     what, copies = asked.get("what"), asked.get("copies", 1)
     order = taking.order(document, what, copies, server.folder)
+    made = await children.while_heard(request.receive, _made(server, order))
+    return made or _refused(["the server has ended"], 503)
+
+
+async def _made(server: Server, order: taking.Order) -> Response:
     for words in order.commands:
         refused = None
-        async for event in children.run(children.COMMAND, words, Path.cwd(), None):
+        async for event in children.run(server.running, children.COMMAND, words, None):
             refused = event.get("refused", refused)
         if refused:
             return _refused(refused, 422)
-    name, data = await run_in_threadpool(taking.collected, order)
+    name, data = await _worked(server, taking.collected, order)
     shells = [documents.shell(words) for words in order.commands]
     headers = {
         "content-disposition": f'attachment; filename="{name}"',
@@ -291,24 +352,29 @@ async def _upload(server: Server, request: Request) -> Response:
     """Keep a file that was dropped onto the page, under a name of ours."""
     kind = request.query_params.get("kind", "").lower()
     data = await _body(request, MOST_UPLOADED)
-    name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
-    if not documents.UPLOADED.fullmatch(name):
+    if kind not in documents.DROPPED:
         raise InputError(
             f"{documents.SOURCE}: files of the kind {kind[:20]!r} are no bodies: drop an SVG or "
             "DXF drawing, or a mesh (STL, OBJ, PLY, OFF, 3MF, GLB)"
         )
-    path = server.place.uploads / name
-    if not path.exists():
-        await run_in_threadpool(output.write, path, data)
+    name = await _worked(server, _uploaded, server.place.uploads, kind, data)
     return _json({"file": name, "key": "body.outline" if kind in ("svg", "dxf") else "body.mesh"})
 
 
-async def _picture(request: Request) -> Response:
+def _uploaded(folder: Path, kind: str, data: bytes) -> str:
+    """Name of a file that was dropped, once it is written. Raises OutputError."""
+    name = f"{hashlib.sha256(data).hexdigest()[:16]}.{kind}"
+    with output.Folder(folder, "") as target:
+        target.write(name, data)
+    return name
+
+
+async def _picture(server: Server, request: Request) -> Response:
     """Side view of a template's walker, to start from."""
     name = request.path_params["name"]
     if name not in templates.names("walkers"):
-        return Response(status_code=404)
-    text = await run_in_threadpool(pictures.side_view, name)
+        return _refused(["no such picture"], 404)
+    text = await _worked(server, pictures.side_view, name)
     return Response(text, media_type="image/svg+xml")
 
 

@@ -1,13 +1,19 @@
 """The server as a process: its port, its address, its end."""
 
+import contextlib
+import errno
 import ipaddress
+import logging
 import socket
 import threading
 import webbrowser
+from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import uvicorn
 
+from walkergen.app import children
 from walkergen.app import server as servers
 from walkergen.app.document import Document
 from walkergen.errors import InputError
@@ -19,6 +25,22 @@ from walkergen.walker.design import Design
 
 LOOPBACK = ("127.0.0.1", "localhost")
 
+PLAIN_PORT = 80
+"""Port that browsers leave out of an address."""
+
+
+class _Ending(uvicorn.Server):
+    """Server that at its end first ends what runs for its pages, and says nothing any more."""
+
+    def __init__(self, config: uvicorn.Config, running: children.Running) -> None:
+        super().__init__(config)
+        self._running = running
+
+    async def shutdown(self, sockets: Any = None) -> None:
+        logging.getLogger("uvicorn.error").disabled = True
+        await children.end(self._running)
+        await super().shutdown(sockets)
+
 
 def serve(
     design: str, scene: str, printer: str, folder: Path, host: str, port: int, browser: bool
@@ -29,39 +51,69 @@ def serve(
                               (printer, "printers", Printer)):  # fmt: skip
         read(templates.path_of(name, kind), model)
     first = Document(design, scene, printer, servers.START)
+    away = _is_away(host)
     listening = _listening(host, port)
     port = listening.getsockname()[1]
-    away = host not in LOOPBACK
-    names = (host, *LOOPBACK) if not away else (host,)
-    served = servers.new(folder, frozenset(f"{name}:{port}" for name in names), first, own, away)
+    names = (host,) if away else (host, *LOOPBACK)
+    served = servers.new(folder, _hosts(names, port), first, own, away)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
-    address = f"http://{host}:{port}/{path}"
+    address = f"http://{_bracketed(host)}:{port}/{path}"
     print(f"the page: {address}", flush=True)
     print("Ctrl-C ends it" if not away else "for one device, once; Ctrl-C ends it", flush=True)
     if browser and not away:
         threading.Timer(0.3, webbrowser.open, [address]).start()
     config = uvicorn.Config(
         servers.application(served), log_level="error", access_log=False, server_header=False,
-        timeout_graceful_shutdown=1, ws="none", lifespan="off",
+        timeout_graceful_shutdown=1, ws="none", lifespan="off", http="h11", loop="asyncio",
     )  # fmt: skip
-    uvicorn.Server(config).run(sockets=[listening])
+    with contextlib.suppress(KeyboardInterrupt):  # the way to end it
+        _Ending(config, served.running).run(sockets=[listening])
+
+
+def _hosts(names: Sequence[str], port: int) -> frozenset[str]:
+    """Hosts as browsers name them who call a port of these."""
+    bracketed = [_bracketed(name).lower() for name in names]
+    plain = bracketed if port == PLAIN_PORT else []
+    return frozenset([*(f"{name}:{port}" for name in bracketed), *plain])
+
+
+def _bracketed(host: str) -> str:
+    """Host as addresses of pages have it."""
+    return f"[{host}]" if ":" in host else host
+
+
+def _is_away(host: str) -> bool:
+    """True where other machines can reach a host. Raises InputError for one that pages cannot."""
+    if host in LOOPBACK:
+        return False
+    try:
+        address = ipaddress.ip_address(host or "0.0.0.0")
+    except ValueError:
+        return True
+    if address.is_unspecified:
+        raise InputError(
+            f"--host {host or repr(host)}: stands for every address of this machine: give the one "
+            "that the other device shall call"
+        )
+    return not address.is_loopback
 
 
 def _listening(host: str, port: int) -> socket.socket:
     """Socket that listens at an address. Raises InputError."""
+    listening = socket.socket(socket.AF_INET6 if ":" in host else socket.AF_INET)
+    # Where others may take a port that is in use, Windows, it must be refused; elsewhere one that
+    # was in use a moment ago is free
+    alone = getattr(socket, "SO_EXCLUSIVEADDRUSE", None)
     try:
-        family = socket.AF_INET6 if ipaddress.ip_address(host).version == 6 else socket.AF_INET
-    except ValueError:
-        family = socket.AF_INET
-    listening = socket.socket(family)
-    listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
-    try:
+        listening.setsockopt(socket.SOL_SOCKET, alone or socket.SO_REUSEADDR, 1)
         listening.bind((host, port))
         listening.listen()  # a browser that is quicker than the server waits
     except (OSError, UnicodeError) as error:
         listening.close()
-        reason = getattr(error, "strerror", None) or error
-        raise InputError(
-            f"--host {host} --port {port}: {reason}: give another port, or 0 for any that is free"
-        ) from None
+        reason = getattr(error, "strerror", None) or "is no address"
+        if getattr(error, "errno", None) in (errno.EADDRINUSE, errno.EACCES):
+            advice = f"--port {port}: {reason}: give another port, or 0 for any that is free"
+        else:
+            advice = f"--host {host[:80]}: {reason}: give an address of this machine, or none"
+        raise InputError(advice) from None
     return listening

@@ -42,10 +42,8 @@ def order(document: Document, what: Any, copies: Any, folder: Path) -> Order:
 
     Raises InputError for files that are not known, and for a walker that is not sound.
     """
-    if what not in FORMATS:
-        raise InputError(
-            f"{documents.SOURCE}: {str(what)[:40]!r}: must be one of {', '.join(FORMATS)}"
-        )
+    if not isinstance(what, str) or what not in FORMATS:
+        raise InputError(f"{documents.SOURCE}: what: must be one of {', '.join(FORMATS)}")
     if isinstance(copies, bool) or not isinstance(copies, int) or not 1 <= copies <= MOST_PARTS:
         raise InputError(f"{documents.SOURCE}: copies: must be a whole number in 1..{MOST_PARTS}")
     digest = hashlib.sha256(json.dumps(document, sort_keys=True).encode()).hexdigest()[:8]
@@ -125,10 +123,11 @@ def search(document: Document, wish: Mapping[str, Any], folder: Path) -> list[st
     if kind not in WISHES:
         raise InputError(f"{documents.SOURCE}: wish: must be one of {', '.join(WISHES)}")
     varied = box.of_options([], document.design()).keys
-    held = {key: value for key, value in document.values.items() if key not in varied}
-    words = [*documents.arguments(document._replace(values=held), "design"), f"--{kind}"]
+    held = {key: own for key, own in document.values.items() if key not in varied}
+    wished = f"--{kind}"
     if kind not in WISHES[1:3]:
         if isinstance(value, bool) or not isinstance(value, (int, float)):
-            raise InputError(f"{documents.SOURCE}: wish: give a number")
-        words.append(repr(value))
-    return [*words, "--out", str(folder), "--json"]
+            raise InputError(f"{documents.SOURCE}: value: must be a number")
+        wished += f"={value!r}"
+    free = document._replace(values=held)
+    return documents.arguments(free, "design", wished, "--out", str(folder), "--json")

@@ -107,10 +107,12 @@ def main() -> None:
     sys.exit(code or int(heard.lost))
 
 
-def leave() -> NoReturn:
-    """End an interrupted process; Python by itself may die of the signal, with no exit code."""
+def leave(code: int = INTERRUPTED) -> NoReturn:
+    """End a process now, by default as an interrupted one; Python by itself waits for its threads,
+    or may die of the signal, with no exit code.
+    """
     atexit._run_exitfuncs()
-    os._exit(INTERRUPTED)
+    os._exit(code)
 
 
 def _run() -> int:

@@ -34,6 +34,8 @@ def app(
     The page is served from this machine to this machine alone, and works without a network. Ctrl-C
     ends it.
     """
+    from walkergen import cli
     from walkergen.app import serving
 
     serving.serve(design, scene, printer, FOLDER, host, port, browser)
+    cli.leave(0)  # what was being made for a page may take long, and nobody waits for it

@@ -119,7 +119,7 @@ def toml_of(text: str) -> dict[str, Any]:
         except RecursionError:
             pass
         else:
-            if _depth(data) <= DEEPEST:
+            if depth(data) <= DEEPEST:
                 _refuse_endless(data)
                 return data
     raise ValueError(f"nested too deeply: more than {DEEPEST} levels")
@@ -134,18 +134,18 @@ def _refuse_endless(value: Any) -> None:
         raise ValueError(f"a whole number of {value.bit_length()} bits; at most {MOST_BITS}")
 
 
-def _depth(value: Any) -> int:
+def depth(value: Any) -> int:
     """Levels of lists and tables in a value, counted no further than one beyond DEEPEST."""
-    layer, depth = [value], 0
-    while layer and depth <= DEEPEST:
+    layer, levels = [value], 0
+    while layer and levels <= DEEPEST:
         holders = [holder for holder in layer if isinstance(holder, (dict, list))]
         layer = [
             inner
             for holder in holders
             for inner in (holder.values() if isinstance(holder, dict) else holder)
         ]
-        depth += bool(holders)
-    return depth
+        levels += bool(holders)
+    return levels
 
 
 def sound(value: Any) -> Any:

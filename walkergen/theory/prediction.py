@@ -294,27 +294,33 @@ def _notes(by_foot: Stationary, friction: float, mode: Mode) -> Iterator[str]:
         yield f"{feet} can stick, where the paper's eq. 15 fails"
 
 
+POINTS = 91
+"""Points of a curve against tilt: of one from 0 to 45 deg, every half of a degree."""
+
+
 class Curve(NamedTuple):
-    """Predicted speed against tilt, for the figure; arrays of shape (91,)."""
+    """Predicted speed against tilt, for the figure; arrays of shape (k,)."""
 
     tilt_deg: Array
     speed: Array
     """Predicted speed, mm/s."""
     bounds: Array
-    """Bounds at `QUANTILES`, shape (4, 91), mm/s."""
+    """Bounds at `QUANTILES`, shape (4, k), mm/s."""
     theory: Array
     """Speed by the theory, mm/s."""
     can_stick: npt.NDArray[np.bool_]
     """True where a foot can stick, so that the paper's eq. 15 fails."""
 
 
-def curve(design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float) -> Curve:
-    """Predict the speeds of a design's kind of legs over a fine range of tilts (91 points).
+def curve(
+    design: Design, scene: Scene, mode: Mode, low_deg: float, high_deg: float, count: int = POINTS
+) -> Curve:
+    """Predict the speeds of a design's kind of legs over a fine range of `count` tilts.
 
     The walkers bear no marks, because these number a family's tilts only, not those in between.
     """
     drawn, contact = drawn_inputs(scene, design), scene.contact
-    tilts = np.linspace(low_deg, high_deg, 91)
+    tilts = np.linspace(low_deg, high_deg, count)
     levels = (*QUANTILES, 0.5)
     quantiles, theory, sticks = [], [], []
     for tilt in tilts:

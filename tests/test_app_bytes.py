@@ -1,0 +1,177 @@
+"""What `walkergen app` hands out and shows is what its commands make and print, to the byte."""
+
+import contextlib
+import io
+import json
+import shlex
+import shutil
+import subprocess
+import sys
+import zipfile
+
+import faults as system
+import pytest
+import trimesh
+from app_doors import PAPER, Doors, document
+
+from walkergen.app import document as documents
+
+CHANGED = document(
+    legs__tilt_deg=12.5, legs__kind="braced", body__length_mm=30.0, description='a "b" \x7f é',
+    scene__contact__friction=0.3, scene__run__seconds=1.0, scene__run__runs=2,
+    printer__line_width_mm=0.42,
+)  # fmt: skip
+DRAWING = (
+    b'<svg xmlns="http://www.w3.org/2000/svg" width="30mm" height="10mm" viewBox="0 0 30 10">'
+    b'<path d="M0 0H30V10H0Z"/></svg>'
+)
+LISTED = PAPER | {"walker": "unequal-legs", "scene": "lane-90hz"}
+
+
+@pytest.fixture
+def doors(tmp_path, monkeypatch):
+    (tmp_path / "page").mkdir()
+    monkeypatch.chdir(tmp_path / "page")
+    return Doors(tmp_path / "page")
+
+
+def command(folder, words):
+    """What a command line prints that runs in a folder and succeeds."""
+    done = subprocess.run(
+        [sys.executable, "-m", "walkergen", *words], cwd=folder, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    return done.stdout
+
+
+def uploaded(doors, kind):
+    """Document whose body was dropped as a file."""
+    box = trimesh.creation.box((30.0, 4.0, 10.0)).export(file_type="stl")
+    data = DRAWING if kind == "svg" else box
+    name = doors.ask("upload", data, query=f"kind={kind}").json["file"]
+    body = {"outline": name, "thickness_mm": 3.0} if kind == "svg" else {"mesh": name}
+    return document(body=body)
+
+
+def taken(doors, chosen, what):
+    """Files by their names, as the page hands them out, and the lines for a shell it shows."""
+    answer = doors.ask("take", {"document": chosen, "what": what, "copies": 2})
+    assert answer.status == 200, answer.body
+    name = answer.headers["content-disposition"].split('"')[1]
+    entries = {name: answer.body}
+    if name.endswith(".zip"):
+        with contextlib.closing(zipfile.ZipFile(io.BytesIO(answer.body))) as archive:
+            entries = {each: archive.read(each) for each in archive.namelist()}
+    return entries, json.loads(answer.headers["walkergen-shell"])
+
+
+def made(folder, doors, lines):
+    """Files that lines for a shell make in a folder, from files that were dropped, by name."""
+    if doors.server.place.uploads.exists():
+        shutil.copytree(doors.server.place.uploads, folder / "out" / "app" / "uploads")
+    for line in lines:
+        first, *words = shlex.split(line)
+        assert first == "walkergen"
+        command(folder, words)
+    (target,) = (each for each in (folder / "out" / "app").iterdir() if each.name != "uploads")
+    return target
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("what", ["stl", "3mf", "plate", "page"])
+@pytest.mark.parametrize("chosen", ["changed", "listed", "stl", "svg"])
+def test_files_equal_those_of_the_lines_for_a_shell(doors, tmp_path, what, chosen):
+    documents = {"changed": CHANGED, "listed": LISTED}
+    document = documents[chosen] if chosen in documents else uploaded(doors, chosen)
+    entries, lines = taken(doors, document, what)
+    again = tmp_path / "again"
+    again.mkdir()
+    folder = made(again, doors, lines)
+    for name, data in entries.items():
+        (path,) = folder.rglob(name.rpartition("/")[2]) if len(entries) == 1 else [folder / name]
+        assert path.read_bytes() == data
+
+
+@pytest.mark.slow
+def test_an_archive_holds_all_that_its_lines_make(doors, tmp_path):
+    entries, lines = taken(doors, CHANGED, "zip")
+    again = tmp_path / "again"
+    again.mkdir()
+    folder = made(again, doors, lines)
+    (own,) = (each for each in doors.folder.iterdir() if each.is_dir())
+    assert {name: entries[name] for name in entries if name.startswith("settings/")}
+    ours, theirs = system.tree(own), system.tree(folder)
+    names = {name for name in theirs if not name.rpartition("/")[2].startswith(".")}
+    assert names == {name for name in entries if not name.startswith("settings/")}
+    assert {name: ours[name] for name in names} == {name: theirs[name] for name in names}
+
+
+@pytest.mark.slow
+def test_an_archive_of_fewer_plates_keeps_none_of_the_earlier(doors):
+    many = doors.ask("take", {"document": PAPER, "what": "plate", "copies": 300})
+    few = doors.ask("take", {"document": PAPER, "what": "plate", "copies": 2})
+    names = [
+        [
+            name
+            for name in zipfile.ZipFile(io.BytesIO(each.body)).namelist()
+            if name.endswith(".3mf")
+        ]
+        for each in (many, few)
+    ]
+    assert len(names[0]) > 1
+    assert len(names[1]) == 1
+
+
+@pytest.mark.parametrize("chosen", ["changed", "stl"])
+def test_lines_of_python_make_the_same_part_and_speed(doors, tmp_path, chosen):
+    document = CHANGED if chosen == "changed" else uploaded(doors, chosen)
+    (part,) = taken(doors, document, "stl")[0].values()
+    lines = doors.ask("outlook", {"document": document}).json["python"]
+    done = subprocess.run(
+        [sys.executable, "-c", lines], cwd=tmp_path / "page", capture_output=True, text=True
+    )
+    facts = json.loads(doors.ask("walker", {"document": document}).body.split(b"\n")[0])
+    assert (done.stdout, done.stderr) == (f"{facts['speed']}\n", "")
+    assert (tmp_path / "page" / "walker.stl").read_bytes() == part
+
+
+@pytest.mark.parametrize("chosen", [CHANGED, LISTED], ids=["changed", "listed"])
+def test_numbers_equal_those_of_predict(doors, tmp_path, chosen):
+    facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
+    outlook = doors.ask("outlook", {"document": chosen}).json
+    words = documents.arguments(documents.read(chosen, doors.server.place), "predict")
+    (row,) = json.loads(command(tmp_path, [*words, "--uncertain", "--json"]))["rows"]
+    assert outlook["shares"] == row["shares"]
+    assert {key: row[key] for key in facts["row"]} == facts["row"]
+
+
+@pytest.mark.slow
+def test_numbers_of_a_run_equal_those_of_simulate(doors, tmp_path):
+    event = doors.ask("run", {"document": CHANGED}).events[-1]
+    words = documents.arguments(documents.read(CHANGED, doors.server.place), "simulate", "--json")
+    clocks = {"wall_s": 0.0}
+    printed = json.loads(command(tmp_path, words))
+    assert json.loads(event["output"]) | clocks == printed | clocks
+
+
+@pytest.mark.parametrize("chosen", ["changed", "listed", "stl", "svg"])
+def test_settings_taken_from_a_page_are_its_walker(doors, tmp_path, chosen):
+    chosen = {"changed": CHANGED, "listed": LISTED}.get(chosen) or uploaded(doors, chosen)
+    entries, _ = taken(doors, chosen, "toml")
+    for name, data in entries.items():
+        (tmp_path / "settings").mkdir(exist_ok=True)
+        (tmp_path / name).write_bytes(data)
+    printed = command(
+        tmp_path / "settings", ["predict", "walker.toml", "--scene", "scene.toml", "--json"]
+    )
+    facts = json.loads(doors.ask("walker", {"document": chosen}).body.split(b"\n")[0])
+    (row,) = json.loads(printed)["rows"]
+    assert {key: row[key] for key in facts["row"]} == facts["row"]
+    again = Doors(tmp_path / "settings", own=str(tmp_path / "settings" / "walker.toml"))
+    own = chosen | {"walker": str(tmp_path / "settings" / "walker.toml"), "values": {
+        key: each for key, each in chosen["values"].items() if key.startswith("scene.")
+    }}  # fmt: skip
+    assert (
+        again.ask("walker", {"document": own}).body
+        == doors.ask("walker", {"document": chosen}).body
+    )
