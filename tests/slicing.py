@@ -59,7 +59,7 @@ def laid_out(
         (one,) = plate.pack(parts, printer)
     model = folder / "unchecked.3mf"
     model.write_bytes(plate.plate_3mf(one, parts, meshes, printer, "unchecked"))
-    (folder / "unchecked.ini").write_bytes(slicer.prusaslicer_ini(printer))
+    (folder / "unchecked.ini").write_bytes(slicer.prusaslicer_print(printer))
     (folder / "yours.ini").write_text(maker.ini(printer))
     return list(one.placements), model
 

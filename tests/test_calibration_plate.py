@@ -80,7 +80,7 @@ def test_a_plate_comes_with_map_sheet_settings_and_form(run, tmp_path):
     names = {path.name for path in folder.iterdir()}
     for printer in ("prusa-mk3s", "ender3"):
         start = f"calibration_{printer}"
-        ends = (".csv", ".md", ".ini", "_orca.json", "_1.3mf", "_stl", ".json")
+        ends = (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.3mf", "_stl", ".json")
         assert {f"{start}{end}" for end in ends} <= names
         stl = sorted(path.stem for path in (folder / f"{start}_stl").iterdir())
         assert stl == ["block", "strip_1", "strip_2", "strip_3", "strip_4", "walker"]
@@ -168,7 +168,7 @@ def test_strips_slice_to_their_lines_and_the_block_to_its_volume(tmp_path, name)
     rows = plate.make(order, tmp_path, lambda *_: None, lambda _: None).table.rows
     model = tmp_path / "calibration" / f"calibration_{name}_1.3mf"
     (model.parent / "yours.ini").write_text(maker.ini(printer))
-    lines = print_of(model, model.with_name(f"calibration_{name}.ini")).lines
+    lines = print_of(model, model.with_name(f"calibration_{name}_print.ini")).lines
     start, end = lines.start - printer.bed_corner, lines.end - printer.bed_corner
     middle = 0.5 * (start + end)
     for row, one in zip(rows[:4], parts.strips(PAPER, printer), strict=True):

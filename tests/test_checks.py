@@ -247,6 +247,19 @@ def test_parts_too_close_or_overlapping():
     assert on_plate((10.0, 10.0), (33.0, 10.0), brim_width_mm=1.6)[0][0] == "error"
 
 
+def test_one_filament_prints_a_batch():
+    """Settings that are loaded alone hold one density: that of the first part."""
+    pla, petg = (
+        Design.model_validate({"material": {"density_g_cm3": rho}}) for rho in (1.24, 1.27)
+    )
+    meshes = [solids.as_printed(pla, solids.build(pla).walker)] * 3
+    parts = [Part.of(name, mesh, 1) for name, mesh in zip("abc", meshes, strict=True)]
+    assert not checks.of_batch([pla] * 3, meshes, parts, [], MK3S)
+    (finding,) = checks.of_batch([pla, petg, petg], meshes, parts, [], MK3S)
+    assert (finding.level, finding.where) == ("warning", "b")
+    assert (finding.seen, finding.limit, finding.unit) == (1.27, 1.24, "g/cm3")
+
+
 def test_equal_findings_are_told_once_and_errors_first():
     one = checks.Finding("warning", "a", "x", 1.0, 2.0, "mm", "y")
     every = [one, one._replace(where="b"), one._replace(level="error", where="c")]

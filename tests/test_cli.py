@@ -20,7 +20,8 @@ from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 
 COLUMNS = [
-    "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s", "speed_sd_mm_s",
+    "tilt_deg", "legs", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s",
+    "speed_sd_mm_s",
     "speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s",
     "speed_by", "theory_mm_s", "factor_back", "factor_front", "factor_mean", "mode", "law", "note",
 ]  # fmt: skip

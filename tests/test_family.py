@@ -48,7 +48,7 @@ def test_the_folder_holds_what_the_readme_says(tmp_path):
         [f"stl/walker_t{t}_{kind}.stl" for t in ("00.0", "10.0", "35.0")
          for kind in ("flexible_s0.40", "braced_s1.00")]
         + [f"plates/family_prusa-mk3s{end}" for end in ("_1.3mf", "_1.png", ".csv", ".md")]
-        + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_orca.json")]
+        + [f"plates/family_prusa-mk3s{end}" for end in (".ini", "_print.ini", "_orca.json")]
         + ["family.csv", "family.md", "weights.csv", "manifest.json"]
         + ["speed.csv", "speed.png", "speed.pdf", "preview.png"]
     )  # fmt: skip
@@ -74,7 +74,8 @@ def test_csv_rows_are_the_predictions(tmp_path):
         rows = list(csv.DictReader(stream))
     assert len(rows) == len(made) == 6
     assert list(rows[0]) == [
-        "tilt_deg", "legs", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s", "speed_sd_mm_s",
+        "tilt_deg", "legs", "total_g", "M_g", "J_g_mm2", "m_g", "j_g_mm2", "speed_mm_s",
+        "speed_sd_mm_s",
         "speed_low_68_mm_s", "speed_high_68_mm_s", "speed_low_95_mm_s", "speed_high_95_mm_s",
         "speed_by", "theory_mm_s", "factor_back", "factor_front", "factor_mean", "mode", "law",
         "note",
@@ -116,7 +117,7 @@ def test_interruption_keeps_finished_files_whole_and_a_second_run_completes(tmp_
     for name in finished:
         assert trimesh.load(tmp_path / name).is_watertight
     family.make(job_of(), tmp_path, silent, unheard)
-    assert len(files_of(tmp_path)) == 6 + 9
+    assert len(files_of(tmp_path)) == 6 + 10
 
 
 def test_output_that_cannot_be_written_is_one_line(tmp_path):

@@ -79,7 +79,7 @@ def test_a_list_of_one_design_makes_the_bytes_of_the_command_line(run, lists, tm
     assert run("plate", "--orders", str(path), *words, "listed").exit_code == 0
     assert run("plate", "--copies", "5:3,10:4", *words, "plain").exit_code == 0
     plain = files_below(tmp_path / "plain")
-    assert len(plain) == 8
+    assert len(plain) == 9
     assert files_below(tmp_path / "listed") == plain
 
 
@@ -304,7 +304,7 @@ def test_each_printer_has_a_manifest_that_sweeps_up_its_own_plates_alone(run, li
     for printer in ("ender3", "prusa-mk3s"):
         assert run(*words, "--printer", printer, "--max-parts", "2").exit_code == 0
     assert run(*words, "--printer", "ender3").exit_code == 0
-    ends = {".csv", ".ini", ".json", ".md", "_orca.json"}
+    ends = {".csv", ".ini", "_print.ini", ".json", ".md", "_orca.json"}
     assert set(files_below(folder)) == {
         *(f"plate_ender3{end}" for end in (*ends, "_1.3mf")),
         *(f"plate_prusa-mk3s{end}" for end in (*ends, "_1.3mf", "_2.3mf", "_3.3mf")),

@@ -1,16 +1,18 @@
 """The report page in a real browser, by what a person does with it; offline, from a file."""
 
+import csv
 import io
 import json
 import os
 import re
 import shutil
 import time
+from pathlib import Path
 
 import matplotlib.image
 import numpy as np
 import pytest
-from report_folder import folder_of, written
+from report_folder import add, folder_of, written
 from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
@@ -198,6 +200,92 @@ def test_a_phone_shows_the_speed_without_scrolling(browser, width):
         browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
 
+def reach(browser, selector):
+    """Largest right edge (px) of what a selector finds, and how far the page scrolls sideways."""
+    return browser.execute_script(
+        "return [Math.max(...[...document.querySelectorAll(arguments[0])]"
+        ".map((one) => one.getBoundingClientRect().right)), document.documentElement.scrollWidth]",
+        selector,
+    )
+
+
+@pytest.mark.parametrize("width", [390, 768, 1280])
+def test_the_print_sheet_is_unfolded_and_fits(browser, width):
+    try:
+        size(browser, width)
+        sheet = browser.find_element(By.CSS_SELECTOR, ".markdown")
+        for words in ("After the print: weigh", "infill overlap", "prusa-slicer --load"):
+            assert words in sheet.text  # of what is displayed, and no other
+        assert max(reach(browser, ".markdown *, img")) <= width
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+RUNS = {"sim_speed_mm_s": "55.9", "sim_se_mm_s": "0.5", "sim_low_95_mm_s": "53.7",
+        "sim_high_95_mm_s": "58.1", "sim_model": "space", "sim_method": "step",
+        "sim_outcomes": "16 ok", "verdict": "agree"}  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def simulated_page(page, tmp_path_factory):
+    """The page of a family that was simulated too, whose table has the most columns."""
+    folder = shutil.copytree(page.parent, tmp_path_factory.mktemp("simulated") / "family")
+    with (folder / "family.csv").open(encoding="utf-8", newline="") as stream:
+        rows = [row | RUNS | {"sim_outcomes": f"{k} ok"}
+                for k, row in enumerate(csv.DictReader(stream))]  # fmt: skip
+    stream = io.StringIO()
+    writer = csv.DictWriter(stream, rows[0])
+    writer.writeheader()
+    writer.writerows(rows)
+    add(folder, "family.csv", stream.getvalue().encode())
+    return written(folder)
+
+
+@pytest.mark.parametrize("simulated", [False, True])
+def test_the_table_is_uncut_on_a_desk_and_scrolls_in_its_frame_on_a_phone(
+    browser, page, simulated_page, simulated
+):
+    frame = "const one = document.querySelector('#family').parentNode; "
+    try:
+        browser.get((simulated_page if simulated else page).as_uri())
+        size(browser, 1280)
+        widths = browser.execute_script(frame + "return [one.scrollWidth, one.clientWidth]")
+        assert widths[0] == widths[1]
+        size(browser, 390)
+        widths = browser.execute_script(frame + "return [one.scrollWidth, one.clientWidth]")
+        assert widths[0] > widths[1]
+        assert reach(browser, "img")[1] <= 390
+    finally:
+        browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+        browser.get(page.as_uri())
+
+
+CONTRASTS = Path(__file__).with_name("contrasts.js").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_every_text_stands_out_by_a_contrast_of_four_and_a_half(browser, scheme):
+    """The least that WCAG 2.2 (success criterion 1.4.3, level AA) asks for."""
+    try:
+        styled(browser, prefers_color_scheme=scheme)
+        browser.execute_script("for (const one of document.querySelectorAll('details')) "
+                               "one.open = true")  # fmt: skip
+        texts = browser.execute_script(CONTRASTS)
+        assert len(texts) > 100
+        assert [one for one in texts if one["contrast"] < 4.5] == []
+    finally:
+        browser.execute_script("for (const one of document.querySelectorAll('details')) "
+                               "one.open = false")  # fmt: skip
+        styled(browser, prefers_color_scheme="light")
+
+
+def test_every_image_says_what_it_shows(browser):
+    images = browser.find_elements(By.CSS_SELECTOR, "img, canvas, svg")
+    assert len(images) >= 4
+    for image in images:
+        assert image.get_attribute("alt") or image.get_attribute("aria-label")
+
+
 def test_paper_has_every_column_of_the_table(browser):
     try:
         size(browser, 688)  # 182 mm: a page of A4 between its margins
@@ -224,7 +312,7 @@ def test_the_chosen_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_p
     assert (tmp_path / name).read_bytes() == (page.parent / "stl" / name).read_bytes()
 
 
-def test_nothing_was_fetched_and_nothing_complained(browser, page):
+def test_nothing_was_fetched_and_nothing_complained(browser, page, simulated_page):
     """Last in the file: covers every interaction above."""
     assert [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"] == []
     messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
@@ -235,7 +323,7 @@ def test_nothing_was_fetched_and_nothing_complained(browser, page):
     ]
     assert page.as_uri() in asked
     # chrome: the empty tab that the browser opens with
-    own = (page.as_uri(), "data:", "chrome://", "chrome-untrusted://")
+    own = (page.as_uri(), simulated_page.as_uri(), "data:", "chrome://", "chrome-untrusted://")
     assert [url for url in asked if not url.startswith(own)] == []
 
 

@@ -1,17 +1,19 @@
 """A run on the report page: what is played is what was simulated; and in a real browser."""
 
 import base64
+import io
 import json
 import os
 import re
 import time
 from pathlib import Path
 
+import matplotlib.image
 import numpy as np
 import pytest
 from report_folder import folder_of
 from selenium.webdriver.common.by import By
-from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels
+from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, pixels, size, styled
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
@@ -157,6 +159,12 @@ def move_to(browser, seconds):
     )
 
 
+def luminance(colour):
+    """Relative luminance of a colour of the screen, by WCAG 2.2."""
+    linear = np.where(colour <= 0.04045, colour / 12.92, ((colour + 0.055) / 1.055) ** 2.4)
+    return float(linear @ (0.2126, 0.7152, 0.0722))
+
+
 def orange(image):
     """Number of pixels in the colour of the lights."""
     red, green, blue = np.moveaxis(image, 2, 0)
@@ -219,15 +227,49 @@ class TestInABrowser:
         button.click()
         assert float(browser.find_element(By.ID, "time-shown").text.removesuffix(" ms")) < 100.0
 
-    def test_another_part_stands_still_and_the_run_returns(self, browser):
+    def test_another_part_stands_still_and_says_which_one_runs(self, browser):
+        """Nothing jumps to another part: the run's own controls are there for its part alone."""
         move_to(browser, 0.5)
         running = pixels(browser)
         browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
         assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_braced")
         assert np.abs(pixels(browser) - running).max() > 0.3
-        move_to(browser, 0.5)
+        assert not browser.find_element(By.ID, "play").is_displayed()
+        assert not browser.find_element(By.ID, "time").is_displayed()
+        back = browser.find_element(By.ID, "running")
+        assert back.text == "show walker_t35.0_flexible_s0.40"
+        back.click()
         assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_flexible")
+        assert browser.find_element(By.ID, "play").is_displayed()
+        assert not back.is_displayed()
         assert np.abs(pixels(browser) - running).max() < 0.02
+
+    def test_a_part_that_is_chosen_while_the_run_plays_stays(self, browser):
+        move_to(browser, 0.1)
+        browser.find_element(By.ID, "play").click()
+        browser.find_element(By.CSS_SELECTOR, "#kinds [value=braced]").click()
+        time.sleep(0.3)
+        assert browser.find_element(By.ID, "shown").text.startswith("walker_t35.0_braced")
+        browser.find_element(By.ID, "running").click()
+        assert browser.find_element(By.ID, "play").text == "play"
+
+    @pytest.mark.parametrize("width", [390, 768, 1280])
+    @pytest.mark.parametrize("scheme", ["light", "dark"])
+    def test_the_track_of_the_slider_is_long_and_seen(self, browser, width, scheme):
+        """A contrast of 3 is the least that WCAG 2.2 (1.4.11) asks of controls."""
+        try:
+            size(browser, width)
+            styled(browser, prefers_color_scheme=scheme)
+            slider = browser.find_element(By.ID, "time")
+            assert slider.rect["width"] > 300
+            image = matplotlib.image.imread(io.BytesIO(slider.screenshot_as_png))[:, :, :3]
+            height, wide = image.shape[:2]
+            track, ground = image[height // 2, 3 * wide // 4], image[2, 3 * wide // 4]
+            low, high = sorted((luminance(track), luminance(ground)))
+            assert (high + 0.05) / (low + 0.05) > 3.0
+        finally:
+            styled(browser, prefers_color_scheme="light")
+            browser.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
 
     def test_nothing_complained(self, browser):
         assert [one for one in browser.get_log("browser") if one["level"] != "INFO"] == []

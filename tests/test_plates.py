@@ -81,14 +81,14 @@ def test_a_thumbnail_is_in_the_package_and_nowhere_without_pictures():
     files = dict(plates.files(layout, "plate", pictures=True))
     assert list(files) == [
         f"plate_prusa-mk3s{end}"
-        for end in (".csv", ".md", ".ini", "_orca.json", "_1.png", "_1.3mf")
+        for end in (".csv", ".md", ".ini", "_print.ini", "_orca.json", "_1.png", "_1.3mf")
     ]
     archive = zipfile.ZipFile(io.BytesIO(files["plate_prusa-mk3s_1.3mf"]))
     assert png_size(archive.read("Metadata/thumbnail.png")) == (256, 215)
     assert b"metadata/thumbnail" in archive.read("_rels/.rels")
     threemf.read(files["plate_prusa-mk3s_1.3mf"])
     plain = dict(plates.files(layout, "plate", pictures=False))
-    assert len(plain) == 5
+    assert len(plain) == 6
     bare = zipfile.ZipFile(io.BytesIO(plain["plate_prusa-mk3s_1.3mf"])).namelist()
     assert not any("thumbnail" in name for name in bare)
 
@@ -313,7 +313,7 @@ def test_a_second_order_leaves_no_plate_of_the_first_and_what_a_person_made(run,
     (folder / "notes.txt").write_text("mine")
     (folder / "plate_prusa-mk3s_2.3mf").write_bytes(b"arranged by hand")
     assert run(*words, "--tilt", "10").exit_code == 0
-    ends = (".csv", ".ini", ".json", ".md", "_1.3mf", "_2.3mf", "_orca.json")
+    ends = (".csv", ".ini", "_print.ini", ".json", ".md", "_1.3mf", "_2.3mf", "_orca.json")
     assert {path.name for path in folder.iterdir()} == {
         "notes.txt", *(f"plate_prusa-mk3s{end}" for end in ends)
     }  # fmt: skip

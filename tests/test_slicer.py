@@ -55,7 +55,7 @@ def sliced_family(request, tmp_path_factory) -> Batch:
     rows, files = report.places, report.files
     (model,) = [path for path in files if path.suffix == ".3mf"]
     (model.parent / "yours.ini").write_text(maker.ini(printer))
-    printed = print_of(model, model.with_name(f"plate_{printer.name}.ini"))
+    printed = print_of(model, model.with_name(f"plate_{printer.name}_print.ini"))
     number = {names.part(member): index for index, member in enumerate(members)}
     where = [Placement(number[row.name], row.copy, row.x_mm, row.y_mm) for row in rows]
     walkers = walkers_of(printed, members, where, printer)
@@ -145,7 +145,7 @@ def test_plastic_and_time_of_every_shipped_walker_are_the_slicers(tmp_path, name
     folder = tmp_path / "plates"
     (folder / "yours.ini").write_text(maker.ini(printer))
     model = folder / "plate_prusa-mk3s_1.3mf"
-    result = sliced(model, folder / "plate_prusa-mk3s.ini")
+    result = sliced(model, folder / "plate_prusa-mk3s_print.ini")
     assert result.returncode == 0, result.stdout + result.stderr
     sheet = (folder / "plate_prusa-mk3s.md").read_text(encoding="utf-8")
     compare_with_the_slicer(sheet, model.with_suffix(".gcode").read_text())
@@ -159,9 +159,36 @@ def test_the_command_on_the_print_sheet_runs_as_shown(tmp_path):
     folder = tmp_path / "plates"
     sheet = (folder / "plate_ender3.md").read_text(encoding="utf-8")
     (folder / "yours.ini").write_text(maker.ini(printer))
-    (command,) = re.findall(r"`(prusa-slicer .*?)`", sheet)
-    subprocess.run(shlex.split(command), cwd=folder, capture_output=True, check=True)
-    assert len(gcode.read((folder / "plate_ender3_1.gcode").read_text()).items) == 2
+    commands = re.findall(r"^prusa-slicer .*$", sheet, re.MULTILINE)
+    assert len(commands) == 2
+    target = folder / "plate_ender3_1.gcode"
+    for command in commands:
+        subprocess.run(shlex.split(command), cwd=folder, capture_output=True, check=True)
+        assert len(gcode.read(target.read_text()).items) == 2
+        target.unlink()
+
+
+PETG = {"density_g_cm3": 1.27, "nozzle_deg_c": 240, "bed_deg_c": 85}
+
+
+@pytest.mark.parametrize("material", [{}, PETG], ids=["PLA", "PETG"])
+@pytest.mark.parametrize("name", templates.names("printers"))
+def test_the_bundle_alone_heats_and_weighs_as_the_material_says(tmp_path, name, material):
+    program("prusa-slicer")
+    printer = templates.load(name, "printers", Printer)
+    design = Design.model_validate({"material": material})
+    order = batch.Order([design], [2], [printer], pictures=False)
+    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    folder = tmp_path / "plates"
+    sheet = (folder / f"plate_{name}.md").read_text(encoding="utf-8")
+    alone = re.findall(r"^prusa-slicer .*$", sheet, re.MULTILINE)[1]
+    subprocess.run(shlex.split(alone), cwd=folder, capture_output=True, check=True)
+    text = (folder / f"plate_{name}_1.gcode").read_text()
+    nozzle, bed = design.material.nozzle_deg_c, design.material.bed_deg_c
+    heating = re.findall(r"^(M1(?:04|09|40|90) S\d+)", text, re.MULTILINE)
+    assert sorted(heating) == sorted([f"M190 S{bed}", f"M104 S{nozzle}", f"M109 S{nozzle}",
+                                      "M104 S0", "M140 S0"])  # fmt: skip
+    compare_with_the_slicer(sheet, text)
 
 
 THICKNESSES = tuple(round(0.16 + 0.04 * step, 2) for step in range(38))

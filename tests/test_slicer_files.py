@@ -36,14 +36,30 @@ def files_of(printer: Printer = MK3S, copies: tuple[int, int] = (2, 3), **more: 
 
 
 @every_printer
-def test_a_bundle_holds_print_settings_and_says_the_same_to_load(printer):
-    head, section = slicer.prusaslicer_ini(printer).decode().split("\n\n")
+def test_a_bundle_holds_print_settings_and_to_load_printer_and_filament_too(printer):
+    head, section = slicer.prusaslicer_bundle(printer, PAPER.material).decode().split("\n\n")
     title, *told = section.strip().splitlines()
     assert title == f"[print:walkergen {printer.name}]"
-    assert told == [line for line in head.splitlines() if not line.startswith("#")]
-    settings = dict(line.split(" = ") for line in told)
-    assert settings == slicer.prusaslicer_settings(printer)
+    settings = slicer.prusaslicer_settings(printer)
+    assert settings_of(told) == settings
     assert settings.keys().isdisjoint(maker.profile(printer))
+    loaded = settings_of(head.splitlines())
+    owned = {key: loaded.pop(key) for key in loaded.keys() - settings.keys()}
+    assert loaded == settings
+    # whatever one's own profile would say of these is there, and nothing else
+    assert owned.keys() <= maker.profile(printer).keys()
+    same = ("bed_shape", "max_print_height", "nozzle_diameter", "filament_density")
+    assert {key: owned[key] for key in same} == {key: maker.profile(printer)[key] for key in same}
+
+
+@every_printer
+def test_print_settings_alone_leave_printer_and_filament(printer):
+    lines = slicer.prusaslicer_print(printer).decode().splitlines()
+    assert settings_of(lines) == slicer.prusaslicer_settings(printer)
+
+
+def settings_of(lines: list[str]) -> dict[str, str]:
+    return dict(line.split(" = ") for line in lines if not line.startswith("#"))
 
 
 @every_printer

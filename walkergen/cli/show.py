@@ -57,8 +57,8 @@ def report(result: "Report", json: bool, quiet: bool, width: int | None = None) 
             text(result.caption)
         for shown in result.shown():
             table(shown.rich(), width)
-            for note in shown.notes:
-                text(note)
+            for line in shown.below():
+                text(line)
         for line in result.lines:
             text(line)
         for path in result.files:

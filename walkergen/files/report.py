@@ -37,6 +37,8 @@ class Column(NamedTuple):
     """True for numbers, which stand in line at their ends."""
     wide: bool = False
     """True for a detail of pages, for which a terminal has no room."""
+    meaning: str = ""
+    """What a short heading stands for, with the heading, said below the table."""
 
 
 def text(heading: str, key: str) -> Column:
@@ -126,7 +128,7 @@ class Table:
         from rich.markup import escape as literally
         from rich.table import Table as RichTable
 
-        columns = [column for column in self.columns if markdown or not column.wide]
+        columns = self._seen(markdown)
         headed = any(column.heading for column in columns)
         made = RichTable(
             title=None if markdown or not self.title else literally(self.title),
@@ -139,6 +141,16 @@ class Table:
         for row in self._read():
             made.add_row(*(literally(column.cell(row)) for column in columns))
         return made
+
+    def below(self, markdown: bool = False) -> list[str]:
+        """Lines below the table: what its columns mean, each that is seen, and its notes."""
+        meanings = dict.fromkeys(column.meaning for column in self._seen(markdown))
+        legend = "; ".join(filter(None, meanings))
+        return [*([legend] if legend else []), *self.notes]
+
+    def _seen(self, markdown: bool) -> list[Column]:
+        """Columns of a page, or those that a terminal has room for."""
+        return [column for column in self.columns if markdown or not column.wide]
 
     def in_short(self) -> list[str]:
         """Lines of text: rows of names and values as they are, of other tables their number."""
@@ -172,7 +184,7 @@ class Table:
             "<tr>" + "".join(f"<td>{escape(cell)}</td>" for cell in row) + "</tr>" for row in rows
         )
         more = len(self._read()) - MOST_SHOWN
-        notes = [*self.notes, *([f"and {more} more rows"] if more > 0 else [])]
+        notes = [*self.below(markdown=True), *([f"and {more} more rows"] if more > 0 else [])]
         title = f"<caption>{escape(self.title)}</caption>" if self.title else ""
         table = f"<table>{title}<thead><tr>{head}</tr></thead><tbody>{body}</tbody></table>"
         return table + "".join(f"<p>{escape(note)}</p>" for note in notes)
@@ -243,8 +255,8 @@ class Report:
         raise KeyError(f"no table {name!r}; tables: {', '.join(one.name for one in self.tables)}")
 
     def shown(self) -> Iterator[Table]:
-        """Tables that people read."""
-        return (each for each in self.tables if each.columns)
+        """Tables that people read, but those whose rows are all told of otherwise."""
+        return (each for each in self.tables if each.columns and each.read != [])
 
     def markdown(self) -> str:
         """Page of all tables that people read, and of all lines."""
@@ -252,7 +264,7 @@ class Report:
         for each in self.shown():
             parts += [f"## {each.title}" if each.title else ""]
             parts += [tables.as_markdown(each.rich(markdown=True))]
-            parts += ["\n".join(f"- {note}" for note in each.notes)]
+            parts += ["\n".join(f"- {line}" for line in each.below(markdown=True))]
         parts += ["\n".join(f"- {line}" for line in self.lines)]
         return "\n\n".join(part for part in parts if part) + "\n"
 

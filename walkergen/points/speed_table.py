@@ -35,10 +35,18 @@ WEIGHED = (
 )
 
 
-LEGEND = (
-    "mass: the whole walker, as a balance shows it; M, J: mass and moment of inertia of its body, "
-    "with braced legs; m, j: of one flexible leg; eq. 15: the paper's theory"
+BODY = "M, J: mass and moment of inertia of the body, with its braced legs"
+LEG = "m, j: those of one flexible leg"
+FACTORS = (
+    "back, front, mean (v/w): speed that the back foot, the front foot or both would settle at, "
+    "over the impact speed w of the theory"
 )
+MEANINGS = {
+    "total_g": "mass: of the whole walker, as a balance shows it", "M_g": BODY, "J_g_mm2": BODY,
+    "m_g": LEG, "j_g_mm2": LEG, "theory_mm_s": "eq. 15: the paper's theory",
+    "factor_back": FACTORS, "factor_front": FACTORS, "factor_mean": FACTORS,
+}  # fmt: skip
+"""Meanings of short headings, by the keys of their columns."""
 
 STANDS_MM_S, FOLDED = 1.0, 3
 """Speed below which a walker stands, where its bounds agree; walkers from which on one line tells
@@ -64,22 +72,18 @@ def lines(walkers: Sequence[Member]) -> list[str]:
     standing = _standing(walkers)
     if standing:
         tilts = [member.design.tilt_deg for member in standing]
-        grams = [float(member.mass.total) for member in standing]
+        grams = [member.row.total_g for member in standing]
         notes.append(
             f"braced legs, {min(tilts):g} to {max(tilts):g} deg: {len(standing)} walkers of "
             f"{min(grams):.3g} to {max(grams):.3g} g that stand, each at less than "
             f"{STANDS_MM_S:g} mm/s with 0 inside its bounds"
         )
-    return [LEGEND, *notes, *((WEIGHED,) if _weighed(walkers) else ())]
+    return [*notes, *((WEIGHED,) if _weighed(walkers) else ())]
 
 
 def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
     """Columns of the table; a speed with a note carries its number."""
     simulated, notes = any(member.simulated for member in walkers), _notes(walkers)
-    grams = {
-        row: float(member.mass.total)
-        for row, member in zip(members.rows(walkers), walkers, strict=True)
-    }
 
     def speed(row: Any) -> str:
         mark = f" [{notes.index(row.note) + 1}]" if row.note else ""
@@ -88,20 +92,32 @@ def columns(walkers: Sequence[Member]) -> tuple[Column, ...]:
     return (
         report.number("tilt\n(deg)", "tilt_deg", 6),
         report.text("legs", "legs"),
-        Column("mass\n(g)", lambda row: words.number(grams[row], 4), right=True),
-        report.number("M\n(g)", "M_g", wide=True),
-        report.number("J\n(g mm²)", "J_g_mm2", wide=True),
-        report.number("m\n(g)", "m_g", wide=True),
-        report.number("j\n(g mm²)", "j_g_mm2", wide=True),
+        _mass_of("mass\n(g)", "total_g"),
+        _mass_of("M\n(g)", "M_g", wide=True),
+        _mass_of("J\n(g mm²)", "J_g_mm2", wide=True),
+        _mass_of("m\n(g)", "m_g", wide=True),
+        _mass_of("j\n(g mm²)", "j_g_mm2", wide=True),
         Column("speed\n(mm/s)", speed, right=True),
         _bounds("68 %\n(mm/s)", "68"),
         _bounds("95 %\n(mm/s)", "95", wide=simulated),
-        report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1),
-        report.fixed("back\n(v/w)", "factor_back", 3, wide=True),
-        report.fixed("front\n(v/w)", "factor_front", 3, wide=True),
-        report.fixed("mean\n(v/w)", "factor_mean", 3, wide=True),
+        _explained(report.fixed("eq. 15\n(mm/s)", "theory_mm_s", 1), "theory_mm_s"),
+        _factor("back\n(v/w)", "factor_back"),
+        _factor("front\n(v/w)", "factor_front"),
+        _factor("mean\n(v/w)", "factor_mean"),
         *(RUNS if simulated else ()),
     )
+
+
+def _mass_of(heading: str, key: str, wide: bool = False) -> Column:
+    return _explained(report.number(heading, key, wide=wide), key)
+
+
+def _factor(heading: str, key: str) -> Column:
+    return _explained(report.fixed(heading, key, 3, wide=True), key)
+
+
+def _explained(column: Column, key: str) -> Column:
+    return column._replace(meaning=MEANINGS[key])
 
 
 def _weighed(walkers: Sequence[Member]) -> bool:

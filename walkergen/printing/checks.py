@@ -50,6 +50,7 @@ def of_batch(
     """
     return [
         *of_printer(printer),
+        *_materials(designs, parts),
         *(
             finding
             for design, mesh, part in zip(designs, meshes, parts, strict=True)
@@ -269,6 +270,18 @@ def _whole(what: str, length: float, height: float, key: str) -> Iterator[Findin
         printed = max(1, whole) * height
         yield new("warning", f"the {what} is not a whole number of layers", layers, whole, "layers",
                   f"make {key} {printed:.6g}, which is what prints")  # fmt: skip
+
+
+def _materials(designs: Sequence[Design], parts: Sequence[Part]) -> Iterator[Finding]:
+    """Warning of the first part whose material is not that of the parts before it."""
+    densities = [design.material.density_g_cm3 for design in designs]
+    for density, part in zip(densities, parts, strict=True):
+        if density != densities[0]:
+            what = "one filament prints a plate, and the parts before it have another density"
+            change = "print each material on plates of its own"
+            finding = new("warning", what, density, densities[0], "g/cm3", change)
+            yield finding._replace(where=part.name)
+            return
 
 
 def _size(part: Part, printer: Printer) -> Iterator[Finding]:

@@ -12,6 +12,7 @@ from walkergen.printing.packing import Part, Plate
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import mass
+from walkergen.walker.design import Material
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -71,11 +72,12 @@ def loads(laid: Laid, density: float) -> list[Load]:
     ]
 
 
-def files(laid: Laid, stem: str, pictures: bool, prusaslicer: bool) -> Iterator[tuple[str, bytes]]:
+def files(
+    laid: Laid, material: Material, stem: str, pictures: bool, prusaslicer: bool
+) -> Iterator[tuple[str, bytes]]:
     """Names and bytes of settings, plates (3MF), pieces (STL) and, with pictures, maps."""
     start = f"{stem}_{laid.printer.name}"
-    yield f"{start}.ini", slicer.prusaslicer_ini(laid.printer)
-    yield f"{start}_orca.json", slicer.orca_json(laid.printer)
+    yield from slicer.files(laid.printer, material, start)
     meshes = [piece.mesh for piece in laid.pieces]
     for number, plate in enumerate(laid.plates, start=1):
         name, picture = f"{start}_{number}", None

@@ -12,7 +12,7 @@ from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
 from walkergen.walker.solids import Solids
 
-COMMON_FILES = 4
+COMMON_FILES = 5
 """Number of files of a layout apart from those of each plate."""
 
 
@@ -120,7 +120,8 @@ def files(
     """Names and bytes of a layout's files: first COMMON_FILES with words, then plate by plate.
 
     STEM_PRINTER.csv, the map; STEM_PRINTER.md, the print sheet; STEM_PRINTER.ini, its settings for
-    PrusaSlicer; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
+    PrusaSlicer, with printer and filament where it is loaded alone, and STEM_PRINTER_print.ini
+    without these; STEM_PRINTER_orca.json, those for OrcaSlicer and Bambu Studio;
     STEM_PRINTER_NUMBER.3mf (.stl without lib3mf); with pictures STEM_PRINTER_NUMBER.png as well,
     and the plate seen from above as each 3MF file's thumbnail. `prusaslicer`: see
     export.for_prusaslicer.
@@ -129,8 +130,7 @@ def files(
     meshes = layout.meshes
     yield f"{start}.csv", to_csv(places(layout)).encode()
     yield f"{start}.md", _print_sheet(layout, start).encode()
-    yield f"{start}.ini", slicer.prusaslicer_ini(layout.printer)
-    yield f"{start}_orca.json", slicer.orca_json(layout.printer)
+    yield from slicer.files(layout.printer, layout.members[0].material, start)
     for number, plate in enumerate(layout.plates, start=1):
         name = f"{start}_{number}"
         thumbnail = None

@@ -106,6 +106,8 @@ def facts(printer: Printer, findings: Sequence[Finding]) -> dict[str, Any]:
 
 def _steps(batch: Batch) -> str:
     stem, name, ending = batch.stem, slicer.preset_name(batch.printer), packing.suffix()
+    material = batch.members[0].material
+    slicing = f"--dont-arrange --export-gcode --output {stem}_1.gcode {stem}_1{ending}"
     return (
         "## Print\n\n"
         "1. Choose your own printer and filament in the slicer: the files here leave both alone.\n"
@@ -123,9 +125,14 @@ def _steps(batch: Batch) -> str:
         "5. Slice. In the preview every leg must show plastic in every layer.\n"
         "6. Print; take the parts off cold, by the body; cut off any brim.\n\n"
         "Without a window, `yours.ini` being your printer and filament (PrusaSlicer: File > Export "
-        f"> Export Config): `prusa-slicer --load yours.ini --load {stem}.ini --dont-arrange "
-        f"--export-gcode --output {stem}_1.gcode {stem}_1{ending}` (without --output the file "
-        "takes a part's name, and the next plate overwrites it)."
+        "> Export Config):\n\n"
+        f"```\nprusa-slicer --load yours.ini --load {stem}_print.ini {slicing}\n```\n\n"
+        "Without --output the file takes a part's name, and the next plate overwrites it. If you "
+        "have no profile of your own:\n\n"
+        f"```\nprusa-slicer --load {stem}.ini {slicing}\n```\n\n"
+        f"This heats the nozzle to {material.nozzle_deg_c} °C and the bed to "
+        f"{material.bed_deg_c} °C, as the design says of its material, and has PrusaSlicer's plain "
+        "start code, not your printer's own."
     )
 
 
@@ -153,7 +160,7 @@ def _contents(batch: Batch) -> str:
         # Copies with serial numbers are parts of their own, under one name
         counts = Counter(batch.parts[placement.part].name for placement in plate.placements)
         for name, copies in counts.items():
-            rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", name, str(copies)))
+            rows.append((f"`{batch.stem}_{number}{packing.suffix()}`", f"`{name}`", str(copies)))
     note = f"`{batch.stem}.csv` and the pictures beside it show which copy lies where.\n\n"
     return "## What is on which plate\n\n" + note + table(("file", "part", "copies"), rows)
 
@@ -187,7 +194,7 @@ def _findings(findings: Sequence[Finding]) -> str:
 
 def _weighing(weights: Sequence[Weight], batch: Batch) -> str:
     rows = [
-        (weight.name, f"{weight.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
+        (f"`{weight.name}`", f"{weight.whole_g:.4f}", ("" if name == "leg" else f"{name}: ") +
          f"{leg.mesh_g:.4f}", f"{leg.mesh_g * leg.plastic:.4f} ± {leg.mesh_g * leg.tolerance:.4f}",
          "")
         for weight in {weight.name: weight for weight in weights}.values()

@@ -1,15 +1,17 @@
 """Slicer: the settings on which the predicted masses rest, for slicers and in words.
 
-Files hold print settings only: what belongs to a printer (bed, nozzle, start code) and a filament
-(temperatures, density, flow) stays as its owner has it.
+Print settings alone leave what belongs to a printer (bed, nozzle, start code) and a filament
+(temperatures, density, flow) as its owner has it. Who has neither slices by the bundle alone, which
+then takes bed and nozzle from the printer and the filament from the design's material.
 """
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 from walkergen.printing import walls
 from walkergen.printing.printers import Printer
+from walkergen.walker.design import Material
 
 FILAMENT_MM = 1.75
 
@@ -59,6 +61,13 @@ def sheet_settings(printer: Printer, orientations: Sequence[Setting]) -> list[Se
     ]
 
 
+def files(printer: Printer, material: Material, start: str) -> Iterator[tuple[str, bytes]]:
+    """Names, all beginning with `start`, and bytes of the settings for slicers."""
+    yield f"{start}.ini", prusaslicer_bundle(printer, material)
+    yield f"{start}_print.ini", prusaslicer_print(printer)
+    yield f"{start}_orca.json", orca_json(printer)
+
+
 def preset_name(printer: Printer) -> str:
     """Name under which slicers list the print settings."""
     return f"walkergen {printer.name}"
@@ -94,21 +103,57 @@ def prusaslicer_settings(printer: Printer) -> dict[str, str]:
     }
 
 
-def prusaslicer_ini(printer: Printer) -> bytes:
-    """Print settings as a config bundle of PrusaSlicer, which --load reads as well.
+def owner_settings(printer: Printer, material: Material) -> dict[str, str]:
+    """Settings of printer and filament by PrusaSlicer's keys, for who has no profile of his own.
+
+    PrusaSlicer's defaults are a bed of 200 x 200 mm at 0 deg C and a filament of 0 g/cm3; its end
+    code leaves the bed hot. Start code, speeds and retraction keep its defaults.
+    """
+    (left, front), width, depth = printer.bed_corner, printer.bed_width_mm, printer.bed_depth_mm
+    corners = ((0.0, 0.0), (width, 0.0), (width, depth), (0.0, depth))
+    nozzle, bed = f"{material.nozzle_deg_c}", f"{material.bed_deg_c}"
+    return {
+        "bed_shape": ",".join(f"{left + x:g}x{front + y:g}" for x, y in corners),
+        "max_print_height": f"{printer.height_mm:g}",
+        "nozzle_diameter": f"{printer.nozzle_mm:g}",
+        "filament_diameter": f"{FILAMENT_MM:g}",
+        "filament_density": f"{material.density_g_cm3:g}",
+        "first_layer_temperature": nozzle,
+        "temperature": nozzle,
+        "first_layer_bed_temperature": bed,
+        "bed_temperature": bed,
+        "end_gcode": r"M104 S0\nM140 S0\nG28 X0\nM84",
+    }
+
+
+def prusaslicer_bundle(printer: Printer, material: Material) -> bytes:
+    """Config bundle of PrusaSlicer, which --load reads as well.
 
     A bundle's import takes the section, as a preset of its own: it inherits nothing, for a preset
-    whose parent a user lacks would be in vain. --load takes the lines above and no section.
+    whose parent a user lacks would be in vain. Printer and filament of the window stay. --load
+    takes the lines above and no section; nothing else need be loaded.
     """
     name, settings = preset_name(printer), prusaslicer_settings(printer)
     lines = [
         f"# Print settings {name}, for PrusaSlicer 2.5 and later.",
         "# File > Import > Import Config Bundle (not Import Config, which changes the printer).",
-        "# With --load after your own printer and filament; that reads these first lines.",
+        "# --load reads these first lines, and then needs no other file: bed and nozzle are those",
+        "# of the printer, temperatures and density those of the design's material.",
+        *_lines(owner_settings(printer, material)),
         *_lines(settings),
         "",
         f"[print:{name}]",
         *_lines(settings),
+    ]
+    return ("\n".join(lines) + "\n").encode()
+
+
+def prusaslicer_print(printer: Printer) -> bytes:
+    """Print settings alone, which --load adds to a printer and filament that it read before."""
+    lines = [
+        f"# Print settings {preset_name(printer)}, for PrusaSlicer 2.5 and later.",
+        "# With --load after your own printer and filament, which they leave alone.",
+        *_lines(prusaslicer_settings(printer)),
     ]
     return ("\n".join(lines) + "\n").encode()
 

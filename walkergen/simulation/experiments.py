@@ -64,7 +64,7 @@ class Results(NamedTuple):
 
 
 def facts(scene: Scene, design: Design) -> list[Any]:
-    """Inputs of a simulation, for keys: without names and without what only the theory reads.
+    """Inputs of a simulation, for keys: without names and what only theory or printer read.
 
     Of bodies from files, and of letters, also what the files hold.
     """
@@ -73,7 +73,15 @@ def facts(scene: Scene, design: Design) -> list[Any]:
     return [
         *([] if design.body.plain else drawn),
         scene.model_dump(mode="json", exclude={"name", "description", "prediction"}),
-        design.model_dump(mode="json", exclude={"name", "description", "family"}),
+        design.model_dump(
+            mode="json",
+            exclude={
+                "name": True,
+                "description": True,
+                "family": True,
+                "material": {"nozzle_deg_c", "bed_deg_c"},
+            },
+        ),
         __version__,
         kernels.digest(),
     ]

@@ -93,6 +93,8 @@ class Prediction(NamedTuple):
 
     tilt_deg: float
     legs: str
+    total_g: float
+    """Mass of the whole walker, as a balance shows it, g."""
     M_g: float
     J_g_mm2: float
     m_g: float | None
@@ -241,6 +243,7 @@ def predict(
     return Prediction(
         tilt_deg=design.tilt_deg,
         legs=design.kind,
+        total_g=float(mass.total),
         M_g=float(mass.M),
         J_g_mm2=float(mass.J),
         m_g=None if free is None else float(free.m),

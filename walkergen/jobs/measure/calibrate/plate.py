@@ -120,7 +120,7 @@ def _write(order: Order, drawn: Sequence[Drawn], laid: Laid, folder: Path) -> li
         for name, data in (
             (f"{start}.csv", rows.encode()),
             (f"{start}.md", _sheet(order.design, drawn, laid, start).encode()),
-            *pieces.files(laid, STEM, order.pictures, order.prusaslicer),
+            *pieces.files(laid, order.design.material, STEM, order.pictures, order.prusaslicer),
         ):
             target.write(name, data)
         target.finish(_facts(order, drawn, laid))

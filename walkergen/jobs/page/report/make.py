@@ -21,6 +21,7 @@ from walkergen.files.report import Report
 from walkergen.jobs.page.report import chart, chart_data, members, references
 from walkergen.jobs.page.report.contents import Contents
 from walkergen.jobs.page.report.members import Member
+from walkergen.points.speed_table import MEANINGS
 
 TABLE_PAGE, PREVIEW = "family.md", "preview.png"
 
@@ -31,11 +32,11 @@ DOWNLOADS = {
 """Types of files that the page hands out, by their ends; it holds them whole."""
 
 HEADINGS = {
-    "tilt_deg": "tilt (deg)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)", "m_g": "m (g)",
-    "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)", "factor_front": "front (v/w)",
-    "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)", "sim_speed_mm_s": "simulated (mm/s)",
-    "speed_sd_mm_s": "sd (mm/s)", "speed_by": "speed by", "theory_mm_s": "eq. 15 (mm/s)",
-    "speed_low_68_mm_s": "68 % (mm/s)",
+    "tilt_deg": "tilt (deg)", "total_g": "mass (g)", "M_g": "M (g)", "J_g_mm2": "J (g mm²)",
+    "m_g": "m (g)", "j_g_mm2": "j (g mm²)", "factor_back": "back (v/w)",
+    "factor_front": "front (v/w)", "factor_mean": "mean (v/w)", "speed_mm_s": "speed (mm/s)",
+    "sim_speed_mm_s": "simulated (mm/s)", "speed_sd_mm_s": "sd (mm/s)",
+    "speed_by": "speed by", "theory_mm_s": "eq. 15 (mm/s)", "speed_low_68_mm_s": "68 % (mm/s)",
     "speed_low_95_mm_s": "95 % (mm/s)", "sim_low_95_mm_s": "simulated, 95 % (mm/s)",
     "sim_model": "model", "sim_method": "method", "sim_outcomes": "outcomes",
 }  # fmt: skip
@@ -71,6 +72,8 @@ class Table(NamedTuple):
     rows: list[list[Cell]]
     common: dict[str, str]
     """Words that are equal in every row, and therefore said once, by heading."""
+    legend: str
+    """What short headings mean."""
     notes: list[str]
     """Notes on rows; note k is marked [k]."""
 
@@ -155,6 +158,7 @@ def table(walkers: Sequence[Member]) -> Table:
         [HEADINGS.get(column, column) for column in shown],
         [[_cell(member, column, notes) for column in shown] for member in walkers],
         {HEADINGS.get(column, column): text for column, text in common.items() if text},
+        "; ".join(dict.fromkeys(MEANINGS[column] for column in shown if column in MEANINGS)),
         notes,
     )
 
@@ -185,9 +189,16 @@ def caption(contents: Contents) -> str:
 
 
 def markup(source: bytes) -> markupsafe.Markup:
-    """HTML of a Markdown file, without its pictures and with its own HTML shown as text."""
-    text = source.decode("utf-8", "replace")
-    return markupsafe.Markup(MarkdownIt("js-default").disable("image").render(text))
+    """HTML of a Markdown file, without its pictures and with its own HTML shown as text.
+
+    Its headings stand below the page's, which are of two levels.
+    """
+    markdown = MarkdownIt("js-default").disable("image")
+    tokens = markdown.parse(source.decode("utf-8", "replace"))
+    for token in tokens:
+        if token.type in ("heading_open", "heading_close"):
+            token.tag = f"h{min(int(token.tag[1]) + 2, 6)}"
+    return markupsafe.Markup(markdown.renderer.render(tokens, markdown.options, {}))
 
 
 def _is_sheet(name: str) -> bool:
@@ -209,13 +220,15 @@ def _cell(member: Member, column: str, notes: Sequence[str]) -> Cell:
         return Cell(f"{_fixed(value)} to {_fixed(upper)}", text)
     if column in ("speed_mm_s", "speed_sd_mm_s", "theory_mm_s"):
         return Cell(_fixed(value), text)
+    if column.startswith("factor_"):
+        return Cell(_fixed(value, 3), text)
     exact = column == "tilt_deg" or text.lstrip("-").isdecimal()
     return Cell(_minus(f"{value:g}" if exact else f"{value:#.4g}".rstrip(".")), text)
 
 
-def _fixed(value: float) -> str:
-    """Number with one decimal, without a minus on zero."""
-    return _minus(f"{round(value, 1) + 0.0:.1f}")
+def _fixed(value: float, digits: int = 1) -> str:
+    """Number with so many decimals, without a minus on zero."""
+    return _minus(f"{round(value, digits) + 0.0:.{digits}f}")
 
 
 def _minus(text: str) -> str:

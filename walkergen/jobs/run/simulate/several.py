@@ -12,6 +12,7 @@ from walkergen.simulation import experiments
 from walkergen.simulation.ensemble import listed
 from walkergen.simulation.experiments import Experiment
 from walkergen.simulation.plan import prepare
+from walkergen.simulation.run import Outcome
 from walkergen.theory import prediction
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
@@ -104,6 +105,14 @@ def _bounds(row: Row) -> str:
     return f"{words.fixed(low, 1)} to {words.fixed(high, 1)}"
 
 
+def _ended(row: Row) -> str:
+    """Outcomes of the runs, but for the orbit that the speed is marked by."""
+    return listed({
+        outcome: count for outcome, count in row.outcomes.items()
+        if row.orbit is None or outcome != Outcome.ORBIT.value
+    })  # fmt: skip
+
+
 COLUMNS = (
     Column("tilt\ndeg", lambda row: f"{row.tilt_deg:g}", right=True),
     report.text("legs", "legs"),
@@ -112,6 +121,6 @@ COLUMNS = (
     Column("simulated\nmm/s", _speed, right=True),
     Column("95 %\nmm/s", _bounds, right=True),
     Column("runs", lambda row: str(row.runs), right=True),
-    Column("outcomes", lambda row: listed(row.outcomes)),
+    Column("outcomes", _ended),
 )
 """At most 80 letters while outcomes are few."""

@@ -82,7 +82,7 @@ def plastic(effort: Effort) -> Iterator[Claim]:
         printer = templates.load("prusa-mk3s", "printers", Printer)
         weight = sheet.weigh("walker", design, built, printer)
         mesh = export.stl_bytes(built.walker, "walker")
-        volume = sliced(program, mesh, slicer.prusaslicer_ini(printer))
+        volume = sliced(program, mesh, slicer.prusaslicer_print(printer))
         if volume is None:
             yield missing(GROUP, quantity, "g", PRUSASLICER, "prusa-slicer ended without G-code")
             continue

@@ -55,7 +55,6 @@
   }
 
   function choose(member) {
-    player?.pause();
     chosen = member;
     const part = parts[member];
     const row = members(part.legs);
@@ -72,6 +71,7 @@
     });
     byId('save').hidden = false;
     viewer?.show(shown.indexOf(member), colourOf(`${part.legs}-part`));
+    player?.attend(member);
   }
 
   const colourOf = (name) =>
@@ -158,7 +158,6 @@
     }
 
     function showAt(at) {
-      if (chosen !== run.member) choose(run.member);
       time = Math.min(Math.max(at, 0), last);
       slider.value = time;
       byId('time-shown').textContent = `${(1e3 * time).toFixed(1)} ms`;
@@ -186,11 +185,23 @@
       frame = requestAnimationFrame(step);
     }
 
+    // Another part has no run: it stands still, and the way back is told.
+    function attend(member) {
+      pause();
+      const own = member === run.member;
+      byId('player').hidden = !own;
+      byId('other').hidden = own;
+      if (own) showAt(time);
+    }
+
     slider.max = last;
     button.addEventListener('click', play);
+    byId('running').addEventListener('click', () => {
+      choose(run.member);
+      button.focus();
+    });
     slider.addEventListener('input', () => showAt(Number(slider.value)));
-    byId('time-shown').textContent = '0.0 ms';
-    return { pause, showAt };
+    return { attend, member: run.member };
   }
 
   function startPlayer() {
@@ -263,6 +274,6 @@
   unfoldOnPaper();
   listen();
   startPlayer();
-  if (player) player.showAt(0);
+  if (player) choose(player.member);
   else if (shown.length) choose(shown[Math.floor(members(parts[shown[0]].legs).length / 4)]);
 })();
