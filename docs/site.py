@@ -1,10 +1,17 @@
-"""Pages of the site that are made of other things: the README, pictures, commands, docstrings."""
+"""Pages of the site that are made of other things: README, pictures, notebooks, docstrings."""
 
+import importlib.util
+import os
 import re
+import tempfile
 from pathlib import Path
 
+import nbformat
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Section
+from nbclient import NotebookClient
+from nbconvert import MarkdownExporter
+from traitlets.config import Config
 from typer.testing import CliRunner
 
 from walkergen.cli import COMMANDS, app
@@ -84,6 +91,8 @@ def on_files(files, config):
     """Add the pages that are made."""
     made = {page: _paper(ROOT / name) for page, name in PAPERS.items()}
     made["gallery.md"] = _gallery()
+    for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
+        made |= _notebook(notebook)
     made |= {f"commands/{name}.md": _command(name) for name in NAMES}
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
@@ -95,6 +104,11 @@ def on_files(files, config):
     return Files([file for file in files if not file.src_path.endswith(".py")])
 
 
+def on_page_markdown(markdown, page, config, files):
+    """Links to notebooks lead to their pages."""
+    return re.sub(r"\]\(\.\./(examples/[\w-]+)\.ipynb\)", r"](\1.md)", markdown)
+
+
 def _paper(path):
     """Text of a paper of the project, as a page; what lies outside docs/ is no link there."""
     text = re.sub(
@@ -104,13 +118,36 @@ def _paper(path):
 
 
 def _gallery():
-    """Page of all pictures that the program makes, with what the pages say under each."""
+    """Page of all pictures that the program makes, each with its title and its command."""
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
-    shown = {name: told for told, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    said = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    commands = {one.name: one.shown or one.command for one in _pictures().PICTURES}
     return "# Gallery\n\n" + "\n\n".join(
-        f"## {told}\n\n![{told}]({name})" for name, told in shown.items()
+        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```"
+        for name, words in said.items()
     )
+
+
+def _pictures():
+    """Module docs/pictures.py, whatever else is called so."""
+    spec = importlib.util.spec_from_file_location("docs_pictures", ROOT / "docs" / "pictures.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _notebook(path):
+    """Page of a notebook, run anew by this code, and its pictures: contents by their names."""
+    notebook = nbformat.read(path, as_version=4)
+    quiet = Config({"KernelManager": {"transport_encryption": "auto"}})  # else it warns of TCP
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(notebook, resources={"metadata": {"path": folder}}, config=quiet)
+        client.execute(env={**os.environ, "PYTHONPATH": str(ROOT)})
+    text, made = MarkdownExporter().from_notebook_node(notebook, {"unique_key": path.stem})
+    return {f"examples/{name}": data for name, data in made["outputs"].items()} | {
+        f"examples/{path.stem}.md": text.replace("![png]", "![Figure]")
+    }
 
 
 def _command(name):
