@@ -25,25 +25,24 @@ PAPERS = {
 }  # fmt: skip
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
+CALLS = {
+    "load": "loading",
+    "predict": "predicting",
+    "simulate": "simulating",
+    "family": "making",
+    "export": "making",
+    "sweep": "sweeping",
+    "track": "tracking",
+    "analyse": "analysing",
+    "fit": "measuring",
+    "calibrate": "measuring",
+    "bench": "measuring",
+    "weigh": "measuring",
+    "templates": "loading",
+}
+"""What people call after `import walkergen as wg`, by need, each with its module in api/."""
+
 ROOMS = {
-    "python": [
-        f"api/{name}"
-        for name in (
-            "loading/load",
-            "predicting/predict",
-            "simulating/simulate",
-            "making/family",
-            "making/export",
-            "sweeping/sweep",
-            "tracking/track",
-            "analysing/analyse",
-            "measuring/fit",
-            "measuring/calibrate",
-            "measuring/bench",
-            "measuring/weigh",
-            "loading/templates",
-        )
-    ],
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
     "theory": [
@@ -84,7 +83,7 @@ ROOMS = {
     "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
 }
-"""Modules of the reference, or names in them, a page for each room."""
+"""Modules of the reference, a page for each room."""
 
 
 def on_files(files, config):
@@ -94,6 +93,7 @@ def on_files(files, config):
     for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
         made |= _notebook(notebook)
     made |= {f"commands/{name}.md": _command(name) for name in NAMES}
+    made["api/python.md"] = _calls()
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
         made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(
@@ -150,6 +150,19 @@ def _notebook(path):
     }
 
 
+def _calls():
+    """Page of what people call, in the names by which they call it."""
+    begin = (
+        "# From Python\n\n`import walkergen as wg`, and then these. A `Walker` is a `wg.Design` "
+        "or the name of a template or of a TOML file; so is a `Ground` a `wg.Scene` or a name, "
+        "and a `Machine` a `wg.Printer` or a name."
+    )
+    return "\n\n".join([begin, *(
+        f"::: walkergen.api.{module}.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}"
+        for name, module in CALLS.items()
+    )])  # fmt: skip
+
+
 def _command(name):
     """Page of a command: its help, and that of the commands under it."""
     texts = [_help(name)]
@@ -170,7 +183,7 @@ def on_nav(nav, config, files):
     """Put commands and the reference behind the pages that are written."""
     for title, names in (
         ("Commands", [f"commands/{name}.md" for name in NAMES]),
-        ("Reference", [f"api/{room}.md" for room in ROOMS]),
+        ("Reference", [f"api/{room}.md" for room in ("python", *ROOMS)]),
     ):
         nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav
