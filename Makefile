@@ -29,7 +29,7 @@ coverage:
 	$(PYTHON) benchmarks/tracks.py $(ARGS)
 
 site:
-	@$(PYTHON) -c "import material, mkdocs, mkdocstrings" 2>/dev/null || { echo "make site: $(PYTHON) -m pip install -e '.[site]'"; exit 2; }
+	@$(PYTHON) -c "import ipykernel, material, mkdocstrings, nbconvert" 2>/dev/null || { echo "make site: $(PYTHON) -m pip install -e '.[site]'"; exit 2; }
 	NO_MKDOCS_2_WARNING=1 $(PYTHON) -m mkdocs build --strict
 
 # Pictures of docs/ whose code has moved on; ONLY=choice,speed: these; ONLY=all: every one

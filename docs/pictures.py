@@ -92,6 +92,8 @@ class Picture(NamedTuple):
     """Program of others without which it cannot be made."""
     package: str = ""
     """Package of Debian that has the program."""
+    shown: str = ""
+    """Commands by which people see it, a line each, where `command` is not what they would run."""
 
 
 def mechanisms(folder: Path) -> bytes:
@@ -148,11 +150,12 @@ PICTURES = (
     Picture("speed.png", FAMILY, (*STYLE, *PREDICTION, "walkergen/jobs/make/family/figures.py"), 0,
             "speed.png"),
     Picture("page.png", FAMILY, (*PREDICTION, "walkergen/jobs/page/report/**/*"), 10, page,
-            program="chromium", package="chromium"),
+            program="chromium", package="chromium",
+            shown=f"{FAMILY}\nwalkergen report out/koumakis2016"),
     Picture("app.png", "", (*PREDICTION, *WALKER, "walkergen/app/**/*", "viewer/*.js"), 10, app,
-            program="chromium", package="chromium"),
+            program="chromium", package="chromium", shown="walkergen app"),
     Picture("mechanisms.png", "", (*STYLE, *WALKER, "walkergen/jobs/make/family/preview.py"), 2,
-            mechanisms),
+            mechanisms, shown="\n".join(f"walkergen family {name}" for name in OTHERS)),
     Picture("map.png", MAP, (*STYLE, *PREDICTION, "walkergen/jobs/run/sweep/*.py"), 5, "sweep.png"),
     Picture("movie.gif", MOVIE, (*SIMULATION, *SCENES, "walkergen/jobs/run/movie/*.py"), 30,
             "movie.gif"),

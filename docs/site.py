@@ -1,10 +1,17 @@
-"""Pages of the site that are made of other things: the README, pictures, commands, docstrings."""
+"""Pages of the site that are made of other things: README, pictures, notebooks, docstrings."""
 
+import importlib.util
+import os
 import re
+import tempfile
 from pathlib import Path
 
+import nbformat
 from mkdocs.structure.files import File, Files
 from mkdocs.structure.nav import Section
+from nbclient import NotebookClient
+from nbconvert import MarkdownExporter
+from traitlets.config import Config
 from typer.testing import CliRunner
 
 from walkergen.cli import COMMANDS, command_line
@@ -18,25 +25,24 @@ PAPERS = {
 }  # fmt: skip
 """Pages that are papers of the project, whose links to docs/ become links within the site."""
 
+CALLS = {
+    "load": "loading",
+    "predict": "predicting",
+    "simulate": "simulating",
+    "family": "making",
+    "export": "making",
+    "sweep": "sweeping",
+    "track": "tracking",
+    "analyse": "analysing",
+    "fit": "measuring",
+    "calibrate": "measuring",
+    "bench": "measuring",
+    "weigh": "measuring",
+    "templates": "loading",
+}
+"""What people call after `import walkergen as wg`, by need, each with its module in api/."""
+
 ROOMS = {
-    "python": [
-        f"api/{name}"
-        for name in (
-            "loading/load",
-            "predicting/predict",
-            "simulating/simulate",
-            "making/family",
-            "making/export",
-            "sweeping/sweep",
-            "tracking/track",
-            "analysing/analyse",
-            "measuring/fit",
-            "measuring/calibrate",
-            "measuring/bench",
-            "measuring/weigh",
-            "loading/templates",
-        )
-    ],
     "walkers": ["walker/design", "walker/limbs", "walker/body", "walker/solids", "walker/mass"],
     "scenes": ["scene"],
     "theory": [
@@ -77,14 +83,17 @@ ROOMS = {
     "printing": ["printing/printers", "printing/checks", "printing/plates", "printing/export"],
     "files": ["files/templates", "files/config", "files/assignments", "files/output", "errors"],
 }
-"""Modules of the reference, or names in them, a page for each room."""
+"""Modules of the reference, a page for each room."""
 
 
 def on_files(files, config):
     """Add the pages that are made."""
     made = {page: _paper(ROOT / name) for page, name in PAPERS.items()}
     made["gallery.md"] = _gallery()
+    for notebook in sorted((ROOT / "examples").glob("*.ipynb")):
+        made |= _notebook(notebook)
     made |= {f"commands/{name}.md": _command(name) for name in NAMES}
+    made["api/python.md"] = _calls()
     for room, modules in ROOMS.items():
         names = [f"walkergen.{module.replace('/', '.')}" for module in modules]
         made[f"api/{room}.md"] = f"# {room.capitalize()}\n\n" + "\n\n".join(
@@ -93,6 +102,11 @@ def on_files(files, config):
     for page, text in made.items():
         files.append(File.generated(config, page, content=text))
     return Files([file for file in files if not file.src_path.endswith(".py")])
+
+
+def on_page_markdown(markdown, page, config, files):
+    """Links to notebooks lead to their pages."""
+    return re.sub(r"\]\(\.\./(examples/[\w-]+)\.ipynb\)", r"](\1.md)", markdown)
 
 
 def _paper(path):
@@ -104,13 +118,49 @@ def _paper(path):
 
 
 def _gallery():
-    """Page of all pictures that the program makes, with what the pages say under each."""
+    """Page of all pictures that the program makes, each with its title and its command."""
     pages = [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]
     text = "".join(page.read_text(encoding="utf-8") for page in pages)
-    shown = {name: told for told, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    said = {name: words for words, name in re.findall(r"!\[(.*?)\]\((?:docs/)?(.*?)\)", text)}
+    commands = {one.name: one.shown or one.command for one in _pictures().PICTURES}
     return "# Gallery\n\n" + "\n\n".join(
-        f"## {told}\n\n![{told}]({name})" for name, told in shown.items()
+        f"## {words}\n\n![{words}]({name})\n\n```sh\n{commands[name]}\n```"
+        for name, words in said.items()
     )
+
+
+def _pictures():
+    """Module docs/pictures.py, whatever else is called so."""
+    spec = importlib.util.spec_from_file_location("docs_pictures", ROOT / "docs" / "pictures.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def _notebook(path):
+    """Page of a notebook, run anew by this code, and its pictures: contents by their names."""
+    notebook = nbformat.read(path, as_version=4)
+    quiet = Config({"KernelManager": {"transport_encryption": "auto"}})  # else it warns of TCP
+    with tempfile.TemporaryDirectory() as folder:
+        client = NotebookClient(notebook, resources={"metadata": {"path": folder}}, config=quiet)
+        client.execute(env={**os.environ, "PYTHONPATH": str(ROOT)})
+    text, made = MarkdownExporter().from_notebook_node(notebook, {"unique_key": path.stem})
+    return {f"examples/{name}": data for name, data in made["outputs"].items()} | {
+        f"examples/{path.stem}.md": text.replace("![png]", "![Figure]")
+    }
+
+
+def _calls():
+    """Page of what people call, in the names by which they call it."""
+    begin = (
+        "# From Python\n\n`import walkergen as wg`, and then these. A `Walker` is a `wg.Design` "
+        "or the name of a template or of a TOML file; so is a `Ground` a `wg.Scene` or a name, "
+        "and a `Machine` a `wg.Printer` or a name."
+    )
+    return "\n\n".join([begin, *(
+        f"::: walkergen.api.{module}.{name}\n    options: {{heading: wg.{name}, toc_label: {name}}}"
+        for name, module in CALLS.items()
+    )])  # fmt: skip
 
 
 def _command(name):
@@ -135,7 +185,7 @@ def on_nav(nav, config, files):
     """Put commands and the reference behind the pages that are written."""
     for title, names in (
         ("Commands", [f"commands/{name}.md" for name in NAMES]),
-        ("Reference", [f"api/{room}.md" for room in ROOMS]),
+        ("Reference", [f"api/{room}.md" for room in ("python", *ROOMS)]),
     ):
         nav.items.append(Section(title, [files.get_file_from_path(name).page for name in names]))
     return nav

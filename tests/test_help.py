@@ -4,6 +4,7 @@ import re
 import shlex
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 import typer
@@ -13,6 +14,7 @@ from walkergen.cli import COMMANDS, command_line
 from walkergen.cli.examples import EXAMPLES
 from walkergen.cli.layout import OPTIONS
 
+FOLDER = Path(__file__).parent.parent
 ROOT = typer.main.get_command(command_line)
 
 
@@ -38,6 +40,18 @@ def told(monkeypatch, columns, name):
     return command.get_help(context) + "\n"
 
 
+def understood(words):
+    """Words that no command takes, once the program has read them; refuses what is no option."""
+    context, command = None, ROOT
+    while command is not None:  # as the program does, but for running it
+        context = command.make_context("walkergen", list(words), parent=context)
+        words = [*getattr(context, "_protected_args", []), *context.args]
+        if not (words and hasattr(command, "commands")):
+            break
+        _, command, words = command.resolve_command(context, words)
+    return words
+
+
 def test_every_command_has_two_examples_and_nothing_else_has():
     assert sorted(NAMES) == sorted(EXAMPLES)
     assert all(len(set(examples)) == 2 for examples in EXAMPLES.values())
@@ -49,14 +63,34 @@ def test_every_command_has_two_examples_and_nothing_else_has():
 def test_an_example_is_of_its_command_and_its_options_are_real(name, example):
     words = shlex.split(example)
     assert words[: len(name.split())] == name.split()
-    context, command = None, ROOT
-    while command is not None:  # as the program does, but for running it
-        context = command.make_context("walkergen", list(words), parent=context)
-        words = [*getattr(context, "_protected_args", []), *context.args]
-        if not (words and hasattr(command, "commands")):
-            break
-        _, command, words = command.resolve_command(context, words)
+    words = understood(words)
     assert not words, "left over"
+
+
+PAGES = [FOLDER / "README.md", FOLDER / "CONTRIBUTING.md", *sorted((FOLDER / "docs").glob("*.md"))]
+SHOWN = {
+    (page.name, command)
+    for page in PAGES
+    for text in [page.read_text(encoding="utf-8").replace("\\\n", " ")]
+    for command in [
+        *re.findall(r"(?<=`)walkergen [^`]*(?=`)", text),
+        *(line for block in re.findall(r"```sh\n(.*?)```", text, re.DOTALL)
+          for line in block.splitlines() if line.startswith("walkergen ")),
+    ]
+}  # fmt: skip
+"""Commands in the blocks and sentences of all pages."""
+
+NAMES_OF_OTHERS = {"walkergen prusa-mk3s"}
+"""What is no command: an entry among a slicer's print settings."""
+
+
+@pytest.mark.parametrize(("page", "command"), sorted(SHOWN))
+def test_a_command_on_a_page_is_understood(page, command):
+    words = shlex.split(command.removesuffix("&"), comments=True)[1:]
+    if command in NAMES_OF_OTHERS or words[-1] == "-h" or words[0] == "--version":
+        return
+    if " ".join(words) not in NAMES:  # a command that a sentence names is one
+        assert not understood(words)
 
 
 def test_an_example_that_no_option_understands_is_seen():

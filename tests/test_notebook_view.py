@@ -15,7 +15,7 @@ import pytest
 from report_folder import folder_of
 from selenium.webdriver.common.by import By
 from selenium.webdriver.support.ui import Select, WebDriverWait
-from test_page_browser import BROWSER, DRIVER, WANTED, browser_at
+from test_page_browser import BROWSER, DRIVER, WANTED, browser_at, requested
 
 import walkergen as wg
 from walkergen.errors import InputError
@@ -215,9 +215,5 @@ class TestInABrowser:
         browser.get(browser.current_url.replace("bare.html", "report.html"))
         assert is_on_its_feet(browser)
         assert [one for one in browser.get_log("browser") if one["level"] != "INFO"] == []
-        messages = [json.loads(one["message"])["message"] for one in
-                    browser.get_log("performance")]  # fmt: skip
-        urls = [one["params"]["request"]["url"] for one in messages
-                if one["method"] == "Network.requestWillBeSent"]  # fmt: skip
-        own = ("file:", "data:", "blob:", "about:srcdoc", "chrome://", "chrome-untrusted://")
-        assert [url for url in urls if not url.startswith(own)] == []
+        own = ("file:", "data:", "blob:", "about:srcdoc")
+        assert [url for url in requested(browser) if not url.startswith(own)] == []

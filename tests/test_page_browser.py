@@ -48,6 +48,17 @@ def browser_at(page, profile, *more):
     return browser
 
 
+def requested(browser):
+    """Addresses asked for since the last call, without those of the tab that it opens with."""
+    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
+    urls = [
+        message["params"]["request"]["url"]
+        for message in messages
+        if message["method"] == "Network.requestWillBeSent"
+    ]
+    return [url for url in urls if not url.startswith(("chrome://", "chrome-untrusted://"))]
+
+
 @pytest.fixture(scope="module")
 def page(tmp_path_factory):
     folder = folder_of(tmp_path_factory.mktemp("family"), TILTS)
@@ -315,15 +326,9 @@ def test_the_chosen_part_is_saved_as_the_file_of_the_folder(browser, page, tmp_p
 def test_nothing_was_fetched_and_nothing_complained(browser, page, simulated_page):
     """Last in the file: covers every interaction above."""
     assert [entry for entry in browser.get_log("browser") if entry["level"] != "INFO"] == []
-    messages = [json.loads(entry["message"])["message"] for entry in browser.get_log("performance")]
-    asked = [
-        message["params"]["request"]["url"]
-        for message in messages
-        if message["method"] == "Network.requestWillBeSent"
-    ]
+    asked = requested(browser)
     assert page.as_uri() in asked
-    # chrome: the empty tab that the browser opens with
-    own = (page.as_uri(), simulated_page.as_uri(), "data:", "chrome://", "chrome-untrusted://")
+    own = (page.as_uri(), simulated_page.as_uri(), "data:")
     assert [url for url in asked if not url.startswith(own)] == []
 
 
