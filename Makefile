@@ -18,6 +18,7 @@ nightly:
 	$(PYTHON) -m pytest -m nightly
 
 bench:
+	$(PYTHON) benchmarks/starts.py
 	$(PYTHON) benchmarks/parts.py
 	$(PYTHON) benchmarks/predictions.py
 	$(PYTHON) benchmarks/models.py --seconds 2 --runs 8

@@ -256,16 +256,28 @@ def test_a_prediction_imports_few_modules_and_no_other_command():
     assert not [name for name in names if name.startswith(others)]
 
 
-def test_help_imports_nothing_heavy():
+SOME_NEED = (
+    "scipy.stats", "scipy.optimize", "sklearn", "emcee", "networkx", "trimesh", "ezdxf",
+    "matplotlib", "pandas", "shapely", "lib3mf", "rich", "joblib", "walkergen.numerics.emulator",
+    "walkergen.simulation.relaxed.model", "walkergen.simulation.compliant.model",
+)  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("words", "more"),
+    [
+        (("--help",), ("numpy", "numba", "scipy", "pydantic", "manifold3d")),
+        (("predict", "--tilt", "10", "--json"), ("numba", "scipy")),
+        (("simulate", "--tilt", "10", "--seconds", "0.05", "--runs", "1", "--json"), ()),
+    ],
+)
+def test_a_command_loads_what_it_uses_and_no_more(words, more):
     code = (
-        "import sys; from walkergen.cli import command_line\n"
-        "try: command_line(['--help'])\nexcept SystemExit: pass\n"
-        "heavy = {'numpy', 'numba', 'manifold3d', 'matplotlib', 'trimesh', 'pydantic', 'lib3mf'}\n"
-        "print(sorted(heavy & set(sys.modules)), file=sys.stderr)"
+        "import sys; from walkergen.__main__ import main; sys.argv[1:] = sys.argv[2:]\n"
+        "try: main()\nexcept SystemExit: pass\n"
+        f"print(sorted({{*{SOME_NEED + more!r}}} & set(sys.modules)), file=sys.stderr)"
     )
-    result = python("-c", code)
-    assert "predict" in result.stdout
-    assert result.stderr.strip() == "[]"
+    assert python("-c", code, "walkergen", *words).stderr.splitlines()[-1] == "[]"
 
 
 def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys):

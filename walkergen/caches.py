@@ -70,6 +70,39 @@ def _check(path: Path) -> None:
         raise OSError(f"{path} is not the user's alone")
 
 
+COMPILING_S = {"space": 40, "compliant": 30, "relaxed": 30, "shapes": 6}
+"""Time that the kernels of a folder of the package take to compile on an idle core, s: those of a
+model, or of crossings of triangles. Others take a second or two."""
+
+_announced: set[str] = set()
+
+
+@contextlib.contextmanager
+def unannounced() -> Iterator[None]:
+    """Guard in which nothing is said of kernels that are compiled."""
+    before = set(_announced)
+    _announced.update(COMPILING_S)
+    try:
+        yield
+    finally:
+        _announced.intersection_update(before)
+
+
+def announce(place: Path) -> None:
+    """Say once that kernels are compiled whose entries would lie in a folder of numba's cache.
+
+    Processes of a pool leave it to the one that made them.
+    """
+    from multiprocessing import parent_process
+
+    name = place.name.rpartition("_")[0]  # numba's name of a package's folder, and a hash of it
+    if name in _announced or name not in COMPILING_S or parent_process():
+        return
+    _announced.add(name)
+    print(f"compiling kernels ({name}), once, about {COMPILING_S[name]} s of a core: none of this "
+          "version are kept", file=sys.stderr, flush=True)  # fmt: skip
+
+
 def checked_files(plain: Any) -> Any:
     """Class of numba's cache files that end in a sum of what they hold, made of its own, `plain`.
 
@@ -79,6 +112,12 @@ def checked_files(plain: Any) -> Any:
     """
 
     class Checked(plain):  # type: ignore[misc]
+        def load(self, key: Any) -> Any:
+            entry = super().load(key)
+            if entry is None:
+                announce(Path(self._cache_path))
+            return entry
+
         def save(self, key: Any, data: Any) -> None:
             with contextlib.suppress(OSError):
                 super().save(key, data)

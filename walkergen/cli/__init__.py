@@ -98,6 +98,7 @@ def main() -> None:
     # Ours to decide: what is drawn depends on no setting of other programs
     os.environ["MPLBACKEND"] = "agg"
     os.environ.pop("SOURCE_DATE_EPOCH", None)
+    os.environ["PYDANTIC_DISABLE_PLUGINS"] = "__all__"  # of others, found in every package
     # without a cache folder it makes one for this process, as `caches` does: nobody needs to know
     logging.getLogger("matplotlib").setLevel(logging.ERROR)
     code = _run()

@@ -101,7 +101,10 @@ FIRST_S, NEXT_S = 5.0, 15.0
 def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
     """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines."""
     if not wanted:
-        yield lambda what, done, total: None
+        from walkergen import caches
+
+        with caches.unannounced():
+            yield lambda what, done, total: None
     else:
         with _bar(title) if sys.stderr.isatty() else _lines(title) as update:
             yield update
@@ -120,7 +123,10 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 pause = NEXT_S
                 what, done, total = state[0]
                 share = f", {done} of {total}" if done else ""
-                rest = f", {_rest(time.monotonic() - begun, done, total)} left" if done else ""
+                passed = time.monotonic() - begun
+                rest = (
+                    f", {_rest(passed, done, total)} left" if done else f", {passed:.0f} s so far"
+                )
                 try:
                     print(plain.line(f"{title}: {what}{share}{rest}"), file=sys.stderr, flush=True)
                 except OSError:  # nobody reads it

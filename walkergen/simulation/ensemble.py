@@ -176,7 +176,7 @@ def measure(
     sample_interval: float | None = None,
 ) -> tuple[Summary, list[RunResult]]:
     """Run an ensemble (see `run`) and summarise it; its wall time leaves out compilation."""
-    progress("compiling (half a minute, the first time only)", 0, plan.scene.run.runs)
+    progress("kernels", 0, plan.scene.run.runs)
     compile_kernels(plan)
     started = time.perf_counter()
     results = run(plan, progress, threads, impacts, sample_interval)

@@ -3,14 +3,11 @@
 from typing import Any
 
 from walkergen.scene import Scene
-from walkergen.simulation.compliant import model as compliant
 from walkergen.simulation.drive import Drive
 from walkergen.simulation.effects import compliance, harmonic, tensor
 from walkergen.simulation.effects.effect import Case, Effect
 from walkergen.simulation.effects.resolve import Resolved, resolve
 from walkergen.simulation.model import Plan
-from walkergen.simulation.relaxed import model as relaxed
-from walkergen.simulation.space import model as space
 from walkergen.simulation.world import Contact, World
 from walkergen.theory.impact import Law
 from walkergen.walker.design import Design
@@ -49,10 +46,18 @@ def _contacts(scene: Scene, limbs: tuple[Limb, ...]) -> tuple[Contact, ...]:
 
 
 def _room(resolved: Resolved) -> Any:
-    """Package that moves the walker of a resolved scene."""
+    """Module that moves the walker of a resolved scene, imported with the first such walker."""
     if resolved.model == "space":
+        from walkergen.simulation.space import model as space
+
         return space
-    return compliant if resolved.model == "compliant" else relaxed
+    if resolved.model == "compliant":
+        from walkergen.simulation.compliant import model as compliant
+
+        return compliant
+    from walkergen.simulation.relaxed import model as relaxed
+
+    return relaxed
 
 
 def without(scene: Scene, effect: Effect) -> Scene:

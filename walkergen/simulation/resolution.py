@@ -8,7 +8,6 @@ from collections.abc import Mapping
 from typing import Any, NamedTuple
 
 from walkergen.simulation import observables
-from walkergen.simulation.compliant import lengths
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.model import Plan
 from walkergen.simulation.plan import prepare
@@ -120,6 +119,8 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
         return Verdict(None, ENDLESS)
     if plan.resolved.model != "compliant":
         return Verdict(0.0)
+    from walkergen.simulation.compliant import lengths
+
     own = lengths.own_step(plan.world.walker)
     part = plan.world.options.step / own
     if part > 1.0 + 1e-9:
@@ -165,6 +166,8 @@ def longest_step(plan: Plan) -> float:
     """
     if plan.resolved.model != "compliant":
         return math.inf
+    from walkergen.simulation.compliant import lengths
+
     return lengths.longest_step(plan.world.walker)
 
 

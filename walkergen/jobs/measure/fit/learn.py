@@ -193,7 +193,7 @@ def _by_runs(
     """Posterior from emulators over the prior, refined by walkers drawn from a first posterior;
     emulators of settings measured and, over the posterior alone, ahead.
     """
-    progress("compiling (half a minute, the first time only)", 0, 1)
+    progress("kernels", 0, 1)
     seed = ground.scene.run.seed
     x = emulated.spread(ground, FIRST)
     y = emulated.batches(ground, settings, x, progress, 0)

@@ -1,17 +1,18 @@
 """Orbits that all runs share: these then agree to rounding, and prints tell the scatter."""
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
-from walkergen.jobs.run.simulate import uncertain
-from walkergen.jobs.run.simulate.uncertain import Bounds
 from walkergen.simulation import orbits
 from walkergen.simulation.ensemble import Summary
 from walkergen.simulation.experiments import Experiment, Results
 from walkergen.simulation.run import ENDED_WELL
+
+if TYPE_CHECKING:
+    from walkergen.jobs.run.simulate.uncertain import Bounds
 
 DRAWS, LONGEST_S = 24, 4.0
 """Number of prints drawn in place of runs, and measured time of a print's run at most, s."""
@@ -24,7 +25,7 @@ class Orbit(NamedTuple):
     """Name of it, of `orbits`: one periodic orbit, or at rest."""
     draws: int
     """Prints simulated for the bounds."""
-    bounds_mm_s: Bounds | None
+    bounds_mm_s: "Bounds | None"
     """Speeds below which 2.5, 16, 84 and 97.5 % of prints run; None where it is not known."""
     reason: str = ""
     """Reason why it is not known; "" where it is."""
@@ -40,6 +41,8 @@ def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | No
     kind = orbits.shared(np.array(good), scene.drive.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
+    from walkergen.jobs.run.simulate import uncertain
+
     run = scene.run.model_copy(update={"seconds": min(scene.run.seconds, LONGEST_S)})
     short = scene.model_copy(update={"run": run})
     try:

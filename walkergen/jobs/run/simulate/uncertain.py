@@ -151,7 +151,7 @@ def _asked(
 
 def _simulated(wanted: Sequence[Experiment], progress: Progress) -> list[Results]:
     """Points of all draws; the first is simulated alone, since it compiles for all."""
-    progress("compiling (half a minute, the first time only)", 0, len(wanted))
+    progress("kernels", 0, len(wanted))
     (first,) = experiments.each(wanted[:1], [""], lambda what, done, total: None, None)
     titles = [f"print {number} of {len(wanted)}" for number in range(2, len(wanted) + 1)]
     return [first, *experiments.on_threads(wanted[1:], titles, progress)]

@@ -89,7 +89,7 @@ def _result(job: Job, checks: tuple[Check, ...], error: str, seconds: float) -> 
 def run(jobs: Sequence[Job], progress: Progress) -> tuple[list[Result], bool]:
     """Run jobs; results in their order, and whether all were run: Ctrl-C keeps those finished."""
     results: dict[int, Result] = {}
-    progress("compiling (half a minute, the first time only)", 0, len(jobs))
+    progress("kernels", 0, len(jobs))
     workers = min(os.cpu_count() or 1, len(jobs))
     try:
         for index, result in _in_process(jobs) if workers == 1 else _in_processes(jobs, workers):
