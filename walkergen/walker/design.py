@@ -27,11 +27,11 @@ from pydantic import (
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
-from walkergen.walker import buildable
+from walkergen.walker import buildable, payload
 from walkergen.walker.body import Body, Size, located
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
-from walkergen.walker.payload import Battery, Motor, Pockets
+from walkergen.walker.payload import Battery, Motor, Part, Pockets
 
 MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
@@ -131,7 +131,7 @@ class Design(Section):
         for key in ("motor", "battery"):
             if data.get(key, key) is None:
                 del data[key]
-        if not self.loaded:
+        if not self.parts:
             data.pop("pockets", None)
         return data
 
@@ -165,6 +165,14 @@ class Design(Section):
             marks = marks.model_copy(update={"kind": "text"})
         size = (length, thickness, depth)
         faults += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
+        if not faults and self.parts:
+            foot = min(limb.foot_height for limb in self.limbs)
+            faults = payload.problems(self.parts, self.pockets, self.size, foot)
+        if self.pockets != Pockets() and not self.parts:
+            faults.append(
+                "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or "
+                "leave them out"
+            )
         if faults:
             raise GeometryError("\n".join(faults))
         return self
@@ -201,9 +209,10 @@ class Design(Section):
         return landing.landed(self.body.key, limbs)
 
     @property
-    def loaded(self) -> bool:
-        """True for a walker that carries a motor or a battery."""
-        return self.motor is not None or self.battery is not None
+    def parts(self) -> dict[str, Part]:
+        """Parts that the body carries, motor and battery, by the names of their tables."""
+        parts = {"motor": self.motor, "battery": self.battery}
+        return {name: part for name, part in parts.items() if part is not None}
 
     @property
     def kind(self) -> Kind:
