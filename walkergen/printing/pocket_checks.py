@@ -16,12 +16,12 @@ usual rule of makers' test prints."""
 
 def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
     """Findings on the pockets of one walker, in whichever way it lies."""
-    clearance, wanted = design.pockets.clearance_mm, printer.pocket_clearance_mm
+    clearance, wanted = design.fit.clearance_mm, printer.pocket_clearance_mm
     if design.parts and clearance < wanted - NOISE_MM:
         yield new("warning", f"{' and '.join(design.parts)} may not go into the pocket as this "
                   "printer prints it", clearance, wanted, "mm",
                   f"set pockets.clearance_mm = {wanted:g}")  # fmt: skip
-    channel = design.pockets.channel_mm
+    channel = design.fit.channel_mm
     if len(design.parts) > 1 and 0.0 < channel < 2.0 * printer.line_width_mm:
         yield new("warning", "the channel of the wires may fuse", channel,
                   2.0 * printer.line_width_mm, "mm", "raise pockets.channel_mm, or make it 0 and "
@@ -44,7 +44,7 @@ def ceiling(part: Part, design: Design) -> float:
     side = solids.on_side(design)
     if part.opens == ("side" if side else "down"):
         return 0.0
-    room = [2.0 * (half + design.pockets.clearance_mm) for half in part.cylinder.half]
+    room = [2.0 * (half + design.fit.clearance_mm) for half in part.cylinder.half]
     if side:
         return room[0]  # it opens up or down, which is level in the print
     return min(room[0], math.inf if part.opens == "side" else room[2])

@@ -1,8 +1,10 @@
 """Printers, their beds and processes, as templates/printers/*.toml describe them."""
 
-from typing import Annotated, Any, Literal
+from functools import partial
+from operator import eq
+from typing import Annotated, Literal
 
-from pydantic import Field, SerializerFunctionWrapHandler, model_serializer
+from pydantic import Field
 
 from walkergen.files.config import Name, Section
 
@@ -36,18 +38,13 @@ class Printer(Section):
     """Way the slicer draws walls: lines of equal width, or of a width that follows the wall."""
     thin_walls: bool = True
     """Printing of walls thinner than a line, which the classic generator else leaves out."""
-    pocket_clearance_mm: Annotated[float, Field(ge=0, le=2)] = CLEARANCE_MM
-    """Gap on every side that a part needs to go into its pocket; a design's own is compared."""
+    pocket_clearance_mm: Annotated[float, Field(ge=0, le=2)] = Field(
+        default=CLEARANCE_MM, exclude_if=partial(eq, CLEARANCE_MM)
+    )
+    """Gap on every side that a part needs to go into its pocket, compared with a design's; left out
+    of its data while it is the usual one."""
     origin: Literal["corner", "centre"] = "corner"
     """Place of a file's x = y = 0: the front left corner of the bed, or its middle."""
-
-    @model_serializer(mode="wrap")
-    def _without_usual(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Data of a printer, without the usual clearance, which most walkers have no use for."""
-        data: dict[str, Any] = written(self)
-        if self.pocket_clearance_mm == CLEARANCE_MM:
-            data.pop("pocket_clearance_mm", None)
-        return data
 
     @property
     def bed_corner(self) -> tuple[float, float]:

@@ -9,6 +9,7 @@ paper's object.
 
 import math
 from collections.abc import Iterable, Mapping
+from operator import not_
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,11 +17,9 @@ from pydantic import (
     Discriminator,
     Field,
     SerializeAsAny,
-    SerializerFunctionWrapHandler,
     Tag,
     ValidationInfo,
     field_validator,
-    model_serializer,
     model_validator,
 )
 
@@ -118,22 +117,12 @@ class Design(Section):
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
-    motor: Motor | None = None
-    """Motor that the body carries. None: none, the walker is driven by a plate."""
-    battery: Battery | None = None
-    pockets: Pockets = Pockets()
+    motor: Motor | None = Field(default=None, exclude_if=not_)
+    """Motor that the body carries. None: none, and its data are as if there were no such key."""
+    battery: Battery | None = Field(default=None, exclude_if=not_)
+    pockets: Pockets | None = Field(default=None, exclude_if=not_)
+    """Pockets of motor and battery. None: `fit`, the usual ones."""
     family: Family = Family()
-
-    @model_serializer(mode="wrap")
-    def _without_payload(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        """Data of a design; without motor and battery as if the keys of both were unknown."""
-        data: dict[str, Any] = written(self)
-        for key in ("motor", "battery"):
-            if data.get(key, key) is None:
-                del data[key]
-        if not self.parts:
-            data.pop("pockets", None)
-        return data
 
     @field_validator("leg_tilt_deg")
     @classmethod
@@ -167,8 +156,8 @@ class Design(Section):
         faults += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
         if not faults and self.parts:
             foot = min(limb.foot_height for limb in self.limbs)
-            faults = payload.problems(self.parts, self.pockets, self.size, foot)
-        if self.pockets != Pockets() and not self.parts:
+            faults = payload.problems(self.parts, self.fit, self.size, foot)
+        if self.pockets is not None and not self.parts:
             faults.append(
                 "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or "
                 "leave them out"
@@ -213,6 +202,11 @@ class Design(Section):
         """Parts that the body carries, motor and battery, by the names of their tables."""
         parts = {"motor": self.motor, "battery": self.battery}
         return {name: part for name, part in parts.items() if part is not None}
+
+    @property
+    def fit(self) -> Pockets:
+        """Pockets that hold its parts, with clearance, wires and glue."""
+        return self.pockets or Pockets()
 
     @property
     def kind(self) -> Kind:

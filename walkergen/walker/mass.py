@@ -175,13 +175,13 @@ def carried(design: "Design") -> list[SolidMass]:
     With one part alone the wires are within it. The centres are in the design's frame.
     """
     cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
-    extra = design.pockets.glue_g / len(cylinders)
+    extra = design.fit.glue_g / len(cylinders)
     if len(cylinders) == 1:
-        extra += design.pockets.wires_g
+        extra += design.fit.wires_g
     parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
-    if len(parts) > 1 and design.pockets.wires_g > 0.0:
+    if len(parts) > 1 and design.fit.wires_g > 0.0:
         first, second = (part.centre for part in parts)
-        way, wires = second - first, design.pockets.wires_g
+        way, wires = second - first, design.fit.wires_g
         tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
         parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
     return parts

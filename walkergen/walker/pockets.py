@@ -15,7 +15,7 @@ from walkergen.errors import GeometryError
 from walkergen.shapes import modeller
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker.mass import Array
-from walkergen.walker.payload import FLOOR_MM, Cylinder, Part, Pockets
+from walkergen.walker.payload import FLOOR_MM, Cylinder, Part
 
 if TYPE_CHECKING:
     from walkergen.walker.design import Design
@@ -40,7 +40,7 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
     tools = {name: _swept(part, design) for name, part in design.parts.items()}
     if design.motor and design.battery:
         _refuse_shared(design)
-        if design.pockets.channel_mm > 0.0:
+        if design.fit.channel_mm > 0.0:
             tools["channel"] = _channel(design)
     for name, tool in tools.items():
         _refuse_leg(name, tool, legs, design)
@@ -59,7 +59,7 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
 
 def without(design: "Design") -> "Design":
     """Design of the same walker without pockets, for it carries nothing."""
-    empty = {"motor": None, "battery": None, "pockets": Pockets()}
+    empty = {"motor": None, "battery": None, "pockets": None}
     return design.model_copy(update=empty)
 
 
@@ -94,7 +94,7 @@ def _points(cylinder: Cylinder, design: "Design", clearance: float) -> Array:
 
 def _swept(part: Part, design: "Design") -> manifold3d.Manifold:
     """Room that a part takes and passes on its way in."""
-    points = _points(part.cylinder, design, design.pockets.clearance_mm)
+    points = _points(part.cylinder, design, design.fit.clearance_mm)
     return _hull(
         np.concatenate([points, points + _far(points, design) * np.array(OUT[part.opens])])
     )
@@ -108,7 +108,7 @@ def _far(points: Array, design: "Design") -> float:
 def _channel(design: "Design") -> manifold3d.Manifold:
     """Channel from the floor of the one pocket to that of the other; open to their common side."""
     parts = list(design.parts.values())
-    half = 0.5 * design.pockets.channel_mm
+    half = 0.5 * design.fit.channel_mm
     corners = half * np.array(list(itertools.product((-1.0, 1.0), repeat=3)))
     points = np.concatenate([_end(part, design) + corners for part in parts])
     if parts[0].opens == parts[1].opens:
@@ -119,10 +119,10 @@ def _channel(design: "Design") -> manifold3d.Manifold:
 
 def _end(part: Part, design: "Design") -> Array:
     """Middle of the end of the channel in a part's pocket: on its floor, within the body."""
-    half, out = 0.5 * design.pockets.channel_mm, np.array(OUT[part.opens])
+    half, out = 0.5 * design.fit.channel_mm, np.array(OUT[part.opens])
     cylinder = part.cylinder
     place = np.array(cylinder.middle(design.size.depth))
-    place -= out * (np.array(cylinder.half) + design.pockets.clearance_mm - half)
+    place -= out * (np.array(cylinder.half) + design.fit.clearance_mm - half)
     room = max(0.5 * design.size.thickness - FLOOR_MM - half, 0.0)
     place[1] = min(max(place[1], -room), room)
     return place
@@ -157,7 +157,7 @@ def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Des
     """Raise GeometryError unless a layer of the body lies below a part, or above one that is put
     in from below.
     """
-    points = _points(part.cylinder, design, design.pockets.clearance_mm)
+    points = _points(part.cylinder, design, design.fit.clearance_mm)
     below = np.array(OUT["up" if part.opens == "down" else "down"])
     layer = _hull(points + FLOOR_MM * below) - _hull(points)
     # A round part need not sink in to its middle: only the lowest of its floor counts
@@ -176,5 +176,5 @@ def _refuse_floor(name: str, part: Part, body: manifold3d.Manifold, design: "Des
 def _place(name: str, design: "Design") -> str:
     """Key of the place of a part, or of the channel's width, with its value."""
     if name == "channel":
-        return f"pockets.channel_mm = {design.pockets.channel_mm:g}"
+        return f"pockets.channel_mm = {design.fit.channel_mm:g}"
     return f"{name}.along_mm = {design.parts[name].along_mm:g}"

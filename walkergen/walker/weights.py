@@ -187,7 +187,10 @@ def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
             tables[name]["mass_g"] = grams.mean
         else:
             tables["pockets"][f"{name}_g"] = grams.mean
-    own = {key: getattr(design, key).model_copy(update=table) for key, table in tables.items()}
+    own = {
+        key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
+        for key, table in tables.items()
+    }
     return design.model_copy(update=own)
 
 
