@@ -8,7 +8,7 @@ import trimesh
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
-from walkergen.printing import checks
+from walkergen.printing import checks, profile
 from walkergen.printing.pocket_checks import ceiling
 from walkergen.printing.printers import Printer
 from walkergen.walker import names, solids, weights
@@ -315,6 +315,20 @@ def test_places_that_only_the_solid_knows_are_one_line(tables, words):
     assert line.count("\n") == 0
     for word in words:
         assert word in line
+
+
+def test_marks_that_pockets_take_away_are_refused():
+    line = refusal_of(**shipped("coinbot").model_dump(exclude_unset=True), marks={"serial": 7})
+    assert "marks.serial = 7" in line
+    assert line.count("\n") == 0
+    beside = shipped("spinner").variant(**{"marks.kind": "text", "marks.text": "A7"})
+    assert solids.bodies(solids.build(beside).walker) == 1
+
+
+def test_pockets_are_in_no_drawing_for_a_laser_cutter():
+    for name in CARRIERS:
+        with pytest.raises(InputError, match=r"no profile .* pockets \(motor, battery\)"):
+            profile.drawing_of(shipped(name))
 
 
 def test_a_body_of_ones_own_bears_pockets(tmp_path):

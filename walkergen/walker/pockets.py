@@ -37,17 +37,15 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
     with the key, for parts that take the same place, stand in a leg, or have no floor.
     """
     solid, legs = modeller.solid(body), [modeller.solid(root) for root in roots]
-    tools = {name: _swept(part, design) for name, part in design.parts.items()}
+    tools = _tools(design)
     if design.motor and design.battery:
         _refuse_shared(design)
-        if design.fit.channel_mm > 0.0:
-            tools["channel"] = _channel(design)
     for name, tool in tools.items():
         _refuse_leg(name, tool, legs, design)
     for name, part in design.parts.items():
         others = [tool for other, tool in tools.items() if other not in (name, "channel")]
         _refuse_floor(name, part, solid - _union(others), design)
-    cavity = _union(list(tools.values()))
+    cavity = _cavity(design)
     rest = [modeller.evaluated(modeller.solid(mesh) - cavity) for mesh in (walker, body)]
     if any(len(modeller.bodies(piece)) != 1 for piece in rest):
         raise GeometryError(
@@ -55,6 +53,21 @@ def cut(design: "Design", walker: Mesh, body: Mesh, roots: Sequence[Mesh]) -> tu
             "move them, or make the body larger"
         )
     return modeller.mesh_of(rest[0]), modeller.mesh_of(rest[1])
+
+
+def refuse_marks(design: "Design", marked: Mesh, plain: Mesh) -> None:
+    """Raise GeometryError where the pockets of a body take its marks away.
+
+    `marked` is the body without pockets, `plain` without marks too.
+    """
+    strokes = modeller.solid(plain) - modeller.solid(marked)
+    lost = modeller.evaluated(strokes ^ _cavity(design)).volume() / strokes.volume()
+    if lost > ROUNDING:
+        key = "kind" if design.marks.kind != "none" else "serial"
+        raise GeometryError(
+            f"marks.{key} = {getattr(design.marks, key)!r}: the pockets take {100.0 * lost:.2g} % "
+            "of the mark away: leave it out, make it smaller, or let the pockets open elsewhere"
+        )
 
 
 def without(design: "Design") -> "Design":
@@ -69,6 +82,18 @@ def solids_of(design: "Design") -> dict[str, Mesh]:
         name: modeller.mesh_of(_hull(_points(part.cylinder, design, 0.0)))
         for name, part in design.parts.items()
     }
+
+
+def _tools(design: "Design") -> dict[str, manifold3d.Manifold]:
+    """Rooms of pockets and channel, by the names of their tables and "channel"."""
+    tools = {name: _swept(part, design) for name, part in design.parts.items()}
+    if len(tools) > 1 and design.fit.channel_mm > 0.0:
+        tools["channel"] = _channel(design)
+    return tools
+
+
+def _cavity(design: "Design") -> manifold3d.Manifold:
+    return _union(list(_tools(design).values()))
 
 
 def _union(tools: Sequence[manifold3d.Manifold]) -> manifold3d.Manifold:

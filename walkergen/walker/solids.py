@@ -73,6 +73,8 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     else:
         roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
     walker, body = pockets.cut(design, solid.walker, solid.body, roots)
+    if design.marks != design.marks.bare:
+        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments).body)
     return solid._replace(walker=walker, body=body)
 
 
