@@ -91,11 +91,14 @@ def predicted(
 def _applied(
     design: Design, parts: Solids, weighed: "Mapping[str, Weighings]", name: str
 ) -> Design:
-    """Design with its masses from the balance, if it was weighed."""
-    if name not in weighed:
+    """Design with its masses from the balance, if it or what it carries was weighed."""
+    if not weighed:
         return design
     from walkergen.walker import weights
 
+    design = weights.loaded(design, weighed)
+    if name not in weighed:
+        return design
     return weights.applied(design, parts, weighed[name], name)
 
 

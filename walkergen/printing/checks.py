@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from walkergen.errors import PrintabilityError
-from walkergen.printing import legs_up, walls
+from walkergen.printing import legs_up, pocket_checks, walls
 from walkergen.printing.findings import NOISE_MM, Level, new
 from walkergen.printing.findings import Finding as Finding
 from walkergen.printing.packing import Part, Plate, border, spacing
@@ -77,6 +77,7 @@ def of_part(name: str, design: Design, mesh: Mesh, printer: Printer) -> list[Fin
         *_size(Part.of(name, mesh), printer),
         *_mesh(mesh),
         *_repairs(design),
+        *pocket_checks.of_part(design, printer),
     ]
     if not solids.on_side(design):
         findings += legs_up.of_part(design, mesh, printer)

@@ -13,6 +13,7 @@ from walkergen.printing import walls
 from walkergen.printing.findings import NOISE_MM, Finding, new
 from walkergen.printing.printers import Printer
 from walkergen.shapes.mesh import Mesh
+from walkergen.walker import pockets, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import Array
 
@@ -42,8 +43,11 @@ def overhang(design: Design, mesh: Mesh) -> float:
     """Area of the body's faces over air that look down by more than STEEPEST_DEG allows, mm^2.
 
     The mesh lies upside down on z = 0. Legs, above the body, are not counted, nor are engraved
-    letters, whose strokes are bridged.
+    letters, whose strokes are bridged; pockets have a check of their own (pocket_checks).
     """
+    if design.parts:
+        bare = pockets.without(design)
+        return overhang(bare, solids.as_printed(bare, solids.build(bare).walker))
     corners = mesh.vertices[mesh.triangles]
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = 0.5 * np.linalg.norm(normals, axis=1)

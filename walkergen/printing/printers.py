@@ -1,10 +1,15 @@
 """Printers, their beds and processes, as templates/printers/*.toml describe them."""
 
+from functools import partial
+from operator import eq
 from typing import Annotated, Literal
 
 from pydantic import Field
 
 from walkergen.files.config import Name, Section
+
+CLEARANCE_MM = 0.2
+"""Gap on every side between a printed wall and a part that goes in by hand. Assumed, as usual."""
 
 
 class Printer(Section):
@@ -33,6 +38,11 @@ class Printer(Section):
     """Way the slicer draws walls: lines of equal width, or of a width that follows the wall."""
     thin_walls: bool = True
     """Printing of walls thinner than a line, which the classic generator else leaves out."""
+    pocket_clearance_mm: Annotated[float, Field(ge=0, le=2)] = Field(
+        default=CLEARANCE_MM, exclude_if=partial(eq, CLEARANCE_MM)
+    )
+    """Gap on every side that a part needs to go into its pocket, compared with a design's; left out
+    of its data while it is the usual one."""
     origin: Literal["corner", "centre"] = "corner"
     """Place of a file's x = y = 0: the front left corner of the bed, or its middle."""
 

@@ -27,12 +27,15 @@ def drawing_of(design: Design) -> list[Polygon]:
     Of a body in plan view its outline seen from above, else the profile of body and legs. Raises
     InputError for a walker that is neither.
     """
-    if design.body.flat:
+    depth, why = design.size.depth, "its legs are narrower than its body"
+    if design.parts:
+        why = f"its body has pockets ({', '.join(design.parts)})"
+    elif design.body.flat:
         return list(design.body.shape.plan)
-    depth = design.size.depth
-    if solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
+    elif solids.on_side(design) and all(limb.width == depth for limb in design.limbs):
         return profile_of(design)
-    why = "its body is a mesh" if design.body.mesh else "its legs are narrower than its body"
+    elif design.body.mesh:
+        why = "its body is a mesh"
     raise InputError(
         f"{design.name}: no profile for {', '.join(FORMATS)}, because {why}: export it as stl or "
         "3mf"

@@ -9,6 +9,7 @@ paper's object.
 
 import math
 from collections.abc import Iterable, Mapping
+from operator import not_
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -25,10 +26,11 @@ from pydantic import (
 from walkergen.errors import GeometryError, InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
-from walkergen.walker import buildable
+from walkergen.walker import buildable, payload
 from walkergen.walker.body import Body, Size, located
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
+from walkergen.walker.payload import Battery, Motor, Part, Pockets
 
 MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
@@ -122,6 +124,11 @@ class Design(Section):
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
+    motor: Motor | None = Field(default=None, exclude_if=not_)
+    """Motor that the body carries. None: none, and its data are as if there were no such key."""
+    battery: Battery | None = Field(default=None, exclude_if=not_)
+    pockets: Pockets | None = Field(default=None, exclude_if=not_)
+    """Pockets of motor and battery. None: `fit`, the usual ones."""
     family: Family = Family()
 
     @field_validator("leg_tilt_deg")
@@ -154,6 +161,14 @@ class Design(Section):
             marks = marks.model_copy(update={"kind": "text"})
         size = (length, thickness, depth)
         faults += problems(marks, self.family.tilt_deg, self.tilt_deg, size)
+        if not faults and self.parts:
+            foot = min(limb.foot_height for limb in self.limbs)
+            faults = payload.problems(self.parts, self.fit, self.size, foot)
+        if self.pockets is not None and not self.parts:
+            faults.append(
+                "pockets = ...: are of a motor or a battery: add a table [motor] or [battery], or "
+                "leave them out"
+            )
         if faults:
             raise GeometryError("\n".join(faults))
         return self
@@ -188,6 +203,17 @@ class Design(Section):
         from walkergen.walker import landing
 
         return landing.landed(self.body.key, limbs)
+
+    @property
+    def parts(self) -> dict[str, Part]:
+        """Parts that the body carries, motor and battery, by the names of their tables."""
+        parts = {"motor": self.motor, "battery": self.battery}
+        return {name: part for name, part in parts.items() if part is not None}
+
+    @property
+    def fit(self) -> Pockets:
+        """Pockets that hold its parts, with clearance, wires and glue."""
+        return self.pockets or Pockets()
 
     @property
     def kind(self) -> Kind:

@@ -15,6 +15,7 @@ from walkergen.shapes.mesh import Mesh
 
 if TYPE_CHECKING:
     from walkergen.walker.design import Design
+    from walkergen.walker.payload import Cylinder
 
 Array = npt.NDArray[np.float64]
 Values = float | Array
@@ -144,6 +145,8 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
+    if design.parts:
+        top = together([top, *carried(design)])
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
     weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
@@ -163,6 +166,46 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
     return frozen(loose, [limb.braced for limb in limbs])
+
+
+def carried(design: "Design") -> list[SolidMass]:
+    """Mass properties of what a body carries: its parts, each with its share of the glue, and the
+    wires, a thin rod from the middle of the one to that of the other.
+
+    With one part alone the wires are within it. The centres are in the design's frame.
+    """
+    cylinders, depth = [part.cylinder for part in design.parts.values()], design.size.depth
+    extra = design.fit.glue_g / len(cylinders)
+    if len(cylinders) == 1:
+        extra += design.fit.wires_g
+    parts = [_of_cylinder(own, own.mass + extra, depth) for own in cylinders]
+    if len(parts) > 1 and design.fit.wires_g > 0.0:
+        first, second = (part.centre for part in parts)
+        way, wires = second - first, design.fit.wires_g
+        tensor = wires / 12.0 * (way @ way * np.eye(3) - np.outer(way, way))
+        parts.append(SolidMass(wires, 0.5 * (first + second), tensor, 0.0))
+    return parts
+
+
+def _of_cylinder(cylinder: "Cylinder", mass: float, depth: float) -> SolidMass:
+    """Mass properties of a solid cylinder of that mass, g, in a body of that depth, mm."""
+    aside = mass * (3.0 * cylinder.radius**2 + cylinder.height**2) / 12.0
+    tensor = aside * np.eye(3)
+    tensor[cylinder.axis, cylinder.axis] = 0.5 * mass * cylinder.radius**2
+    volume = np.pi * cylinder.radius**2 * cylinder.height
+    return SolidMass(mass, np.array(cylinder.middle(depth)), tensor, volume)
+
+
+def together(solids: Sequence[SolidMass]) -> SolidMass:
+    """Mass properties of several solids as one rigid body, by Steiner's theorem."""
+    masses = np.array([solid.mass for solid in solids])
+    centres = np.array([solid.centre for solid in solids])
+    centre = masses @ centres / masses.sum()
+    tensor = np.zeros((3, 3))
+    for solid, arm in zip(solids, centres - centre, strict=True):
+        tensor += solid.tensor + solid.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    volume = sum(solid.volume for solid in solids)
+    return SolidMass(float(masses.sum()), centre, tensor, float(volume))
 
 
 def as_rigid(mass: MassProperties) -> MassProperties:

@@ -18,7 +18,7 @@ from walkergen.shapes import joining, modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import landing, marks, profiles, stance
+from walkergen.walker import landing, marks, pockets, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, assemble
@@ -59,8 +59,27 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     """Build a walker's solids.
 
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
-    meet the body.
+    meet the body, and for pockets that do not go into it.
     """
+    solid = _solid(design, foot_segments)
+    if not design.parts:
+        return solid
+    if design.whole:
+        roots = [
+            leg._replace(vertices=leg.vertices + np.array([*limb.anchor, _left_side(
+                limb, design.size.depth)]))
+            for limb, leg in zip(design.limbs, solid.legs, strict=True)
+        ]  # fmt: skip
+    else:
+        roots = _bars(design.limbs, _sections(design.limbs, foot_segments), design.size.depth)
+    walker, body = pockets.cut(design, solid.walker, solid.body, roots)
+    if design.marks != design.marks.bare:
+        pockets.refuse_marks(design, solid.body, _solid(design.unmarked, foot_segments).body)
+    return solid._replace(walker=walker, body=body)
+
+
+def _solid(design: Design, foot_segments: int) -> Solids:
+    """Solids of a walker without pockets."""
     if design.body.shape.whole is not None:
         return _cut(design.body.shape.whole, design)
     if not design.body.plain:
@@ -243,7 +262,7 @@ def mass_of(design: Design) -> MassProperties:
 
     Raises SolidError, GeometryError for a walker that cannot stand.
     """
-    if not design.body.plain:
+    if design.parts or not design.body.plain:
         return weigh(design, build(design))
     digits = Engraving(_engraved(design), design.marks.depth_mm)
     top = extruded([_body_profile(design)], design.size.depth, 0, digits)

@@ -30,6 +30,11 @@ def level(data: Mapping[str, Any], follow_deg: float) -> dict[str, Any]:
     Its body becomes a profile and its legs keep their shapes; braces are upright as it stands.
     Raises GeometryError for what does not stand so, and pydantic's errors for wrong keys.
     """
+    for name in ("motor", "battery"):
+        if data.get(name) is not None:
+            raise GeometryError(
+                f"{name} = ...: a walker with stance = 'as built' carries none: make the feet level"
+            )
     body = Body.model_validate(data.get("body", {}))
     legs = [Leg.model_validate(leg) for leg in _listed(data)]
     shape = body.shape

@@ -42,6 +42,9 @@ def _rows(design: "Design") -> Iterator[tuple[str, str]]:
     yield "legs", f"{legs}, {design.kind}"
     yield "tilt (deg)", f"{design.tilt_deg:g}"
     yield "body (mm)", f"{size.length:g} x {size.depth:g} x {size.thickness:g}"
+    for name, part in design.parts.items():
+        own = part.cylinder
+        yield name, f"{2.0 * own.radius:g} x {own.height:g} mm, {own.mass:g} g"
     material = design.material
     constants = f"{material.density_g_cm3:g} g/cm³, {material.youngs_modulus_gpa:g} GPa"
     yield "material", constants

@@ -3,7 +3,7 @@
 Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
 unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
 and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
-ratios only.
+ratios only. They are of the printed part; what it carries has rows of its own, with grams only.
 """
 
 import difflib
@@ -31,6 +31,9 @@ LIGHTEST, HEAVIEST = 1e-6, 1e6
 """Limits of masses that were weighed, g."""
 FACTOR = 10.0
 """Ratio of weighed and meshed masses, either way, beyond which a unit or part is wrong."""
+
+CARRIED = ("motor", "battery", "wires", "glue")
+"""Rows of what a walker carries."""
 
 PART = re.compile(r"(?P<stem>.+)_t(?P<tilt>-?[0-9.]{1,20})_(?P<kind>[a-z]+)_s[0-9.]+")
 """Name of a walker, as `names.part` writes it."""
@@ -64,6 +67,11 @@ def form(members: Sequence[Design], name: str) -> str:
     return FILE if len(names.by_design(members)) == 1 else f"weights_{name}.csv"
 
 
+def carried(design: Design) -> tuple[str, ...]:
+    """Rows of what a design's walkers carry; none where it has neither motor nor battery."""
+    return tuple(name for name in CARRIED if design.parts and name in (*design.parts, *CARRIED[2:]))
+
+
 def template(parts: Iterable[str]) -> str:
     """Text of a weights.csv to fill in: a line for every part, without numbers."""
     return csv_text(("part", *QUANTITIES), ((part, *[""] * len(QUANTITIES)) for part in parts))
@@ -78,11 +86,12 @@ def filled(path: Path) -> bool:
         return False
     data = reading.content(path, MOST_BYTES)
     parts = [row.partition(",")[0] for row in data.decode("utf-8", "replace").splitlines()[1:]]
-    return data != template(parts).encode() or not all(map(names.is_part, parts))
+    ours = all(names.is_part(part) or part in CARRIED for part in parts)
+    return data != template(parts).encode() or not ours
 
 
 def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
-    """Mean masses by the names of members, copies (NAME-3) taken together.
+    """Mean masses by the names of members, copies (NAME-3) taken together, and of what they carry.
 
     Names may begin with the design's name, as on plates of several designs. Walkers of the same
     designs that are not members are left out, and `unused` names them: a form is of a whole family.
@@ -96,7 +105,7 @@ def read(path: Path, members: Sequence[Design]) -> dict[str, Weighings]:
     for line, row in rows:
         try:
             if values := _values(row):
-                part = _part_of(row["part"].strip(), parts, members)
+                part = _row_of(row["part"].strip(), values, parts, members)
                 if part is None:
                     others = True
                     continue
@@ -123,8 +132,10 @@ def unused(path: Path, members: Sequence[Design]) -> list[str]:
     """
     own = _parts(members)
     masses = (row["part"].strip() for _, row in _rows(path) if _values(row))
-    parts = dict.fromkeys(COPY.sub("", name) for name in masses if not _named(name, own))
-    return list(parts)
+    known = {*own, *CARRIED}
+    return list(dict.fromkeys(
+        COPY.sub("", name) for name in masses if not known & {name, COPY.sub("", name)}
+    ))  # fmt: skip
 
 
 def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Design:
@@ -157,6 +168,32 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     return design.model_copy(update={"weighed": design.weighed.model_copy(update=own)})
 
 
+def loaded(design: Design, weighed: Mapping[str, Weighings]) -> Design:
+    """Design with the weighed masses, by their rows, of what it carries.
+
+    Raises InputError when they are far from the design's.
+    """
+    tables: dict[str, dict[str, float]] = defaultdict(dict)
+    for name in carried(design):
+        if name not in weighed or (grams := weighed[name].grams) is None:
+            continue
+        if part := design.parts.get(name):
+            stated = part.cylinder.mass
+            if not stated / FACTOR <= grams.mean <= stated * FACTOR:
+                raise InputError(
+                    f"{name}: {grams.mean:.4g} g by the balance, {stated:.4g} g by the design: "
+                    f"more than {FACTOR:g} times apart; are these grams, and of this part?"
+                )
+            tables[name]["mass_g"] = grams.mean
+        else:
+            tables["pockets"][f"{name}_g"] = grams.mean
+    own = {
+        key: (design.fit if key == "pockets" else design.parts[key]).model_copy(update=table)
+        for key, table in tables.items()
+    }
+    return design.model_copy(update=own)
+
+
 def meshed(design: Design) -> Design:
     """Design with its mesh's masses, whatever was weighed."""
     plain = Weighed(mass_sd_percent=design.weighed.mass_sd_percent)
@@ -181,6 +218,17 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
             f"{', '.join(QUANTITIES)}, separated by commas"
         )
     return table.rows
+
+
+def _row_of(
+    name: str, values: Mapping[str, float], parts: Mapping[str, str], members: Sequence[Design]
+) -> str | None:
+    """Part of a row, or what walkers carry; None for another walker. Raises InputError."""
+    if not any(name in carried(design) for design in members):
+        return _part_of(name, parts, members)
+    if wrong := [quantity for quantity in values if quantity != "grams"]:
+        raise InputError(f"{name}: {wrong[0]}: has neither body nor legs: write its mass as grams")
+    return name
 
 
 def _values(row: Mapping[str, str]) -> dict[str, float]:

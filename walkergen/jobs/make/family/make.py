@@ -96,7 +96,7 @@ def make(job: Job, path: Path, progress: Progress, tell: Tell) -> FamilyReport:
             progress(member.name, len(walkers), steps)
         for name, data in plates.files(layout, "family", job.pictures, job.prusaslicer):
             folder.write(f"plates/{name}", data)
-        parts = (member.name for member in walkers)
+        parts = [*(member.name for member in walkers), *weights.carried(job.design)]
         weights.write_template(path, parts)  # people's: not in the manifest
         progress("plates", len(walkers) + 1, steps)
         written = report.of(job.design, job.scene, job.mode, walkers, path)

@@ -10,9 +10,11 @@ import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure
+from scipy.spatial import ConvexHull
 
 from walkergen.files.figures import COLOURS, style
 from walkergen.shapes.mesh import Mesh
+from walkergen.walker import pockets
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -29,6 +31,13 @@ RULER = 0.4
 
 SEAM = 0.8
 """Width of the edges of triangles, points, in their own colour: 1.7 pixels hide the seams."""
+
+FINE_MM = 2.0
+"""Longest edge of the triangles of a body with pockets as it is drawn, mm: the painter's algorithm
+needs them small where one lies within the other."""
+
+CARRIED = {"motor": "#d55e00", "battery": "#999999"}
+"""Colours of what bodies carry, which is drawn as if they were of glass."""
 
 ROUNDING_MM = 1e-6
 """Largest error, mm, of the heights of a mesh."""
@@ -53,6 +62,11 @@ class Part(NamedTuple):
         return f"{self.design.tilt_deg:g}° {kind}" if self.design.follows else kind
 
     @property
+    def carried(self) -> dict[str, Mesh]:
+        """Motor and battery where they stand, by name."""
+        return pockets.solids_of(self.design)
+
+    @property
     def view(self) -> Array:
         """Camera that shows the shape: bodies in plan view from higher above."""
         return FROM_ABOVE if self.design.body.flat and not self.low else VIEW
@@ -73,7 +87,11 @@ LIGHT = np.array([-0.35, 0.75, 0.56])
 @style()
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     """Draw all parts with labels, in rows in the order of the table; more parts stand closer."""
-    screens = [part.mesh.vertices @ part.view.T for part in parts]
+    screens = [
+        np.concatenate([part.mesh.vertices, *(own.vertices for own in part.carried.values())])
+        @ part.view.T
+        for part in parts
+    ]
     size = np.max([np.ptp(screen, axis=0) for screen in screens], axis=0)
     inches = PART_INCHES if len(parts) <= FEW else SHEET_INCHES
     scale = inches / (1.12 * size[0])
@@ -130,7 +148,7 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
     Legs come before a body that is flat below, for from above they hide no part of it, and its
     upper side comes last.
     """
-    standing = part.mesh.vertices[part.mesh.triangles]
+    standing = _triangles(part)
     corners = standing @ part.view.T
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
@@ -142,7 +160,9 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         lowest = standing[facing][:, :, 1].min(axis=1)
         storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
     order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
-    middle = 0.5 * (corners.min(axis=(0, 1)) + corners.max(axis=(0, 1)))[:2]
+    carried = {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
+    seen = np.concatenate([corners.reshape(-1, 3), *carried.values()])
+    middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
     faces = PolyCollection(
@@ -150,3 +170,17 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round",
     )  # fmt: skip
     axes.add_collection(faces)
+    for name, outline in carried.items():
+        hull = outline[ConvexHull(outline[:, :2]).vertices, :2] - middle + at
+        axes.fill(*hull.T, facecolor=CARRIED[name], edgecolor="black", linewidth=0.5, alpha=0.6)
+        axes.annotate(name, hull.mean(axis=0), ha="center", va="center", fontsize=0.6 * LABEL)
+
+
+def _triangles(part: Part) -> Array:
+    """Triangles of a part as they are drawn, shape (n, 3, 3), mm."""
+    vertices, triangles = part.mesh
+    if part.design.parts:
+        from trimesh.remesh import subdivide_to_size
+
+        vertices, triangles = subdivide_to_size(vertices, triangles, FINE_MM)
+    return np.asarray(vertices[triangles])

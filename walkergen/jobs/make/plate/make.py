@@ -197,5 +197,6 @@ def _write_forms(members: Sequence[Design], rows: Sequence[Place], folder: Path)
         items.setdefault(design_of[row.name].name, {})[row.item] = None
     written = []
     for name, own in items.items():
-        written.append(weights.write_template(folder, own, weights.form(members, name)))
+        rows_of = [*own, *weights.carried(names.by_design(members)[name][0])]
+        written.append(weights.write_template(folder, rows_of, weights.form(members, name)))
     return [path for path in written if path is not None]

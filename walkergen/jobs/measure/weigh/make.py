@@ -1,6 +1,5 @@
 """Mass properties of any mesh file, in the file's own axes: of each object and of all together."""
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -66,19 +65,7 @@ def weigh(path: Path, density_g_cm3: float, scale_mm: float) -> Weighing:
         _weighed(surface.name, count, solid)
         for surface, count, solid in zip(surfaces, counts, solids, strict=True)
     )
-    return Weighing(parts, _weighed("total", sum(counts), together(solids)), loaded.sha256)
-
-
-def together(solids: Sequence[SolidMass]) -> SolidMass:
-    """Mass properties of several solids as one rigid body, by Steiner's theorem."""
-    masses = np.array([solid.mass for solid in solids])
-    centres = np.array([solid.centre for solid in solids])
-    centre = masses @ centres / masses.sum()
-    tensor = np.zeros((3, 3))
-    for solid, arm in zip(solids, centres - centre, strict=True):
-        tensor += solid.tensor + solid.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
-    volume = sum(solid.volume for solid in solids)
-    return SolidMass(float(masses.sum()), centre, tensor, float(volume))
+    return Weighing(parts, _weighed("total", sum(counts), mass.together(solids)), loaded.sha256)
 
 
 def principal(tensor: Array) -> tuple[Array, Array]:
