@@ -68,8 +68,8 @@ function geometryOf(positions, marked) {
 
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
- * triangles' corners, nine numbers a triangle. Returns { show, replace, look, stand, run, measure,
- * point, paint, colour, spacing }.
+ * triangles' corners, nine numbers a triangle. Returns { show, replace, look, run, measure, point,
+ * paint, colour, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
@@ -253,7 +253,7 @@ export function create(canvas, parts) {
     plate.under(centre, { x, z });
   }
 
-  /**
+  /*
    * Put the part that is shown where a run has it: shifted (mm) after a turn by a quaternion (x, y,
    * z, w). `corners`: places in the part that are lit by `brightness`, 0..1 each.
    */
@@ -335,6 +335,6 @@ export function create(canvas, parts) {
   camera.position.add(new Vector3().fromArray(VIEWS.angle));
   resize();
   return {
-    show, replace, look, stand, run, measure, point, paint, colour, spacing: plate.spacing(),
+    show, replace, look, run, measure, point, paint, colour, spacing: plate.spacing(),
   };
 }

@@ -14,12 +14,6 @@
   const bytesOf = (base64) =>
     Uint8Array.from(atob(base64), (character) => character.charCodeAt(0));
 
-  function floats(base64) {
-    const bytes = bytesOf(base64);
-    const view = new DataView(bytes.buffer);
-    return Float32Array.from({ length: bytes.length / 4 }, (_, i) => view.getFloat32(4 * i, true));
-  }
-
   // Link that holds the STL file of a member.
   const linkOf = (member) => document.querySelectorAll('[data-stl]')[shown.indexOf(member)];
 
@@ -122,47 +116,17 @@
       button.addEventListener('click', () => viewer.look(button.dataset.view));
   }
 
-  // Plays the run: poses between samples are blended, landings glow for as long as a person sees.
+  // Plays the run, in the viewer's own view.
   function playerOf(run) {
-    const GLOW_S = 0.25;
-    const [poses, landings] = [floats(run.poses), floats(run.landings)];
-    const closed = bytesOf(run.closed);
-    const count = poses.length / 7;
-    const wide = Math.ceil(run.corners.length / 8); // bytes of a pose: a bit for each corner
-    const last = (count - 1) * run.interval;
+    const { last, show } = viewer.run(run);
     const [button, slider, pace] = ['play', 'time', 'pace'].map(byId);
     let [time, before, frame] = [0, null, null];
-
-    function poseAt(at) {
-      const low = Math.min(Math.floor(at / run.interval), count - 2);
-      const share = Math.min(Math.max(at / run.interval - low, 0), 1);
-      return Array.from({ length: 7 }, (_, i) => {
-        const [a, b] = [poses[7 * low + i], poses[7 * (low + 1) + i]];
-        return a + share * (b - a);
-      });
-    }
-
-    // How brightly each corner is lit, 0..1.
-    function lights(at) {
-      const glow = GLOW_S / Number(pace.value);
-      const row = wide * Math.min(Math.round(at / run.interval), count - 1);
-      const pressed = (corner) => closed[row + (corner >> 3)] & (128 >> (corner & 7));
-      const lit = run.corners.map((_, corner) => (pressed(corner) ? 0.2 : 0));
-      for (let i = 0; i < landings.length && landings[i] <= at; i += 3) {
-        const left = 1 - (at - landings[i]) / glow;
-        const corner = landings[i + 1];
-        if (left > 0)
-          lit[corner] = Math.max(lit[corner], left * (0.25 + 0.75 * Math.sqrt(landings[i + 2])));
-      }
-      return lit;
-    }
 
     function showAt(at) {
       time = Math.min(Math.max(at, 0), last);
       slider.value = time;
       byId('time-shown').textContent = `${(1e3 * time).toFixed(1)} ms`;
-      const pose = poseAt(time);
-      viewer.stand(pose.slice(0, 3), pose.slice(3), run.corners, lights(time));
+      show(time, Number(pace.value));
     }
 
     function step(now) {
