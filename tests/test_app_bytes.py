@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import faults as system
 import pytest
@@ -32,7 +33,7 @@ LISTED = PAPER | {"walker": "unequal-legs", "scene": "lane-90hz"}
 def doors(tmp_path, monkeypatch):
     (tmp_path / "page").mkdir()
     monkeypatch.chdir(tmp_path / "page")
-    return Doors(tmp_path / "page")
+    return Doors(Path())
 
 
 def command(folder, words):
