@@ -3,11 +3,13 @@
 import contextlib
 import io
 import json
+import re
 import shlex
 import shutil
 import subprocess
 import sys
 import zipfile
+from pathlib import Path
 
 import faults as system
 import pytest
@@ -32,7 +34,7 @@ LISTED = PAPER | {"walker": "unequal-legs", "scene": "lane-90hz"}
 def doors(tmp_path, monkeypatch):
     (tmp_path / "page").mkdir()
     monkeypatch.chdir(tmp_path / "page")
-    return Doors(tmp_path / "page")
+    return Doors(Path())
 
 
 def command(folder, words):
@@ -77,6 +79,21 @@ def made(folder, doors, lines):
     return target
 
 
+def timeless(folder):
+    """Files of a folder by name, but for the time that making a family took and seals over it."""
+    contents = system.tree(folder)
+    for name in [name for name in contents if name.endswith("report.html")]:
+        taken_s = json.loads((folder / name).with_name("manifest.json").read_bytes())[
+            "time_taken_s"
+        ]
+        page = re.sub(rb"<!-- sealed: [0-9a-f]{64} -->", b"", contents[name])
+        contents[name] = page.replace(f"{taken_s}</td".encode(), b"</td")
+    return {
+        name: data for name, data in contents.items()
+        if not name.rpartition("/")[2].startswith(".")
+    }  # fmt: skip
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("what", ["stl", "3mf", "plate", "page"])
 @pytest.mark.parametrize("chosen", ["changed", "listed", "stl", "svg"])
@@ -87,8 +104,10 @@ def test_files_equal_those_of_the_lines_for_a_shell(doors, tmp_path, what, chose
     again = tmp_path / "again"
     again.mkdir()
     folder = made(again, doors, lines)
+    (own,) = (each for each in doors.folder.iterdir() if each.name != "uploads")
+    assert timeless(own) == timeless(folder)
     for name, data in entries.items():
-        (path,) = folder.rglob(name.rpartition("/")[2]) if len(entries) == 1 else [folder / name]
+        (path,) = own.rglob(name) if len(entries) == 1 else [own / name]
         assert path.read_bytes() == data
 
 
@@ -99,11 +118,12 @@ def test_an_archive_holds_all_that_its_lines_make(doors, tmp_path):
     again.mkdir()
     folder = made(again, doors, lines)
     (own,) = (each for each in doors.folder.iterdir() if each.is_dir())
-    assert {name: entries[name] for name in entries if name.startswith("settings/")}
-    ours, theirs = system.tree(own), system.tree(folder)
-    names = {name for name in theirs if not name.rpartition("/")[2].startswith(".")}
-    assert names == {name for name in entries if not name.startswith("settings/")}
-    assert {name: ours[name] for name in names} == {name: theirs[name] for name in names}
+    (own,) = (each for each in doors.folder.iterdir() if each.is_dir())
+    ours = timeless(own)
+    assert set(ours) == set(entries)
+    settings = {name: ours.pop(name) for name in entries if name.startswith("settings/")}
+    assert set(settings) == {f"settings/{each}.toml" for each in ("walker", "scene", "printer")}
+    assert ours == timeless(folder)
 
 
 @pytest.mark.slow
