@@ -307,7 +307,7 @@ class Streamed(Response):
 
 async def _run(server: Server, request: Request) -> Response:
     document, _ = await _asked(server, request)
-    words = documents.arguments(document, "simulate", "--json")
+    words = await _worked(server, documents.arguments, document, "simulate", "--json")
     return Streamed(children.run(server.running, children.COMMAND, words, None))
 
 
@@ -319,7 +319,7 @@ async def _play(server: Server, request: Request) -> Response:
 async def _design(server: Server, request: Request) -> Response:
     """Search for a walker of a wished speed, as `walkergen design` does."""
     document, wish = await _asked(server, request)
-    words = taking.search(document, wish, server.folder / "designs")
+    words = await _worked(server, taking.search, document, wish, server.folder / "designs")
     return Streamed(children.run(server.running, children.COMMAND, words, None))
 
 
@@ -327,7 +327,7 @@ async def _take(server: Server, request: Request) -> Response:
     """Make files by their commands, and hand them out."""
     document, asked = await _asked(server, request)
     what, copies = asked.get("what"), asked.get("copies", 1)
-    order = taking.order(document, what, copies, server.folder)
+    order = await _worked(server, taking.order, document, what, copies, server.folder)
     made = await children.while_heard(request.receive, _made(server, order))
     return made or _refused(["the server has ended"], 503)
 
