@@ -148,7 +148,7 @@ def test_every_walker_template_makes_its_family(run, tmp_path, name):
 @pytest.mark.parametrize(
     ("words", "hint"),
     [
-        (("predict", "nosuch"), "known walkers: bristle, koumakis2016"),
+        (("predict", "nosuch"), "known walkers: bristle, bristlebot, coinbot, koumakis2016"),
         (("predict", "none.toml"), "no such file"),
         (("predict", "../../etc/passwd"), "no such file"),
         (("predict", "x" * 300), "no such template"),
@@ -251,7 +251,7 @@ def test_a_prediction_imports_few_modules_and_no_other_command():
         "file=sys.stderr)"
     )
     names = python("-c", code).stderr.split()
-    assert len(names) <= 56
+    assert len(names) <= 57
     others = ("walkergen.printing", "walkergen.simulation", "walkergen.jobs.make.family")
     assert not [name for name in names if name.startswith(others)]
 

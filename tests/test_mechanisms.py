@@ -20,7 +20,8 @@ from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Leg
 
-NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name")
+NAMES = ("two-materials", "unequal-legs", "polar-disc", "bristle", "rotator", "name", "bristlebot",
+         "spinner")  # fmt: skip
 
 
 def load(name):

@@ -9,7 +9,7 @@ import trimesh
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
 from walkergen.printing import checks, profile
-from walkergen.printing.pocket_checks import ceiling
+from walkergen.printing.pocket_checks import ceiling, thinnest_wall
 from walkergen.printing.printers import Printer
 from walkergen.walker import names, solids, weights
 from walkergen.walker.design import Design
@@ -182,6 +182,17 @@ def test_a_ceiling_too_wide_for_a_bridge_is_told():
     assert "battery" in line
     assert "20.4 mm, limit 10 mm" in line
     assert "battery.opens = 'down'" in line
+
+
+def test_walls_around_pockets_are_told_apart():
+    spinner = shipped("spinner")
+    corner = math.hypot(0.5 * 10.4, 12.7 + 0.5 * 3.1)
+    assert thinnest_wall(spinner.motor, spinner) == pytest.approx(17.0 - corner, abs=0.001)
+    assert thinnest_wall(spinner.battery, spinner) == pytest.approx(17.0 - 10.2, abs=0.001)
+    outward = {"motor.across_mm": 14.3, "pockets.channel_mm": 0.0}
+    (line,) = messages(spinner.variant(**outward), printer_of("prusa-mk3s"))
+    assert "wall around the pocket of the motor" in line
+    assert "0.3184 mm, limit 0.45 mm" in line  # 17 - hypot(5.2, 15.85)
 
 
 def test_a_printer_that_needs_more_clearance_says_so():

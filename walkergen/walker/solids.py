@@ -18,7 +18,7 @@ from walkergen.shapes import joining, modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import landing, marks, pockets, profiles, stance
+from walkergen.walker import landing, marks, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, assemble
@@ -62,8 +62,13 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     meet the body, and for pockets that do not go into it.
     """
     solid = _solid(design, foot_segments)
-    if not design.parts:
-        return solid
+    return _with_pockets(design, solid, foot_segments) if design.parts else solid
+
+
+def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
+    """Solids with the pockets of what the design carries. Raises GeometryError."""
+    from walkergen.walker import pockets
+
     if design.whole:
         roots = [
             leg._replace(vertices=leg.vertices + np.array([*limb.anchor, _left_side(
