@@ -10,6 +10,7 @@ import math
 from walkergen.numerics.kernels import lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import derivative_bound, moved_on
+from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.effects.acting import (
@@ -44,7 +45,12 @@ PASSES = 6
 TURN = 0.02
 """Largest turn of the body in a step of flight, rad."""
 
+LEFT_BEHIND = 1.75
+"""Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
+
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
+_motor_acts, _motor_strongest, _motor_swing = motors.acts, motors.strongest, motors.swing
+_motor_spin, _motor_turned = motors.spin, motors.turned
 
 
 @lean
@@ -70,9 +76,10 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
 
 @lean
 def strongest_throw(world):
-    """Upper bound of the plate's acceleration, mm/s^2."""
+    """Upper bound of the acceleration of plate and feet by the drive, mm/s^2."""
     _, strongest = _noise_bounds(world.acting.noise)
-    return derivative_bound(world.drive, 2) + strongest
+    motor, _ = _motor_strongest(world.acting.motor, world.walker.centre, world.walker.mass)
+    return derivative_bound(world.drive, 2) + strongest + LEFT_BEHIND * motor
 
 
 @lean
@@ -102,6 +109,12 @@ def _drawn(walker, points, k, force, torque):
     """
     if force == 0.0:
         return 0.0
+    return force * walker.inverse_mass[0] + _turned(walker, points, k, torque)
+
+
+@lean
+def _turned(walker, points, k, torque):
+    """Upper bound of the acceleration of contact k by a torque, mm/s^2."""
     p, largest = points[k].at, 0.0
     for i in range(3):
         row = 0.0
@@ -109,7 +122,7 @@ def _drawn(walker, points, k, force, torque):
             row += abs(walker.inverse_inertia[i, j])
         largest = max(largest, row)
     arm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-    return force * walker.inverse_mass[0] + 3.0 * largest * torque * arm
+    return 3.0 * largest * torque * arm
 
 
 @lean
@@ -119,6 +132,50 @@ def leave_behind(walker, work, t_x, t_y, t_z):
         work.left[j] = -(
             walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z
         )
+
+
+@lean
+def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
+    """Torque on leg coordinate j by which it is left behind, as the body is thrown with the
+    acceleration (x, y, z), mm/s^2, and turned by a torque t; or the momenta that both stand for.
+    """
+    shift, lock = walker.shift, walker.lock
+    moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
+    return -(walker.mass * moved + lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z)
+
+
+@lean
+def _throw_legs(world, state, work, to):
+    """Leave the legs behind as the motor goes on from where `work` has it to the phase `to`, rad.
+
+    Returns the energy that it gives them.
+    """
+    walker, n, thrown = world.walker, len(world.walker.stiffness), work.thrown
+    motor, centre, mass = world.acting.motor, world.walker.centre, world.walker.mass
+    x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
+    l_x, l_y, l_z = _motor_spin(motor, centre, mass, thrown)
+    _motor_swing(motor, mass, to, thrown)
+    if n == 0:
+        return 0.0
+    m_x, m_y, m_z = _motor_spin(motor, centre, mass, thrown)
+    x, y, z = x - thrown[1, 0], y - thrown[1, 1], z - thrown[1, 2]
+    before = legs_energy(walker, state)
+    for j in range(n):
+        work.left[j] = thrown_leg(walker, j, x, y, z, l_x - m_x, l_y - m_y, l_z - m_z)
+    for i in range(n):
+        for j in range(n):
+            state[LEGS + n + i] += walker.hinge_mobility[i, j] * work.left[j]
+    return legs_energy(walker, state) - before
+
+
+@lean
+def _turning_energy(walker, state):
+    """Energy of the body's turning rate W, g mm^2/s^2."""
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    return total
 
 
 @lean
@@ -152,6 +209,7 @@ def clear_time(world, state, work, longest):
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
     fall = across(world.acting) + strongest_throw(world)
     force, torque = _strongest_pull(world, state, work, fall)
+    push, twist = _motor_strongest(world.acting.motor, walker.centre, walker.mass)
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
@@ -160,12 +218,18 @@ def clear_time(world, state, work, longest):
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
             clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
+            if push > 0.0:
+                drawn = LEFT_BEHIND * push + _turned(walker, points, k, twist)
+                root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
+                clear *= 2.0 / (1.0 + root)
         else:
             closing = lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z)
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k)
             if steep > 0.0:
                 closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
             drawn = fall + _drawn(walker, points, k, force, torque)
+            if push > 0.0:
+                drawn += _turned(walker, points, k, twist)
             root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k].clear = clear
@@ -242,6 +306,14 @@ def fly(world, state, work, t, level, sums):
     state[C_Z] += t * state[V_Z]
     state[V_X] += t * g_x
     state[V_Y] += t * g_y
+    rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
+    motor, given = _motor_acts(rotor), 0.0
+    b_x, b_y, b_z, s_x, s_y, s_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if motor:  # C is led by its unbalanced mass and flies freely; the body swings about it
+        given = -_turning_energy(walker, state)
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
+        b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
+        given += _throw_legs(world, state, work, moved_on(world.drive, state[PHASE], 0.5 * t))
     sums[record.DAMPING_LOSS] += _swing(walker, work, state, level)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
     for j in range(n):
@@ -251,14 +323,29 @@ def fly(world, state, work, t, level, sums):
         d_z -= walker.lock[2, j] * moved
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
     l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    if motor:
+        given += _throw_legs(world, state, work, moved_on(world.drive, state[PHASE], t))
+        b_x, b_y, b_z = _motor_turned(
+            rotor, centre, mass, thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
+        )
+        b_x, b_y, b_z = _times(walker.inverse_inertia, b_x, b_y, b_z)
+        d_x, d_y, d_z = d_x - b_x, d_y - b_y, d_z - b_z
+        l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
     t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
     for _ in range(PASSES):
         m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
+        if motor:
+            m_x, m_y, m_z = m_x - rotor.spin[0], m_y - rotor.spin[1], m_z - rotor.spin[2]
         w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
         t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
     turn(state, t_x, t_y, t_z)
     l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
+    if motor:
+        l_x, l_y, l_z = l_x - s_x, l_y - s_y, l_z - s_z
     state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+    if motor:
+        sums[record.PLATE_WORK] += given + _turning_energy(walker, state)
     if placed(world.acting):
         _pull(world, state, work, 0.5 * t)
     pass_time(world, state, t)

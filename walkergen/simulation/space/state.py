@@ -183,6 +183,9 @@ class Work(NamedTuple):
     """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
     swung: Array
     """Step for which `swing` is, shape (1,), s."""
+    thrown: Array
+    """By how much a motor's unbalanced mass leads C away, its rate and its second derivative, body
+    axes, shape (3, 3)."""
     midway: Array
     """State at the middle of a frame, as far as it is known at its start."""
 
@@ -197,7 +200,7 @@ def work_for(walker, state):
         np.zeros(k, POINT), np.zeros(k, NEAR),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
         np.zeros(n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(n), np.zeros((n, n)), np.zeros(1),
-        np.zeros_like(state),
+        np.zeros((3, 3)), np.zeros_like(state),
     )  # fmt: skip
 
 
