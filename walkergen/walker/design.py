@@ -16,9 +16,11 @@ from pydantic import (
     Discriminator,
     Field,
     SerializeAsAny,
+    SerializerFunctionWrapHandler,
     Tag,
     ValidationInfo,
     field_validator,
+    model_serializer,
     model_validator,
 )
 
@@ -29,6 +31,7 @@ from walkergen.walker import buildable
 from walkergen.walker.body import Body, Size, located
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
+from walkergen.walker.payload import Battery, Motor, Pockets
 
 MassGram = Annotated[float, Field(ge=1e-15, le=1e12)]
 
@@ -115,7 +118,22 @@ class Design(Section):
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
+    motor: Motor | None = None
+    """Motor that the body carries. None: none, the walker is driven by a plate."""
+    battery: Battery | None = None
+    pockets: Pockets = Pockets()
     family: Family = Family()
+
+    @model_serializer(mode="wrap")
+    def _without_payload(self, written: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        """Data of a design; without motor and battery as if the keys of both were unknown."""
+        data: dict[str, Any] = written(self)
+        for key in ("motor", "battery"):
+            if data.get(key, key) is None:
+                del data[key]
+        if not self.loaded:
+            data.pop("pockets", None)
+        return data
 
     @field_validator("leg_tilt_deg")
     @classmethod
@@ -181,6 +199,11 @@ class Design(Section):
         from walkergen.walker import landing
 
         return landing.landed(self.body.key, limbs)
+
+    @property
+    def loaded(self) -> bool:
+        """True for a walker that carries a motor or a battery."""
+        return self.motor is not None or self.battery is not None
 
     @property
     def kind(self) -> Kind:

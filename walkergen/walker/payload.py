@@ -1,0 +1,132 @@
+"""Payload of a walker: the motor that drives it from inside and its battery, in its pockets.
+
+Each is a cylinder with a place in the design's frame: along and across from the middle of the body,
+up from its middle height. Sizes are those of the thing itself; the pocket is larger by a clearance.
+"""
+
+from typing import Annotated, Literal, NamedTuple
+
+from pydantic import Field, model_validator
+
+from walkergen.files.config import Section
+from walkergen.walker.limbs import Place
+
+Direction = Literal["along", "across", "up"]
+Opening = Literal["up", "down", "side"]
+Extent = Annotated[float, Field(ge=0.5, le=100, description="coin motors and cells have 2 to 25")]
+Gram = Annotated[float, Field(ge=1e-3, le=1e3, description="coin motors and cells weigh 0.5 to 4")]
+
+
+class Cell(NamedTuple):
+    """Size and mass of a standard coin cell."""
+
+    diameter_mm: float
+    height_mm: float
+    mass_g: float
+
+
+CELLS = {"CR2032": Cell(20.0, 3.2, 2.9), "LR44": Cell(11.6, 5.4, 2.0)}
+"""Coin cells by their names in IEC 60086, whose largest sizes these are. Masses: Panasonic's data
+sheet of its CR2032 (other makers state 2.8 to 3.2 g), makers' of LR44 and A76 (1.8 to 2.1 g)."""
+
+
+class Cylinder(NamedTuple):
+    """Solid of a motor or a battery, without clearance."""
+
+    radius: float
+    """Radius, mm."""
+    height: float
+    """Height along its axis, mm."""
+    mass: float
+    """Mass, g."""
+    centre: tuple[float, float, float]
+    """Its middle: x along, y up, z across, from the middle of the body, mm."""
+    axis: int
+    """Index of its axis: 0 along, 1 up, 2 across."""
+
+
+class Part(Section):
+    """Part that a walker carries in a pocket of its body: its place, and where it goes in."""
+
+    along_mm: Place = 0.0
+    """Place of its middle along the body, from the middle."""
+    across_mm: Place = 0.0
+    """Place of its middle across the body, from the middle."""
+    up_mm: Place = 0.0
+    """Height of its middle over the middle of the body."""
+    opens: Opening = "up"
+    """Side of the body to which its pocket opens; "side" is the one that lies up in the print of a
+    walker on its side."""
+
+    def _cylinder(self, diameter: float, height: float, mass: float, axis: Direction) -> Cylinder:
+        centre = (self.along_mm, self.up_mm, self.across_mm)
+        return Cylinder(0.5 * diameter, height, mass, centre, ("along", "up", "across").index(axis))
+
+
+class Motor(Part):
+    """Motor with an unbalanced rotor, by default a coin motor that stands on its edge.
+
+    10 x 2.7 mm and about 1 g is a common size, beside 8 x 2.5 mm and 12 x 3.4 mm.
+    """
+
+    diameter_mm: Extent = 10.0
+    height_mm: Extent = 2.7
+    mass_g: Gram = 1.0
+    """Mass of the whole, rotor included."""
+    axis: Direction = "across"
+    """Axis of the cylinder, about which the rotor turns."""
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """Cylinder that the motor is."""
+        return self._cylinder(self.diameter_mm, self.height_mm, self.mass_g, self.axis)
+
+
+class Battery(Part):
+    """Battery, of a standard shape or with sizes of its own; by default it lies flat."""
+
+    shape: Literal["CR2032", "LR44"] | None = None
+    """Standard coin cell, whose sizes and mass it has."""
+    diameter_mm: Extent | None = None
+    height_mm: Extent | None = None
+    mass_g: Gram | None = None
+    """Mass, as weighed. None: that of the shape."""
+    axis: Direction = "up"
+
+    @model_validator(mode="after")
+    def _one_size(self) -> "Battery":
+        own = [key for key in ("diameter_mm", "height_mm") if getattr(self, key) is not None]
+        if self.shape is not None and own:
+            raise ValueError(f"{own[0]} follows from shape = {self.shape!r}: keep one of them")
+        if self.shape is None and (len(own) < 2 or self.mass_g is None):
+            raise ValueError(
+                f"a battery needs shape, one of {', '.join(CELLS)}, or diameter_mm, height_mm and "
+                "mass_g"
+            )
+        return self
+
+    @property
+    def cylinder(self) -> Cylinder:
+        """Cylinder that the battery is."""
+        standard = CELLS.get(self.shape or "", Cell(0.0, 0.0, 0.0))
+        return self._cylinder(
+            self.diameter_mm or standard.diameter_mm,
+            self.height_mm or standard.height_mm,
+            self.mass_g or standard.mass_g,
+            self.axis,
+        )
+
+
+class Pockets(Section):
+    """Pockets of motor and battery, and what joins them: wires in a channel, and glue."""
+
+    clearance_mm: Annotated[
+        float, Field(ge=0, le=2, description="printers state theirs: pocket_clearance_mm")
+    ] = 0.2
+    """Gap on every side between a part and the wall of its pocket."""
+    channel_mm: Annotated[float, Field(ge=0, le=5, description="0 for no channel")] = 1.0
+    """Width and height of the channel for the wires from motor to battery. 0: none."""
+    wires_g: Annotated[float, Field(ge=0, le=100)] = 0.1
+    """Mass of the wires, spread evenly from the middle of the motor to that of the battery."""
+    glue_g: Annotated[float, Field(ge=0, le=100)] = 0.1
+    """Mass of the glue, shared by motor and battery and spread as they are."""
