@@ -74,8 +74,10 @@ class Drive(Section):
     axis: (
         Literal["along", "across", "up"]
         | Annotated[list[Component], Field(min_length=3, max_length=3)]
-    ) = "across"
-    """Axis of the rotor: a name (see AXES), or components along, across and up."""
+        | None
+    ) = None
+    """Axis of the rotor: a name (see AXES), or components along, across and up. None: that of the
+    design's motor."""
     reversed: bool = False
     """True for a rotor that turns the other way about its axis."""
 
@@ -110,7 +112,7 @@ class Drive(Section):
             )  # fmt: skip
         if self.rated_hz is not None and not rated[0]:
             raise ValueError(f"rated_hz = {self.rated_hz:g} belongs to rated_g; leave it out")
-        if not isinstance(self.axis, str) and not any(self.axis):
+        if isinstance(self.axis, list) and not any(self.axis):
             raise ValueError("axis = [0, 0, 0] has no direction: give 'across' or three numbers")
         return self
 
@@ -197,12 +199,12 @@ class Drive(Section):
         turning = 2.0 * math.pi * (self.rated_hz or self.frequency)
         return self.rated_g * GRAVITY * self.on_mass_g / turning**2
 
-    @property
-    def direction(self) -> tuple[float, float, float]:
+    def direction(self, own: str) -> tuple[float, float, float]:
         """Unit vector along, across (to the right) and up about which a rotor turns by the right
-        hand.
+        hand; `own` is the axis of the motor that the design carries.
         """
-        x, y, z = AXES[self.axis] if isinstance(self.axis, str) else self.axis
+        axis = self.axis or own
+        x, y, z = AXES[axis] if isinstance(axis, str) else axis
         size = math.copysign(math.hypot(x, y, z), -1.0 if self.reversed else 1.0)
         return x / size, y / size, z / size
 
@@ -217,13 +219,13 @@ class Drive(Section):
         )
 
     @property
-    def words(self) -> str:
-        """The drive in words."""
+    def motor_in_words(self) -> str:
+        """The motor in words; "" for a plate."""
         if self.kind == "plate":
-            return f"{self.frequency:g} Hz, {self.peak_gamma:g} g, {self.peak_speed:.1f} mm/s"
-        axis = self.axis if isinstance(self.axis, str) else str(list(self.axis))
+            return ""
+        axis = f", axis {self.axis}" if self.axis else ""
         turning = ", reversed" if self.reversed else ""
-        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm, axis {axis}{turning}"
+        return f"motor, {self.frequency:g} Hz, {self.eccentric:.3g} g mm{axis}{turning}"
 
     def set_anew(self, data: dict[str, Any], keys: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this drive in which these of its keys were set: what contradicts them is gone.

@@ -241,7 +241,9 @@ class Scene(Section):
 
     def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
         """Data of this scene with values set anew, of which some of the drive exclude others."""
-        keys = {key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")}
+        keys = {
+            key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")
+        }
         if keys and isinstance(data.get("drive"), dict):
             data["drive"] = self.drive.set_anew(data["drive"], keys)
         return data

@@ -13,6 +13,8 @@ Limits: without a moment there is no motor; a free walker draws a circle of radi
 import math
 from typing import NamedTuple
 
+import numpy as np
+
 from walkergen.drive import GRAVITY
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
@@ -63,7 +65,7 @@ def judge(case: Case) -> Effect:
     drive, meaning = case.scene.drive, "push of the motor over the weight"
     if drive.kind == "plate":
         return Effect(NAME, False, 0.0, meaning, "drive.kind = 'plate'", "")
-    design, total = case.design, case.mass.total
+    design, total = case.design, float(case.mass.total)
     if case.model != "space":
         raise InputError(
             f"drive.kind = 'motor': only the model 'space' knows a motor, not {case.model!r}: "
@@ -117,8 +119,6 @@ def _inertia(case: Case) -> float:
 
 def _least_inertia(case: Case) -> float:
     """Least principal inertia of the body, g mm^2."""
-    import numpy as np
-
     if case.mass.spatial is None:
         return float(case.mass.J)
     return float(np.linalg.eigvalsh(case.mass.spatial.body)[0])
@@ -128,14 +128,15 @@ def place(case: Case) -> Vector:
     """Middle of the motor from O at half depth, body axes, mm."""
     motor = case.design.motor
     assert motor is not None
-    x, y = from_centre(case.design, case.mass, [motor.along_mm, motor.up_mm])
+    x, y = from_centre(case.design, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
 def parameters(case: Case, spins: bool) -> Rotor:
     """Rotor of a case; `spins`: with its gyroscopic torque."""
-    drive = case.scene.drive
-    along, across, up = drive.direction
+    drive, motor = case.scene.drive, case.design.motor
+    assert motor is not None
+    along, across, up = drive.direction(motor.axis)
     n = along, up, across
     first = _across(n)
     h = _inertia(case) * drive.omega if spins else 0.0
@@ -177,18 +178,14 @@ def swing(rotor, mass, phase, swung):
 
 
 @lean
-def _moment_of(rotor, centre, mass, x, y, z):
+def moment_of(rotor, centre, mass, x, y, z):
     """Moment about C of a momentum (or force) `mass` (x, y, z) at the rotor's place."""
     p_x, p_y, p_z = (
         rotor.place[0] + centre[0],
         rotor.place[1] + centre[1],
         rotor.place[2] + centre[2],
     )
-    return (
-        mass * (p_y * z - p_z * y),
-        mass * (p_z * x - p_x * z),
-        mass * (p_x * y - p_y * x),
-    )
+    return (mass * (p_y * z - p_z * y), mass * (p_z * x - p_x * z), mass * (p_x * y - p_y * x))
 
 
 @lean
@@ -197,21 +194,14 @@ def spin(rotor, centre, mass, swung):
 
     `centre`: C -> O, mm.
     """
-    x, y, z = _moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
+    x, y, z = moment_of(rotor, centre, mass, swung[1, 0], swung[1, 1], swung[1, 2])
     return x + rotor.spin[0], y + rotor.spin[1], z + rotor.spin[2]
 
 
 @lean
 def torque(rotor, centre, mass, swung):
     """Torque of the rotor on the body about C, body axes, g mm^2/s^2."""
-    return _moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
-
-
-@lean
-def turned(rotor, centre, mass, x, y, z):
-    """Time integral of the angular momentum over a change (x, y, z) of s, without the spin, g mm^2.
-    """
-    return _moment_of(rotor, centre, mass, x, y, z)
+    return moment_of(rotor, centre, mass, -swung[2, 0], -swung[2, 1], -swung[2, 2])
 
 
 @lean

@@ -50,7 +50,7 @@ LEFT_BEHIND = 1.75
 
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
 _motor_acts, _motor_strongest, _motor_swing = motors.acts, motors.strongest, motors.swing
-_motor_spin, _motor_turned = motors.spin, motors.turned
+_motor_spin, _moment_of = motors.spin, motors.moment_of
 
 
 @lean
@@ -145,27 +145,13 @@ def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
 
 
 @lean
-def _throw_legs(world, state, work, to):
-    """Leave the legs behind as the motor goes on from where `work` has it to the phase `to`, rad.
-
-    Returns the energy that it gives them.
-    """
-    walker, n, thrown = world.walker, len(world.walker.stiffness), work.thrown
-    motor, centre, mass = world.acting.motor, world.walker.centre, world.walker.mass
-    x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
-    l_x, l_y, l_z = _motor_spin(motor, centre, mass, thrown)
-    _motor_swing(motor, mass, to, thrown)
-    if n == 0:
-        return 0.0
-    m_x, m_y, m_z = _motor_spin(motor, centre, mass, thrown)
-    x, y, z = x - thrown[1, 0], y - thrown[1, 1], z - thrown[1, 2]
-    before = legs_energy(walker, state)
+def _ride_along(walker, omega, state, phase, sign):
+    """Add what a motor at this phase (rad) makes of the legs in lasting flight, times `sign`."""
+    n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
     for j in range(n):
-        work.left[j] = thrown_leg(walker, j, x, y, z, l_x - m_x, l_y - m_y, l_z - m_z)
-    for i in range(n):
-        for j in range(n):
-            state[LEGS + n + i] += walker.hinge_mobility[i, j] * work.left[j]
-    return legs_energy(walker, state) - before
+        a, b = walker.forced[0, j], walker.forced[1, j]
+        state[LEGS + j] += sign * (a * c + b * s)
+        state[LEGS + n + j] += sign * omega * (b * c - a * s)
 
 
 @lean
@@ -288,12 +274,10 @@ def _turned_back(x, y, z, t_x, t_y, t_z):
 
 
 @lean
-def fly(world, state, work, t, level, sums):
-    """Fly for t = Options.step 2^level seconds."""
-    walker = world.walker
-    g_x, g_y, now = along(world.acting), -across(world.acting), work.now
-    if placed(world.acting):
-        _pull(world, state, work, 0.5 * t)
+def _fall(world, state, work, t, sums):
+    """Let C fall for t seconds, with the drag of its start."""
+    walker, now = world.walker, work.now
+    g_x, g_y = along(world.acting), -across(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
         sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
@@ -306,15 +290,32 @@ def fly(world, state, work, t, level, sums):
     state[C_Z] += t * state[V_Z]
     state[V_X] += t * g_x
     state[V_Y] += t * g_y
-    rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
-    motor, given = _motor_acts(rotor), 0.0
-    b_x, b_y, b_z, s_x, s_y, s_z = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    if motor:  # C is led by its unbalanced mass and flies freely; the body swings about it
-        given = -_turning_energy(walker, state)
-        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
-        b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
-        given += _throw_legs(world, state, work, moved_on(world.drive, state[PHASE], 0.5 * t))
-    sums[record.DAMPING_LOSS] += _swing(walker, work, state, level)
+
+
+@lean
+def _swing_shaken(world, state, work, t, level):
+    """Swing the legs as `_swing` does, about what the motor makes of them in lasting flight.
+
+    The energy of their dampers leaves out what that costs them.
+    """
+    walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
+    _ride_along(walker, omega, state, phase, -1.0)
+    damped = _swing(walker, work, state, level)
+    _ride_along(walker, omega, state, moved_on(world.drive, phase, t), 1.0)
+    c, s = math.cos(phase), math.sin(phase)
+    for j in range(len(walker.stiffness)):
+        work.before[j] += walker.forced[0, j] * c + walker.forced[1, j] * s
+    return damped
+
+
+@lean
+def _turn_free(world, state, work, t):
+    """Turn the body, a free top, for t seconds in which its legs have swung from `work.before`.
+
+    With a motor the angular momentum that is kept holds the rotor's, whose unbalanced mass turns
+    the body to and fro.
+    """
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
     for j in range(n):
         moved = state[LEGS + j] - work.before[j]
@@ -323,20 +324,23 @@ def fly(world, state, work, t, level, sums):
         d_z -= walker.lock[2, j] * moved
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
     l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    s_x, s_y, s_z, h = 0.0, 0.0, 0.0, world.acting.motor.spin
     if motor:
-        given += _throw_legs(world, state, work, moved_on(world.drive, state[PHASE], t))
-        b_x, b_y, b_z = _motor_turned(
-            rotor, centre, mass, thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
-        )
+        rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
+        l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
+        b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
+        _motor_swing(rotor, mass, moved_on(world.drive, state[PHASE], t), thrown)
+        b_x, b_y, b_z = thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
+        b_x, b_y, b_z = _moment_of(rotor, centre, mass, b_x, b_y, b_z)
         b_x, b_y, b_z = _times(walker.inverse_inertia, b_x, b_y, b_z)
         d_x, d_y, d_z = d_x - b_x, d_y - b_y, d_z - b_z
-        l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
         s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
     t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
     for _ in range(PASSES):
         m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
         if motor:
-            m_x, m_y, m_z = m_x - rotor.spin[0], m_y - rotor.spin[1], m_z - rotor.spin[2]
+            m_x, m_y, m_z = m_x - h[0], m_y - h[1], m_z - h[2]
         w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
         t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
     turn(state, t_x, t_y, t_z)
@@ -344,8 +348,25 @@ def fly(world, state, work, t, level, sums):
     if motor:
         l_x, l_y, l_z = l_x - s_x, l_y - s_y, l_z - s_z
     state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+
+
+@lean
+def fly(world, state, work, t, level, sums):
+    """Fly for t = Options.step 2^level seconds."""
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
+    if placed(world.acting):
+        _pull(world, state, work, 0.5 * t)
+    _fall(world, state, work, t, sums)
     if motor:
-        sums[record.PLATE_WORK] += given + _turning_energy(walker, state)
+        before = _turning_energy(walker, state) + legs_energy(walker, state)
+        damped = _swing_shaken(world, state, work, t, level)
+    else:
+        before, damped = 0.0, _swing(walker, work, state, level)
+    sums[record.DAMPING_LOSS] += damped
+    _turn_free(world, state, work, t)
+    if motor:
+        after = _turning_energy(walker, state) + legs_energy(walker, state)
+        sums[record.PLATE_WORK] += after - before + damped
     if placed(world.acting):
         _pull(world, state, work, 0.5 * t)
     pass_time(world, state, t)

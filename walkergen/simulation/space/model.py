@@ -79,8 +79,9 @@ def _sway(world: World, state: State, work: Work) -> None:
     """Let the body turn to and fro as its motor turns it, without turning on."""
     walker, rotor = world.walker, world.acting.motor
     if rotor is not None and motor.acts(rotor):
-        l = motor.spin(rotor._replace(spin=(0.0, 0.0, 0.0)), walker.centre, walker.mass, work.thrown)
-        state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(l)
+        still = rotor._replace(spin=(0.0, 0.0, 0.0))
+        turning = motor.spin(still, walker.centre, walker.mass, work.thrown)
+        state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
         place(world, state, work)
 
 

@@ -98,6 +98,9 @@ class Walker(NamedTuple):
     """Stiffness in unloading over that in loading, 1 for viscous feet."""
     corners: Array
     """Corners of the body, or points of its hull, shape (c, 3)."""
+    forced: Array
+    """Coordinates of the legs in flight as a motor shakes them, times the cosine and the sine of
+    its phase, shape (2, n), rad."""
     flights: Array
     """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i, shape
     (levels, 2 n, 2 n)."""

@@ -66,8 +66,7 @@ DOZE = 0.03
 _motor_acts, _motor_torque = motors.acts, motors.torque
 
 TURN_OF_MOTOR = 0.5
-"""Largest turn of a motor in a flight, rad, in which the legs that it leaves behind are pushed twice.
-"""
+"""Largest turn of a motor in a flight, rad."""
 
 STANDING = 3
 """Stuck corners on which a walker stands."""
@@ -237,9 +236,7 @@ def _motor_work(walker, motor, state, work, m, t):
     t_x, t_y, t_z = _motor_torque(motor, walker.centre, walker.mass, thrown)
     total += t_x * work.moved[3] + t_y * work.moved[4] + t_z * work.moved[5]
     for j in range(len(walker.stiffness)):
-        left = thrown_leg(
-            walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z
-        )
+        left = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z)
         total += left * (state[LEGS + j] - work.before[j])
     return total
 
