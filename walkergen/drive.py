@@ -96,9 +96,10 @@ class Drive(Section):
 
     def _motor(self) -> "Drive":
         low, high = MOTOR_HZ
+        words = "none" if self.frequency_hz is None else f"{self.frequency_hz:g}"
         if self.frequency_hz is None or not low <= self.frequency_hz <= high:
             raise ValueError(
-                f"frequency_hz = {self.frequency_hz}: of a motor it must lie in {low:g}..{high:g}; "
+                f"frequency_hz = {words}: of a motor it must lie in {low:g}..{high:g}; "
                 "small ones turn at 50 to 300 Hz"
             )
         rated = (self.rated_g is not None, self.on_mass_g is not None)

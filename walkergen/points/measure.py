@@ -133,7 +133,7 @@ def half_width(results: Results, of: str = SPEED) -> float:
 
 
 def allowed(tolerance: Tolerance, speed: float | None, shaken: Drive) -> float:
-    """Error that a speed may have, mm/s: a share counts of it, or of FEWEST_AT_ALL of the drive's."""
+    """Error that a speed may have, mm/s: a share counts of it, or FEWEST_AT_ALL of the drive's."""
     if not tolerance.relative:
         return tolerance.value
     return tolerance.value * max(abs(speed or 0.0), FEWEST_AT_ALL * shaken.peak_speed)
