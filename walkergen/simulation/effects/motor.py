@@ -19,6 +19,7 @@ from walkergen.drive import GRAVITY
 from walkergen.errors import InputError
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.effects.effect import Case, Effect, Verdict, forced
+from walkergen.theory.shaking import motor_of
 from walkergen.walker.mass import from_centre
 
 NAME = "motor"
@@ -71,11 +72,7 @@ def judge(case: Case) -> Effect:
             f"drive.kind = 'motor': only the model 'space' knows a motor, not {case.model!r}: "
             "use legs.model = 'space' or 'auto'"
         )
-    if design.motor is None:
-        raise InputError(
-            f"drive.kind = 'motor': {design.name} carries none; give its design a table [motor] "
-            "with diameter_mm, height_mm and mass_g, or take the template coinbot"
-        )
+    motor_of(design)
     reach, length = drive.eccentric / total, design.size.length
     if reach >= length:
         raise InputError(
@@ -111,8 +108,7 @@ def _inertia(case: Case) -> float:
 
     A part of its unbalanced mass's turns the walker's centre about, not about the axis.
     """
-    motor = case.design.motor
-    assert motor is not None
+    motor = motor_of(case.design)
     disc = ROTOR_SHARE * motor.mass_g * motor.diameter_mm**2 / 8.0
     return float(max(disc - case.scene.drive.eccentric**2 / case.mass.total, 0.0))
 
@@ -126,16 +122,14 @@ def _least_inertia(case: Case) -> float:
 
 def place(case: Case) -> Vector:
     """Middle of the motor from O at half depth, body axes, mm."""
-    motor = case.design.motor
-    assert motor is not None
+    motor = motor_of(case.design)
     x, y = from_centre(case.design, case.mass, np.array([motor.along_mm, motor.up_mm]))
     return float(x), float(y), motor.across_mm
 
 
 def parameters(case: Case, spins: bool) -> Rotor:
     """Rotor of a case; `spins`: with its gyroscopic torque."""
-    drive, motor = case.scene.drive, case.design.motor
-    assert motor is not None
+    drive, motor = case.scene.drive, motor_of(case.design)
     along, across, up = drive.direction(motor.axis)
     n = along, up, across
     first = _across(n)
