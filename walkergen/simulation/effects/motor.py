@@ -199,14 +199,33 @@ def torque(rotor, centre, mass, swung):
 
 
 @lean
-def strongest(rotor, centre, mass):
-    """Largest acceleration (mm/s^2) and torque (g mm^2/s^2) of the body by the rotor."""
-    if rotor.moment == 0.0:
-        return 0.0, 0.0
-    p_x, p_y, p_z = (
-        rotor.place[0] + centre[0],
-        rotor.place[1] + centre[1],
-        rotor.place[2] + centre[2],
+def push(rotor, mass):
+    """Largest acceleration of C without its unbalanced mass, mm/s^2; 0 without a motor."""
+    return rotor.moment * rotor.omega * rotor.omega / mass
+
+
+@lean
+def _at(rotor, way, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Acceleration along d of a point r of a rigid body, from C, by the rotor's push along `way`.
+
+    Over that of C; `inverse` is the inverse inertia of the body.
+    """
+    t_x, t_y, t_z = moment_of(rotor, centre, mass, way[0], way[1], way[2])
+    q_x = inverse[0, 0] * t_x + inverse[0, 1] * t_y + inverse[0, 2] * t_z
+    q_y = inverse[1, 0] * t_x + inverse[1, 1] * t_y + inverse[1, 2] * t_z
+    q_z = inverse[2, 0] * t_x + inverse[2, 1] * t_y + inverse[2, 2] * t_z
+    return (
+        (way[0] + q_y * r_z - q_z * r_y) * d_x
+        + (way[1] + q_z * r_x - q_x * r_z) * d_y
+        + (way[2] + q_x * r_y - q_y * r_x) * d_z
     )
-    push = rotor.moment * rotor.omega * rotor.omega
-    return push / mass, push * math.sqrt(p_x * p_x + p_y * p_y + p_z * p_z)
+
+
+@lean
+def strongest(rotor, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z):
+    """Largest acceleration (mm/s^2) along the unit vector d of a point r of a body that its rotor
+    shakes, body axes from C, mm.
+    """
+    c = _at(rotor, rotor.first, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    s = _at(rotor, rotor.second, centre, mass, inverse, r_x, r_y, r_z, d_x, d_y, d_z)
+    return push(rotor, mass) * math.sqrt(c * c + s * s)

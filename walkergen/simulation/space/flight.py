@@ -49,7 +49,8 @@ LEFT_BEHIND = 1.75
 """Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
 
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
-_motor_acts, _motor_strongest, _motor_swing = motors.acts, motors.strongest, motors.swing
+_motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
+_motor_strongest = motors.strongest
 _motor_spin, _moment_of = motors.spin, motors.moment_of
 
 
@@ -76,10 +77,9 @@ def _swing_speed(state, R, points, shift, fast, leg, f, k):
 
 @lean
 def strongest_throw(world):
-    """Upper bound of the acceleration of plate and feet by the drive, mm/s^2."""
+    """Upper bound of the plate's acceleration, mm/s^2."""
     _, strongest = _noise_bounds(world.acting.noise)
-    motor, _ = _motor_strongest(world.acting.motor, world.walker.centre, world.walker.mass)
-    return derivative_bound(world.drive, 2) + strongest + LEFT_BEHIND * motor
+    return derivative_bound(world.drive, 2) + strongest
 
 
 @lean
@@ -109,12 +109,6 @@ def _drawn(walker, points, k, force, torque):
     """
     if force == 0.0:
         return 0.0
-    return force * walker.inverse_mass[0] + _turned(walker, points, k, torque)
-
-
-@lean
-def _turned(walker, points, k, torque):
-    """Upper bound of the acceleration of contact k by a torque, mm/s^2."""
     p, largest = points[k].at, 0.0
     for i in range(3):
         row = 0.0
@@ -122,7 +116,16 @@ def _turned(walker, points, k, torque):
             row += abs(walker.inverse_inertia[i, j])
         largest = max(largest, row)
     arm = math.sqrt(p[0] * p[0] + p[1] * p[1] + p[2] * p[2])
-    return 3.0 * largest * torque * arm
+    return force * walker.inverse_mass[0] + 3.0 * largest * torque * arm
+
+
+@lean
+def _thrown(walker, motor, points, k, d_x, d_y, d_z):
+    """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
+    p = points[k].at
+    return _motor_strongest(
+        motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z
+    )
 
 
 @lean
@@ -194,8 +197,9 @@ def clear_time(world, state, work, longest):
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
     fall = across(world.acting) + strongest_throw(world)
-    force, torque = _strongest_pull(world, state, work, fall)
-    push, twist = _motor_strongest(world.acting.motor, walker.centre, walker.mass)
+    motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
+    push = _motor_push(motor, walker.mass)
+    force, torque = _strongest_pull(world, state, work, fall + push)
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
@@ -204,8 +208,8 @@ def clear_time(world, state, work, longest):
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
             clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
-            if push > 0.0:
-                drawn = LEFT_BEHIND * push + _turned(walker, points, k, twist)
+            if motor_acts:
+                drawn = LEFT_BEHIND * _thrown(walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2])
                 root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
                 clear *= 2.0 / (1.0 + root)
         else:
@@ -214,8 +218,9 @@ def clear_time(world, state, work, longest):
             if steep > 0.0:
                 closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
             drawn = fall + _drawn(walker, points, k, force, torque)
-            if push > 0.0:
-                drawn += _turned(walker, points, k, twist)
+            if motor_acts:
+                thrown = _thrown(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
+                drawn += LEFT_BEHIND * (thrown + steep * push)
             root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k].clear = clear
