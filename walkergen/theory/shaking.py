@@ -25,13 +25,25 @@ Array = npt.NDArray[np.float64]
 FREQUENCY, MOMENT = "drive.frequency_hz", "drive.eccentric_g_mm"
 """Names of what is uncertain of a motor."""
 
-ALONG_SD, ACROSS_SD = 0.25, 1.5
-"""Standard errors, on the scale of `Prediction.model_sd`, of a plate in place of a motor whose axis
-lies along the run, and of the swing along the run of any other: root mean squares found are 0.19
-and 1.25 (tilts of 10 and 20 deg, pushes of 1.3, 1.8 and 3 weights, both senses)."""
+ALONG_SD = 0.25
+"""Standard error, on the scale of `Prediction.model_sd`, of a plate in place of a motor whose axis
+lies along the run, in the centre of mass; this and the next are root mean squares of the model in
+space (tilts of 5 to 20 deg, 90 Hz, both senses; docs/physics.md section 8)."""
 
-LEVER_SD = 1.0
-"""The same of a motor off the centre of mass, at as far as the walker's radius of gyration."""
+PUSHES = (1.3, 1.8, 2.4)
+"""Pushes over the weight at which the next were found, of ends that hold beyond."""
+
+ACROSS_SDS = (1.8, 1.0, 0.1)
+"""The same of the swing along the run of a motor whose axis lies across it, besides."""
+
+LEVER_SDS = (4.0, 1.5, 1.5)
+"""The same of a motor as far off the centre of mass as the body's radius of gyration, besides."""
+
+MOST_SD = 5.0
+"""Largest standard error: bounds of a hundred times the plate's speed say that nothing is known."""
+
+WIDE = 0.5
+"""Standard error beyond which a prediction says what the plate leaves out."""
 
 
 class Shaken(NamedTuple):
@@ -69,8 +81,17 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Shaken:
     forward = math.sqrt(max(1.0 - along * along, 0.0))
     place = from_centre(design, mass, np.array([motor.along_mm, motor.up_mm])) - mass.centre
     lever = math.hypot(*place, motor.across_mm) / math.sqrt(float(mass.J) / float(mass.M))
-    error = math.sqrt(ALONG_SD**2 + (ACROSS_SD * forward) ** 2 + (LEVER_SD * min(lever, 3.0)) ** 2)
+    across, off = (
+        float(np.interp(whole.peak_gamma, PUSHES, sds)) * size
+        for sds, size in ((ACROSS_SDS, forward), (LEVER_SDS, lever))
+    )
+    left_out = [
+        words
+        for words, error in (("its push along the run", across), ("that it turns the body", off))
+        if error > WIDE
+    ]
     note = "by a plate that shakes as its motor does"
-    if forward > 0.1:
-        note += ", which leaves out that the motor pushes along the run too: bounds are wide"
-    return Shaken(drive, whole.peak_speed, error, note)
+    if left_out:
+        note += f", which leaves out {' and '.join(left_out)}: bounds are wide"
+    error_sd = math.sqrt(ALONG_SD**2 + across**2 + off**2)
+    return Shaken(drive, whole.peak_speed, min(error_sd, MOST_SD), note)
