@@ -4,8 +4,9 @@
 
 All ratios come from one run on one machine: space against the compliant walker in its plane; a lane
 with walls and a plane; braced walkers (corners without hinges) with walls (eight more points) and
-without; a plate at rest; one thread against two. With --cold also the time of the first result in
-a new process, with an empty folder of compiled kernels and with a full one.
+without; a plate at rest; a motor on the walker in place of the plate, of the same push, along and
+across the run, also per landing; one thread against two. With --cold also the time of the first
+result in a new process, with an empty folder of compiled kernels and with a full one.
 """
 
 import argparse
@@ -39,6 +40,10 @@ class Case(NamedTuple):
     model: str
     kind: str = "flexible"
     tables: Mapping[str, Any] = MappingProxyType({})
+    carries: bool = False
+    """True for a walker that carries a motor."""
+    axis: str = ""
+    """Axis of the motor that drives it; "" for a plate."""
 
 
 CASES = (
@@ -51,6 +56,9 @@ CASES = (
     Case("space, braced, plane", "space", "braced", PLANE),
     Case("space, braced, lane with walls", "space", "braced"),
     Case("space, plate at rest", "space", tables=PLANE | REST),
+    Case("space, plane, as heavy", "space", tables=PLANE, carries=True),
+    Case("space, motor along", "space", tables=PLANE, carries=True, axis="along"),
+    Case("space, motor across", "space", tables=PLANE, carries=True, axis="across"),
 )
 SHOWN = "space, plane"
 
@@ -62,23 +70,41 @@ def silent(what: str, done: int, total: int) -> None:
 def plan_of(case: Case, seconds: float, runs: int) -> Plan:
     """Plan of a case at 10 deg."""
     design = Design().variant(tilt_deg=10.0, kind=case.kind)
+    if case.carries:
+        design = design.variant(motor={})
+    mass = solids.mass_of(design)
     run = {"seconds": seconds, "discard_seconds": 0.5, "runs": runs}
-    scene = Scene.model_validate({"legs": {"model": case.model}, "run": run} | dict(case.tables))
-    return prepare(scene, design, solids.mass_of(design))
+    tables = {"legs": {"model": case.model}, "run": run} | dict(case.tables)
+    if case.axis:
+        plate = Scene().drive
+        moment = plate.amplitude * float(mass.total)
+        tables["drive"] = {"kind": "motor", "frequency_hz": plate.frequency, "axis": case.axis,
+                           "eccentric_g_mm": moment}  # fmt: skip
+    return prepare(Scene.model_validate(tables), design, mass)
 
 
-def per_cpu_second(plan: Plan, threads: int = 1) -> float:
-    """Simulated seconds per CPU second of an ensemble, kernels compiled before."""
+class Cost(NamedTuple):
+    """Cost of an ensemble, kernels compiled before."""
+
+    rate: float
+    """Simulated seconds per CPU second."""
+    landing_us: float
+    """CPU time per landing of a corner, us."""
+
+
+def cost(plan: Plan, threads: int = 1) -> Cost:
+    """Cost of the runs of a plan."""
     found, _ = ensemble.measure(plan, silent, threads)
-    return found.simulated_s / found.cpu_s
+    rate = found.simulated_s / found.cpu_s
+    return Cost(rate, 1e6 / (rate * found.impacts_per_s) if found.impacts_per_s else float("nan"))
 
 
 def table(seconds: float, runs: int) -> None:
-    """Print simulated seconds per CPU second, and CPU time over that of space on a plane."""
-    rates = {case.name: per_cpu_second(plan_of(case, seconds, runs)) for case in CASES}
-    print(f"{'case':32s}  simulated s / CPU s  CPU time over {SHOWN}'s")
-    for name, rate in rates.items():
-        print(f"{name:32s}  {rate:19.1f}  {rates[SHOWN] / rate:.3g}")
+    """Print what every case costs, also over what space on a plane does."""
+    costs = {case.name: cost(plan_of(case, seconds, runs)) for case in CASES}
+    print(f"{'case':32s}  simulated s / CPU s  CPU time over {SHOWN}'s  us a landing")
+    for name, (rate, landing_us) in costs.items():
+        print(f"{name:32s}  {rate:19.1f}  {costs[SHOWN].rate / rate:26.3g}  {landing_us:12.1f}")
 
 
 def threads(seconds: float, runs: int) -> None:

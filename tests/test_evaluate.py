@@ -127,10 +127,10 @@ def test_runs_that_share_an_orbit_tell_no_error_however_many_they_are():
 def test_a_share_of_no_speed_counts_of_the_plates():
     peak = LANE.drive.peak_speed
     five = tolerance.parse("5%")
-    assert allowed(five, 0.0, LANE) == pytest.approx(0.05 * FEWEST_AT_ALL * peak)
-    assert allowed(five, None, LANE) == allowed(five, 0.0, LANE)
-    assert allowed(five, -10 * peak, LANE) == pytest.approx(0.5 * peak)
-    assert allowed(tolerance.parse("3 mm/s"), 500.0, LANE) == 3.0
+    assert allowed(five, 0.0, LANE.drive) == pytest.approx(0.05 * FEWEST_AT_ALL * peak)
+    assert allowed(five, None, LANE.drive) == allowed(five, 0.0, LANE.drive)
+    assert allowed(five, -10 * peak, LANE.drive) == pytest.approx(0.5 * peak)
+    assert allowed(tolerance.parse("3 mm/s"), 500.0, LANE.drive) == 3.0
 
 
 @pytest.mark.parametrize(

@@ -1,125 +1,21 @@
-"""Scene: the plate's drive and the contact between foot and plate.
+"""Scene: the drive, the contact between foot and plate, and how both are simulated."""
 
-The drive is y_plate = A sin(omega t). Any two of frequency, amplitude, peak speed and gamma (peak
-acceleration over g) determine it; a third and a fourth are accepted when they agree.
-"""
-
-import math
 from collections.abc import Mapping
 from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
+from walkergen.drive import AT_REST as AT_REST
+from walkergen.drive import GRAVITY as GRAVITY
+from walkergen.drive import Drive as Drive
+from walkergen.drive import Positive
+from walkergen.drive import at_rest as at_rest
 from walkergen.files.assignments import changed
 from walkergen.files.config import Fraction, Name, Section
-
-GRAVITY = 9806.65
-"""Standard gravity, mm/s^2."""
-
-AGREEMENT = 5e-3
-"""Relative tolerance between redundant drive numbers: people write them to three digits."""
 
 LEAST_LABEL = 0.02
 """Least restitution that labels elastic feet and walls. Neither can be plastic: viscous feet would
 need a damping ratio above 3.5, hysteretic feet above 2500 times the stiffness to unload."""
-
-LARGEST_DRIVE = 1e12
-"""Limit of the numbers of a drive that follow from others, each in its unit."""
-
-Positive = Annotated[float, Field(ge=1e-6, le=1e9)]
-
-
-class Drive(Section):
-    """Vertical sinusoidal vibration of the plate, from any two of its four numbers.
-
-    A second harmonic may be added, given by its amplitude over that of the fundamental and by its
-    phase; the four numbers remain those of the fundamental.
-    """
-
-    frequency_hz: Positive | None = None
-    amplitude_um: Positive | None = None
-    peak_speed_mm_s: Positive | None = None
-    gamma: Positive | None = None
-    second_harmonic_ratio: Annotated[float, Field(ge=0, le=1)] = 0.0
-    second_harmonic_phase_deg: Annotated[float, Field(ge=-360, le=360)] = 0.0
-
-    @model_validator(mode="after")
-    def _determined(self) -> "Drive":
-        four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
-        numbers = self.model_dump(include=set(four), exclude_none=True)
-        if len(numbers) < 2:
-            raise ValueError(
-                "give any two of frequency_hz, amplitude_um, peak_speed_mm_s, gamma; "
-                f"seen: {', '.join(numbers) or 'none'}"
-            )
-        implied = {
-            "frequency_hz": self.frequency,
-            "amplitude_um": 1e3 * self.amplitude,
-            "peak_speed_mm_s": self.peak_speed,
-            "gamma": self.peak_gamma,
-        }
-        for key, value in numbers.items():
-            if not math.isclose(value, implied[key], rel_tol=AGREEMENT):
-                first, second = list(numbers)[:2]
-                raise ValueError(
-                    f"{key} = {value:g} contradicts {first} and {second}, which give "
-                    f"{implied[key]:.5g}; remove one of them"
-                )
-        for key, value in implied.items():
-            if not value <= LARGEST_DRIVE:
-                raise ValueError(
-                    f"{' and '.join(numbers)} give {key} = {value:.3g}: must be "
-                    f"<= {LARGEST_DRIVE:g}"
-                )
-        return self
-
-    @property
-    def omega(self) -> float:
-        """Angular frequency, rad/s."""
-        if self.frequency_hz is not None:
-            return 2 * math.pi * self.frequency_hz
-        if self.amplitude_um is not None and self.peak_speed_mm_s is not None:
-            return self.peak_speed_mm_s / (1e-3 * self.amplitude_um)
-        assert self.gamma is not None
-        if self.amplitude_um is not None:
-            return math.sqrt(self.gamma * GRAVITY / (1e-3 * self.amplitude_um))
-        assert self.peak_speed_mm_s is not None
-        return self.gamma * GRAVITY / self.peak_speed_mm_s
-
-    @property
-    def frequency(self) -> float:
-        """Frequency, Hz."""
-        return self.omega / (2 * math.pi)
-
-    @property
-    def amplitude(self) -> float:
-        """Amplitude of the displacement, mm."""
-        if self.amplitude_um is not None:
-            return 1e-3 * self.amplitude_um
-        if self.peak_speed_mm_s is not None:
-            return self.peak_speed_mm_s / self.omega
-        assert self.gamma is not None
-        return self.gamma * GRAVITY / self.omega**2
-
-    @property
-    def peak_speed(self) -> float:
-        """Largest speed of the plate's fundamental vibration, mm/s."""
-        return self.amplitude * self.omega
-
-    @property
-    def peak_gamma(self) -> float:
-        """Largest acceleration of the plate's fundamental vibration over g."""
-        return self.peak_speed * self.omega / GRAVITY
-
-
-AT_REST = 1e-30
-"""Peak acceleration over g of a plate at rest: its amplitude vanishes in the rounding of heights.
-"""
-
-
-def at_rest(frequency_hz: float) -> Drive:
-    """Drive of a plate at rest; not validated, since no person may write so small a number."""
-    return Drive.model_construct(frequency_hz=frequency_hz, gamma=AT_REST)
 
 
 class Prior(NamedTuple):
@@ -308,6 +204,7 @@ class Effects(Section):
     plate_noise: bool | None = None
     plate_roughness: bool | None = None
     tether: bool | None = None
+    gyroscopic_torque: bool | None = None
 
 
 class Prediction(Section):
@@ -343,19 +240,12 @@ class Scene(Section):
     effects: Effects = Effects()
 
     def settled(self, data: dict[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
-        """Data of this scene with values set anew; two numbers determine the drive.
-
-        One that is set leaves the frequency, and the frequency leaves the peak acceleration.
-        """
-        four = ("frequency_hz", "amplitude_um", "peak_speed_mm_s", "gamma")
-        numbers = [key for key in four if f"drive.{key}" in values]
-        if numbers and isinstance(data.get("drive"), dict):
-            drive = {k: v for k, v in data["drive"].items() if k not in four or k in numbers}
-            if numbers == ["frequency_hz"]:
-                drive["gamma"] = self.drive.gamma or self.drive.peak_gamma
-            elif len(numbers) == 1:
-                drive["frequency_hz"] = self.drive.frequency_hz or self.drive.frequency
-            data["drive"] = drive
+        """Data of this scene with values set anew, of which some of the drive exclude others."""
+        keys = {
+            key.removeprefix("drive."): values[key] for key in values if key.startswith("drive.")
+        }
+        if keys and isinstance(data.get("drive"), dict):
+            data["drive"] = self.drive.set_anew(data["drive"], keys)
         return data
 
     def variant(self, **keys: Any) -> "Scene":

@@ -8,6 +8,7 @@ than that: no number of runs gives a walker that stands to a share of its speed.
 import math
 from typing import NamedTuple
 
+from walkergen.drive import Drive
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.files.progress import Progress
@@ -109,7 +110,7 @@ def measure(
             return Measured(results, scene, half_width(results, of), math.inf, of)
         if verdict.error is None:
             raise InputError(f"--error {tolerance}: {of} is {verdict.reason}")
-        most = _allowed(tolerance, results, scene, of)
+        most = _allowed(tolerance, results, experiment.shaken, of)
         measured = Measured(results, scene, half_width(results, of), most, of)
         if measured.error <= most or _more_is_no_help(results, scene):
             return measured
@@ -131,17 +132,17 @@ def half_width(results: Results, of: str = SPEED) -> float:
     return math.hypot(Mean(0.0, se, summary.runs - 1.0).interval(0.95)[1], step)
 
 
-def allowed(tolerance: Tolerance, speed: float | None, scene: Scene) -> float:
-    """Error that a speed may have, mm/s: a share counts of it, or of FEWEST_AT_ALL."""
+def allowed(tolerance: Tolerance, speed: float | None, shaken: Drive) -> float:
+    """Error that a speed may have, mm/s: a share counts of it, or FEWEST_AT_ALL of the drive's."""
     if not tolerance.relative:
         return tolerance.value
-    return tolerance.value * max(abs(speed or 0.0), FEWEST_AT_ALL * scene.drive.peak_speed)
+    return tolerance.value * max(abs(speed or 0.0), FEWEST_AT_ALL * shaken.peak_speed)
 
 
-def _allowed(tolerance: Tolerance, results: Results, scene: Scene, of: str) -> float:
+def _allowed(tolerance: Tolerance, results: Results, shaken: Drive, of: str) -> float:
     """Error that an observable may have, in its unit."""
     if of == SPEED:
-        return allowed(tolerance, results.summary.speed_mm_s, scene)
+        return allowed(tolerance, results.summary.speed_mm_s, shaken)
     return tolerance.value * abs(resolution.values(results.summary)[of])
 
 

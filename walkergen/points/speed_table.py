@@ -18,13 +18,16 @@ def caption(design: Design, scene: Scene, mode: str) -> str:
     contact, assumed = scene.contact, scene.prediction
     what = "mean factor v/w" if design.alike else "balanced factor v/w (in the column mean)"
     origin = contact.origin[0].upper() + contact.origin[1:]
+    motor = scene.drive.kind == "motor"
+    plate = "motor's" if motor else "plate's"
+    w = "" if motor else f", {scene.impact_speed:.1f} mm/s"
     return (
         f"Speed: the median by the model in space, with what is not known of contact, print and "
         f"masses, and {100 * assumed.model_sd:g} % for the model itself. {origin}"
         f": restitution (the feet's label) {contact.restitution:g} ± {contact.restitution_sd:g}, "
         f"friction {contact.friction:g} ± {contact.friction_sd:g}. "
-        f"Theory (eq. 15): {what} x impact speed w, {assumed.impact_speed_factor:g} of the plate's "
-        f"peak speed, {scene.impact_speed:.1f} mm/s; mode {mode}, law {contact.law}"
+        f"Theory (eq. 15): {what} x impact speed w, {assumed.impact_speed_factor:g} of the {plate} "
+        f"peak speed{w}; mode {mode}, law {contact.law}"
     )
 
 

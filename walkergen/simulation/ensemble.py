@@ -181,7 +181,7 @@ def measure(
     started = time.perf_counter()
     results = run(plan, progress, threads, impacts, sample_interval)
     wall_s = time.perf_counter() - started
-    return summarise(results, plan.scene.drive.peak_speed, wall_s), results
+    return summarise(results, plan.shaken.peak_speed, wall_s), results
 
 
 def listed(outcomes: Mapping[str, int]) -> str:

@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from walkergen import __version__
+from walkergen.drive import Drive
 from walkergen.files.progress import Progress, part
 from walkergen.numerics import kernels
 from walkergen.scene import Scene
@@ -39,6 +40,11 @@ class Experiment(NamedTuple):
     sample_interval: float | None = None
     """Time (s) between samples of every run; None to keep none. Sampled flights end at samples:
     such runs are others of the same ensemble."""
+
+    @property
+    def shaken(self) -> Drive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.scene.drive.beneath(float(self.mass.total))
 
 
 class Results(NamedTuple):

@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.drive import Drive
 from walkergen.scene import Scene
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
@@ -59,6 +60,11 @@ class Plan(NamedTuple):
     def scene(self) -> Scene:
         """The scene."""
         return self.case.scene
+
+    @property
+    def shaken(self) -> Drive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.case.shaken
 
     def lasting(self, **run: float) -> "Plan":
         """Plan with other seconds, discard_seconds, runs or seed in the scene's [run]."""

@@ -26,7 +26,8 @@ def prepare(scene: Scene, design: Design, mass: MassProperties) -> Plan:
         mass = as_rigid(mass)
     case = Case(scene, design, mass, resolved.model)
     harmonics = harmonic.parameters(case) if resolved.on(harmonic.NAME) else harmonic.OFF
-    drive = Drive(scene.drive.amplitude, scene.drive.omega, harmonics)
+    motor = scene.drive.kind == "motor"  # an effect on the walker, over a plate that is still
+    drive = Drive(0.0 if motor else scene.drive.amplitude, scene.drive.omega, harmonics)
     contacts = () if resolved.model == "space" else _contacts(scene, in_plane(design, mass).limbs)
     model, walker, options = _room(resolved).of(case, resolved, drive)
     return Plan(case, resolved, model, World(walker, drive, contacts, resolved.acting, options))

@@ -58,8 +58,8 @@ class Tally(NamedTuple):
     """Shape (9,): all impacts, those of each of KINDS, and those in which the foot sticks."""
     sums: Array
     """Shape (14,): elapsed time s, contact time s, largest |pitch| rad; energies, g mm^2/s^2: work
-    of the plate, losses (positive) to impacts, friction in lasting contact, damping and drag;
-    normal impulses (g mm/s) that the feet took in landings of each of KINDS."""
+    of the plate or of a motor, losses (positive) to impacts, friction in lasting contact, damping
+    and drag; normal impulses (g mm/s) that the feet took in landings of each of KINDS."""
     samples: Samples
     events: Events
 

@@ -126,7 +126,7 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
     if part > 1.0 + 1e-9:
         return Verdict(None, COARSE.format(own=_down(1e6 * own)))
     if name == observables.SPEED:
-        floor = SPEED_FLOOR * plan.scene.drive.peak_speed
+        floor = SPEED_FLOOR * plan.shaken.peak_speed
         return Verdict(part * (SPEED_SHARE * abs(values[name]) + floor))
     share = part * IN_A_PLANE[name.partition(".")[0]]
     if name.startswith(f"{observables.POWERS}."):
@@ -137,7 +137,7 @@ def _in_a_plane(plan: Plan, name: str, values: Mapping[str, float]) -> Verdict:
 def _in_space(plan: Plan, part: float, name: str, value: float) -> Verdict:
     """Verdict for a step that is `part` (at most 1) of the walker's own."""
     if name == observables.SPEED:
-        floor = IN_SPACE_FLOOR * plan.scene.drive.peak_speed
+        floor = IN_SPACE_FLOOR * plan.shaken.peak_speed
         share = PLASTIC_SHARE if plan.scene.contact.restitution < PLASTIC else IN_SPACE
         return Verdict(part**2 * (share * abs(value) + floor))
     if name in LIMITS:

@@ -100,7 +100,7 @@ def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.drawn(rng)
-    height = plan.world.drive.amplitude * clearance
+    height = plan.shaken.amplitude * clearance
     return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
 
 

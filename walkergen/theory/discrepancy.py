@@ -18,6 +18,7 @@ import numpy.typing as npt
 from walkergen.errors import WalkergenError
 from walkergen.numerics import network
 from walkergen.scene import LEAST_LABEL, Plate, Scene
+from walkergen.theory import shaking
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
@@ -109,6 +110,15 @@ class Place(NamedTuple):
             unevenness_ratio=unevenness,
         )
 
+    def driven(self, pace: Array, moment: Array) -> "Place":
+        """Places at frequencies and moments of a motor over those of this place, shape (n,)."""
+        return self._replace(
+            gamma=self.gamma * moment * pace**2,
+            log_hinge_ratio=self.log_hinge_ratio - np.log(pace),
+            log_foot_ratio=self.log_foot_ratio - np.log(pace),
+            log_amplitude_ratio=self.log_amplitude_ratio + np.log(moment),
+        )
+
 
 class UnknownError(WalkergenError):
     """The speed in space is unknown here; the text says which number lies outside the table."""
@@ -157,7 +167,8 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """
     if not design.alike:
         raise UnknownError("speeds in space are known for two equal legs only, not for [[legs]]")
-    limb, leg, span, drive = design.limbs[0], mass.legs[0], design.foot_span, scene.drive
+    limb, leg, span = design.limbs[0], mass.legs[0], design.foot_span
+    drive = shaking.of(scene, design, mass).drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
     if not mass.rigid:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 
 from walkergen.files import words
 from walkergen.scene import Scene
-from walkergen.theory import discrepancy, uncertain
+from walkergen.theory import discrepancy, shaking, uncertain
 from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
@@ -147,23 +147,39 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
     """Speeds of a walker at values of `known_inputs`."""
-    plate, model = scene.drive.peak_speed, drawn.columns[MODEL.name]
+    shaken, model = shaking.of(scene, design, mass), drawn.columns[MODEL.name]
+    pace, moment = _motors(scene, drawn)
+    plate = shaken.swing if scene.drive.kind == "plate" else shaken.swing * pace * moment
     try:
         place = discrepancy.place_of(scene, design, mass)
         discrepancy.check(scene, place, design.braced)
     except UnknownError as error:
         theory = theory_speeds(design, mass, scene, mode, drawn)
-        error_sd = THEORY_SD * np.hypot(theory, LINEAR_BELOW * plate)
+        unknown = math.hypot(THEORY_SD, shaken.error_sd)
+        error_sd = unknown * np.hypot(theory, LINEAR_BELOW * plate)
         return Spread(theory + error_sd * model, "theory", str(error))
-    places = drawn_places(place, design, scene, drawn)
+    places = drawn_places(place, design, scene, drawn, shaken.drive.amplitude)
     table = discrepancy.speeds(places, design.tilt_deg, design.braced)
     sense = math.copysign(1.0, design.tilt_deg)  # a walker's mirror image has mirrored errors
-    shifted = table._replace(centre=table.centre + sense * scene.prediction.model_sd * model)
+    model_sd = math.hypot(scene.prediction.model_sd, shaken.error_sd)
+    shifted = table._replace(centre=table.centre + sense * model_sd * model)
     return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table")
 
 
-def drawn_places(place: Place, design: Design, scene: Scene, drawn: Drawn) -> Place:
-    """Places in the table at values of the inputs."""
+def _motors(scene: Scene, drawn: Drawn) -> tuple[Array, Array]:
+    """Ratios of a motor's drawn frequency and moment to its nominal ones."""
+    drive = scene.drive
+    if drive.kind == "plate":
+        return np.ones(drawn.number), np.ones(drawn.number)
+    pace = drawn.of(shaking.FREQUENCY, drive.frequency) / drive.frequency
+    return pace, drawn.of(shaking.MOMENT, drive.eccentric) / drive.eccentric
+
+
+def drawn_places(
+    place: Place, design: Design, scene: Scene, drawn: Drawn, amplitude: float
+) -> Place:
+    """Places in the table at values of the inputs; `amplitude` (mm) is the plate's."""
+    pace, moment = _motors(scene, drawn)
     modulus = design.material.youngs_modulus_gpa
     unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
     return place.drawn(
@@ -173,8 +189,8 @@ def drawn_places(place: Place, design: Design, scene: Scene, drawn: Drawn) -> Pl
         modulus=drawn.of("material.youngs_modulus_gpa", modulus) / modulus,
         body_mass=drawn.of("body mass", 1.0),
         leg_mass=_leg_masses(design, drawn),
-        unevenness=1e-3 * unevenness / scene.drive.amplitude,
-    )
+        unevenness=1e-3 * unevenness / (amplitude * moment),
+    ).driven(pace, moment)
 
 
 def _thickness(design: Design, drawn: Drawn) -> Array:
@@ -203,7 +219,14 @@ def theory_speeds(
         drawn.of("contact.friction", contact.friction),
         mode, contact.law, (contact.restitution, contact.friction),
     )  # fmt: skip
-    return np.asarray(by_foot.factor) * scene.impact_speed
+    pace, moment = _motors(scene, drawn)
+    return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
+
+
+def _impact_speed(scene: Scene, design: Design, mass: MassProperties) -> float:
+    """Normal speed w at which the theory's feet are assumed to meet the plate, mm/s."""
+    shaken = shaking.of(scene, design, mass).drive
+    return scene.prediction.impact_speed_factor * shaken.peak_speed
 
 
 def shares(design: Design, mass: MassProperties, scene: Scene, mode: Mode) -> tuple[Share, ...]:
@@ -235,9 +258,10 @@ def predict(
     speeds = spread(design, mass, scene, mode, drawn_inputs(scene, design))
     low95, low68, high68, high95 = np.quantile(speeds.speed, QUANTILES).tolist()
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
-    theory = float(by_foot.factor) * scene.impact_speed
+    theory = float(by_foot.factor) * _impact_speed(scene, design, mass)
     notes = [
-        _outside(speeds), by_foot.note, *_notes(by_foot, contact.friction, mode),
+        _outside(speeds), shaking.of(scene, design, mass).note, by_foot.note,
+        *_notes(by_foot, contact.friction, mode),
         "" if low95 <= theory <= high95 else LEAVES,
     ]  # fmt: skip
     return Prediction(
@@ -334,7 +358,7 @@ def curve(
         )
         speeds = spread(variant, mass, scene, mode, drawn)
         quantiles.append(np.quantile(speeds.speed, levels))
-        theory.append(float(by_foot.factor) * scene.impact_speed)
+        theory.append(float(by_foot.factor) * _impact_speed(scene, variant, mass))
         sticks.append(not all(by_foot.reverses))
     *bounds, middle = np.array(quantiles).T
     return Curve(tilts, middle, np.array(bounds), np.array(theory), np.array(sticks))

@@ -13,7 +13,9 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.drive import MOTOR_HZ, Drive
 from walkergen.scene import LEAST_LABEL, Scene
+from walkergen.theory import shaking
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, scaled
@@ -31,6 +33,8 @@ READ_BY = {
     "body mass": (PREDICTION, "rigid", "relaxed", "compliant", "space"),
     "leg mass": (PREDICTION, "relaxed", "compliant", "space"),
     "feet.unevenness_um": (PREDICTION, "space"),
+    shaking.FREQUENCY: (PREDICTION, "space"),
+    shaking.MOMENT: (PREDICTION, "space"),
 }
 """Names of the inputs, keys where there is one, and who reads each: the prediction, from what the
 model in space does, and models."""
@@ -73,6 +77,7 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
         Input("body mass", 1.0, mass_sd, 0.01),
         Input("leg mass", 1.0, mass_sd, 0.01),
         Input("feet.unevenness_um", feet.unevenness_um, feet.unevenness_sd_um, folded=True),
+        *_of_motor(scene.drive),
     )  # fmt: skip
     off = {"leg mass"} if design.braced else set()
     if scene.effects.unevenness is False:
@@ -80,6 +85,18 @@ def inputs(scene: Scene, design: Design, reader: str) -> tuple[Input, ...]:
     return tuple(
         one for one in known if one.sd > 0 and one.name not in off and reader in READ_BY[one.name]
     )
+
+
+def _of_motor(drive: Drive) -> tuple[Input, ...]:
+    """Inputs of a motor, cut off at half and twice what they are; none of a plate."""
+    if drive.kind == "plate":
+        return ()
+    pace, moment = drive.frequency, drive.eccentric
+    return (
+        Input(shaking.FREQUENCY, pace, drive.frequency_sd_hz,
+              max(0.5 * pace, MOTOR_HZ[0]), min(2.0 * pace, MOTOR_HZ[1])),
+        Input(shaking.MOMENT, moment, drive.eccentric_sd_g_mm, 0.5 * moment, 2.0 * moment),
+    )  # fmt: skip
 
 
 class Drawn(NamedTuple):
@@ -175,6 +192,9 @@ def applied(
     material = changes.pop("material", {})
     if legs:
         changes["legs"] = legs
+    if "drive" in changes:  # a motor keeps its moment at another frequency
+        moment = {"eccentric_g_mm": scene.drive.eccentric, "rated_g": None}
+        changes["drive"] = moment | changes["drive"]
     drawn = scene.model_copy(
         update={name: getattr(scene, name).model_copy(update=new) for name, new in changes.items()}
     )

@@ -14,6 +14,7 @@ from walkergen.simulation.effects import (
     compliance,
     harmonic,
     local_contact,
+    motor,
     noise,
     parts,
     roughness,
@@ -27,6 +28,7 @@ from walkergen.simulation.effects import (
 )
 from walkergen.simulation.effects.air_drag import Air
 from walkergen.simulation.effects.effect import Case, Verdict
+from walkergen.simulation.effects.motor import Rotor
 from walkergen.simulation.effects.noise import Noise
 from walkergen.simulation.effects.roughness import Roughness
 from walkergen.simulation.effects.slope import Gravity
@@ -50,6 +52,8 @@ VERDICTS: tuple[Verdict, ...] = (
     Verdict(parts.neighbours),
     Verdict(air_drag.verdict),
     tether.VERDICT,
+    motor.VERDICT,
+    motor.SPIN_VERDICT,
 )
 """Verdicts on each effect, in the order in which `explain` shows them."""
 
@@ -74,6 +78,7 @@ class Acting(NamedTuple):
     roughness: Roughness | None = None
     """Surface of one run, which draws it."""
     tether: Spring | None = None
+    motor: Rotor | None = None
 
 
 def acting(case: Case, on: Callable[[str], bool]) -> Acting:
@@ -87,6 +92,7 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
         noise=noise.OFF,
         roughness=roughness.OFF,
         tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
+        motor=motor.parameters(case, on(motor.GYROSCOPIC)) if on(motor.NAME) else motor.OFF,
     )
 
 

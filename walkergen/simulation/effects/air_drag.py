@@ -53,7 +53,7 @@ def verdict(case: Case) -> Effect:
     Raises InputError for models whose flights are exact only without drag.
     """
     scene, air = case.scene, parameters(case)
-    wanted, speed = scene.effects.air_drag, scene.drive.peak_speed
+    wanted, speed = scene.effects.air_drag, case.shaken.peak_speed
     if wanted and case.model in ("rigid", "relaxed"):
         raise InputError(
             f"{SWITCH} = true: the {case.model} model's flights are exact only without drag; "

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from types import MappingProxyType
 from typing import Any, Literal, NamedTuple
 
+from walkergen.drive import Drive
 from walkergen.errors import InputError
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
@@ -25,6 +26,11 @@ class Case(NamedTuple):
     mass: MassProperties
     model: ModelName
     """Model of the legs that the scene calls for, chosen by `resolve`."""
+
+    @property
+    def shaken(self) -> Drive:
+        """Drive of the plate, or of one that would move under the walker as its motor moves it."""
+        return self.scene.drive.beneath(float(self.mass.total))
 
 
 class Effect(NamedTuple):

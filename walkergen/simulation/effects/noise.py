@@ -86,7 +86,7 @@ def draw(case: Case, rng: np.random.Generator) -> Noise:
     count, interval, first, last = _grid(case)
     lines = np.zeros(count // 2 + 1, complex)
     lines[first : last + 1] = rng.normal(size=(last + 1 - first, 2)) @ (1.0, 1.0j)
-    wanted = case.scene.plate.noise_ratio * case.scene.drive.peak_speed
+    wanted = case.scene.plate.noise_ratio * case.shaken.peak_speed
     velocity = np.fft.irfft(lines, count)
     scale = wanted / math.sqrt(float(np.mean(velocity**2)))
     omega = 2.0 * math.pi * np.fft.rfftfreq(count, interval)

@@ -26,7 +26,7 @@ def sticking(case: Case) -> Effect:
 
 def sustained(case: Case) -> Effect:
     """Verdict on contact that lasts: always on."""
-    gamma = case.scene.drive.peak_gamma
+    gamma = case.shaken.peak_gamma
     reason = "bounces die out and feet rest on the plate" if gamma < RARE else "rare at this drive"
     return Effect("sustained contact", True, gamma, "peak acceleration over g", reason, "")
 

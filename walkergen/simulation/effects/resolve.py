@@ -40,8 +40,8 @@ def resolve(scene: Scene, design: Design, mass: MassProperties) -> Resolved:
 
 
 def without_space(scene: Scene) -> Scene:
-    """Scene without the effects that planar models refuse."""
-    off = {verdict.switch: False for verdict in VERDICTS if not verdict.planar}
+    """Scene without the effects that planar models refuse, as far as a switch leaves them out."""
+    off = {verdict.switch: False for verdict in VERDICTS if verdict.switch and not verdict.planar}
     return _with(scene, off)
 
 
@@ -94,7 +94,8 @@ def _model(scene: Scene, design: Design, mass: MassProperties) -> ModelName:
         raise InputError(f"model {wanted}: {problem}: use legs.model 'space'")
     if wanted != "auto":
         return wanted
-    if plane or problem or accepted < compliance.PLANAR_ERROR:
+    motor = scene.drive.kind == "motor"
+    if plane or problem or motor or accepted < compliance.PLANAR_ERROR:
         return "space"
     if design.braced:  # flights from event to event are exact without drag only
         return "space" if scene.effects.air_drag else "rigid"

@@ -33,7 +33,7 @@ def verdict(case: Case) -> Effect:
             f"feet.unevenness_um = {height:g}: must lie in 0..{most:g} for legs of "
             f"{shortest:g} mm; prints differ by some 10 um"
         )
-    amplitude = 1e3 * case.scene.drive.amplitude
+    amplitude = 1e3 * case.shaken.amplitude
     meaning = "standard deviation of corners' heights over the plate's amplitude"
     return Effect(NAME, on, height / amplitude, meaning, reason, SWITCH)
 

@@ -10,6 +10,7 @@ import math
 from walkergen.numerics.kernels import lean
 from walkergen.simulation import record
 from walkergen.simulation.drive import derivative_bound, moved_on
+from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.effects.acting import (
@@ -44,7 +45,13 @@ PASSES = 6
 TURN = 0.02
 """Largest turn of the body in a step of flight, rad."""
 
+LEFT_BEHIND = 1.75
+"""Largest acceleration of a foot over that of a body which leaves its leg behind, a uniform rod."""
+
 _noise_moved_on, _noise_bounds, _steepest = noises.moved_on, noises.bounds, rough.steepest
+_motor_acts, _motor_push, _motor_swing = motors.acts, motors.push, motors.swing
+_motor_strongest = motors.strongest
+_motor_spin, _moment_of = motors.spin, motors.moment_of
 
 
 @lean
@@ -113,12 +120,51 @@ def _drawn(walker, points, k, force, torque):
 
 
 @lean
+def _thrown(walker, motor, points, k, d_x, d_y, d_z):
+    """Largest acceleration (mm/s^2) by a motor along d, body axes, of contact k, legs rigid."""
+    p = points[k].at
+    return _motor_strongest(
+        motor, walker.centre, walker.mass, walker.inverse_inertia, p[0], p[1], p[2], d_x, d_y, d_z
+    )
+
+
+@lean
 def leave_behind(walker, work, t_x, t_y, t_z):
     """Fill the torques on the legs by which a torque on the body leaves them behind."""
     for j in range(len(walker.stiffness)):
         work.left[j] = -(
             walker.lock[0, j] * t_x + walker.lock[1, j] * t_y + walker.lock[2, j] * t_z
         )
+
+
+@lean
+def thrown_leg(walker, j, x, y, z, t_x, t_y, t_z):
+    """Torque on leg coordinate j by which it is left behind, as the body is thrown with the
+    acceleration (x, y, z), mm/s^2, and turned by a torque t; or the momenta that both stand for.
+    """
+    shift, lock = walker.shift, walker.lock
+    moved = shift[0, j] * x + shift[1, j] * y + shift[2, j] * z
+    return -(walker.mass * moved + lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z)
+
+
+@lean
+def _ride_along(walker, omega, state, phase, sign):
+    """Add what a motor at this phase (rad) makes of the legs in lasting flight, times `sign`."""
+    n, c, s = len(walker.stiffness), math.cos(phase), math.sin(phase)
+    for j in range(n):
+        a, b = walker.forced[0, j], walker.forced[1, j]
+        state[LEGS + j] += sign * (a * c + b * s)
+        state[LEGS + n + j] += sign * omega * (b * c - a * s)
+
+
+@lean
+def _turning_energy(walker, state):
+    """Energy of the body's turning rate W, g mm^2/s^2."""
+    total = 0.0
+    for i in range(3):
+        for j in range(3):
+            total += 0.5 * walker.inertia[i, j] * state[W_X + i] * state[W_X + j]
+    return total
 
 
 @lean
@@ -151,7 +197,9 @@ def clear_time(world, state, work, longest):
     leg, place, first, time = walker.leg, walker.place, first_row(walker), longest
     lifted, steep = plate_velocity(world, state), _steepest(world.acting.roughness)
     fall = across(world.acting) + strongest_throw(world)
-    force, torque = _strongest_pull(world, state, work, fall)
+    motor, motor_acts = world.acting.motor, _motor_acts(world.acting.motor)
+    push = _motor_push(motor, walker.mass)
+    force, torque = _strongest_pull(world, state, work, fall + push)
     for k in range(len(leg)):
         gap, points[k].clear = points[k].gap, 0.0
         if state[first + ROW * k + MODE] != OPEN or gap <= 0.0:
@@ -160,12 +208,19 @@ def clear_time(world, state, work, longest):
         v_x, v_y, v_z = point_velocity(state, now, points, shift, leg[k], f, k)
         if place[k] > 0.0:
             clear = gap / math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z + 1e-300)
+            if motor_acts:
+                drawn = LEFT_BEHIND * _thrown(walker, motor, points, k, R[2, 0], R[2, 1], R[2, 2])
+                root = math.sqrt(1.0 + 2.0 * drawn * clear * clear / gap)
+                clear *= 2.0 / (1.0 + root)
         else:
             closing = lifted - (R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z)
             closing += _swing_speed(state, R, points, shift, fast, leg[k], f, k)
             if steep > 0.0:
                 closing += steep * math.sqrt(v_x * v_x + v_y * v_y + v_z * v_z)
             drawn = fall + _drawn(walker, points, k, force, torque)
+            if motor_acts:
+                thrown = _thrown(walker, motor, points, k, R[1, 0], R[1, 1], R[1, 2])
+                drawn += LEFT_BEHIND * (thrown + steep * push)
             root = closing + math.sqrt(closing * closing + 2.0 * drawn * gap)
             clear = 2.0 * gap / max(root, 1e-300)
         points[k].clear = clear
@@ -224,12 +279,10 @@ def _turned_back(x, y, z, t_x, t_y, t_z):
 
 
 @lean
-def fly(world, state, work, t, level, sums):
-    """Fly for t = Options.step 2^level seconds."""
-    walker = world.walker
-    g_x, g_y, now = along(world.acting), -across(world.acting), work.now
-    if placed(world.acting):
-        _pull(world, state, work, 0.5 * t)
+def _fall(world, state, work, t, sums):
+    """Let C fall for t seconds, with the drag of its start."""
+    walker, now = world.walker, work.now
+    g_x, g_y = along(world.acting), -across(world.acting)
     f_x, f_y, f_z = force_in_space(world.acting, now)
     if f_x != 0.0 or f_y != 0.0 or f_z != 0.0:
         sums[record.DAMPING_LOSS] -= t * (f_x * now[0] + f_y * now[1] + f_z * now[2])
@@ -242,7 +295,32 @@ def fly(world, state, work, t, level, sums):
     state[C_Z] += t * state[V_Z]
     state[V_X] += t * g_x
     state[V_Y] += t * g_y
-    sums[record.DAMPING_LOSS] += _swing(walker, work, state, level)
+
+
+@lean
+def _swing_shaken(world, state, work, t, level):
+    """Swing the legs as `_swing` does, about what the motor makes of them in lasting flight.
+
+    The energy of their dampers leaves out what that costs them.
+    """
+    walker, omega, phase = world.walker, world.acting.motor.omega, state[PHASE]
+    _ride_along(walker, omega, state, phase, -1.0)
+    damped = _swing(walker, work, state, level)
+    _ride_along(walker, omega, state, moved_on(world.drive, phase, t), 1.0)
+    c, s = math.cos(phase), math.sin(phase)
+    for j in range(len(walker.stiffness)):
+        work.before[j] += walker.forced[0, j] * c + walker.forced[1, j] * s
+    return damped
+
+
+@lean
+def _turn_free(world, state, work, t):
+    """Turn the body, a free top, for t seconds in which its legs have swung from `work.before`.
+
+    With a motor the angular momentum that is kept holds the rotor's, whose unbalanced mass turns
+    the body to and fro.
+    """
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
     n, d_x, d_y, d_z = len(walker.stiffness), 0.0, 0.0, 0.0
     for j in range(n):
         moved = state[LEGS + j] - work.before[j]
@@ -251,14 +329,49 @@ def fly(world, state, work, t, level, sums):
         d_z -= walker.lock[2, j] * moved
     W_0, W_1, W_2 = state[W_X], state[W_X + 1], state[W_X + 2]
     l_x, l_y, l_z = _times(walker.inertia, W_0, W_1, W_2)
+    s_x, s_y, s_z, h = 0.0, 0.0, 0.0, world.acting.motor.spin
+    if motor:
+        rotor, centre, mass, thrown = world.acting.motor, walker.centre, walker.mass, work.thrown
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
+        l_x, l_y, l_z = l_x + s_x, l_y + s_y, l_z + s_z
+        b_x, b_y, b_z = thrown[0, 0], thrown[0, 1], thrown[0, 2]
+        _motor_swing(rotor, mass, moved_on(world.drive, state[PHASE], t), thrown)
+        b_x, b_y, b_z = thrown[0, 0] - b_x, thrown[0, 1] - b_y, thrown[0, 2] - b_z
+        b_x, b_y, b_z = _moment_of(rotor, centre, mass, b_x, b_y, b_z)
+        b_x, b_y, b_z = _times(walker.inverse_inertia, b_x, b_y, b_z)
+        d_x, d_y, d_z = d_x - b_x, d_y - b_y, d_z - b_z
+        s_x, s_y, s_z = _motor_spin(rotor, centre, mass, thrown)
     t_x, t_y, t_z = t * W_0 + d_x, t * W_1 + d_y, t * W_2 + d_z
     for _ in range(PASSES):
         m_x, m_y, m_z = _turned_back(l_x, l_y, l_z, 0.5 * t_x, 0.5 * t_y, 0.5 * t_z)
+        if motor:
+            m_x, m_y, m_z = m_x - h[0], m_y - h[1], m_z - h[2]
         w_x, w_y, w_z = _times(walker.inverse_inertia, m_x, m_y, m_z)
         t_x, t_y, t_z = t * w_x + d_x, t * w_y + d_y, t * w_z + d_z
     turn(state, t_x, t_y, t_z)
     l_x, l_y, l_z = _turned_back(l_x, l_y, l_z, t_x, t_y, t_z)
+    if motor:
+        l_x, l_y, l_z = l_x - s_x, l_y - s_y, l_z - s_z
     state[W_X], state[W_X + 1], state[W_X + 2] = _times(walker.inverse_inertia, l_x, l_y, l_z)
+
+
+@lean
+def fly(world, state, work, t, level, sums):
+    """Fly for t = Options.step 2^level seconds."""
+    walker, motor = world.walker, _motor_acts(world.acting.motor)
+    if placed(world.acting):
+        _pull(world, state, work, 0.5 * t)
+    _fall(world, state, work, t, sums)
+    if motor:
+        before = _turning_energy(walker, state) + legs_energy(walker, state)
+        damped = _swing_shaken(world, state, work, t, level)
+    else:
+        before, damped = 0.0, _swing(walker, work, state, level)
+    sums[record.DAMPING_LOSS] += damped
+    _turn_free(world, state, work, t)
+    if motor:
+        after = _turning_energy(walker, state) + legs_energy(walker, state)
+        sums[record.PLATE_WORK] += after - before + damped
     if placed(world.acting):
         _pull(world, state, work, 0.5 * t)
     pass_time(world, state, t)

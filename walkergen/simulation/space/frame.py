@@ -8,14 +8,16 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import acceleration
+from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects.acting import across, along, force_in_space, placed, pull
-from walkergen.simulation.space.flight import leave_behind, pass_time
+from walkergen.simulation.space.flight import leave_behind, pass_time, thrown_leg
 from walkergen.simulation.space.forces import resist
 from walkergen.simulation.space.pose import locate, normal_of, place, turn
 from walkergen.simulation.space.state import C_X, LEGS, NOISE, PHASE, V_X, W_X
 
 _noise_acceleration = noises.acceleration
+_motor_acts, _motor_spin, _motor_torque = motors.acts, motors.spin, motors.torque
 
 
 @lean
@@ -131,6 +133,17 @@ def halfway(world, state, work, t):
 
 
 @lean
+def _thrown_about(now, thrown):
+    """Acceleration (mm/s^2, body axes) of the body's points by a motor, that of Coriolis too."""
+    x, y, z = thrown[1, 0], thrown[1, 1], thrown[1, 2]
+    return (
+        -thrown[2, 0] - 2.0 * (now[4] * z - now[5] * y),
+        -thrown[2, 1] - 2.0 * (now[5] * x - now[3] * z),
+        -thrown[2, 2] - 2.0 * (now[3] * y - now[4] * x),
+    )
+
+
+@lean
 def _directions(world, state, work, near, lifted, h, t, m):
     """Fill Jacobians of the m near contacts, the constants of their springs, and what the surfaces
     and the rates alone give to their velocities and accelerations.
@@ -145,13 +158,16 @@ def _directions(world, state, work, near, lifted, h, t, m):
         walker.freedoms,
         walker.upward,
     )
-    roughness = world.acting.roughness
+    roughness, moved = world.acting.roughness, _motor_acts(world.acting.motor)
+    b_x, b_y, b_z = _thrown_about(work.now, work.thrown)
     size = math.sqrt(R[0, 0] * R[0, 0] + R[2, 0] * R[2, 0]) + 1e-300
     h_x, h_z = R[0, 0] / size, R[2, 0] / size
     for i in range(m):
         k = near[i].number
         n_x, n_y, n_z = normal_of(roughness, place[k], state, R, points, k)
         a_x, a_y, a_z = _bend(state, work.now, points, walker.side[k], leg[k], f, J.shape[1] - 6, k)
+        if moved:
+            a_x, a_y, a_z = a_x + b_x, a_y + b_y, a_z + b_z
         for p in range(3):
             if p == 0:
                 d_x, d_y, d_z = n_x, n_y, n_z
@@ -196,6 +212,9 @@ def load(world, work, lifted, h, t, m):
                 drift += J[r, j] * work.acting[j]
             for j in range(n):
                 u += J[r, 6 + j] * state[LEGS + n + j]
+            if _motor_acts(world.acting.motor):
+                for j in range(3):
+                    u -= J[r, j] * work.thrown[1, j]
             near[i].speed[p], near[i].drift[p] = u, drift
             near[i].impulse[p] = near[i].carried[p] = 0.0
             near[i].free[p] = near[i].middle[p] = 0.0
@@ -240,6 +259,9 @@ def accelerate(world, state, work):
     l_x = I[0, 0] * W_0 + I[0, 1] * W_1 + I[0, 2] * W_2
     l_y = I[1, 0] * W_0 + I[1, 1] * W_1 + I[1, 2] * W_2
     l_z = I[2, 0] * W_0 + I[2, 1] * W_1 + I[2, 2] * W_2
+    if _motor_acts(world.acting.motor):
+        m_x, m_y, m_z = _motor_spin(world.acting.motor, walker.centre, walker.mass, work.thrown)
+        l_x, l_y, l_z = l_x + m_x, l_y + m_y, l_z + m_z
     t_x, t_y, t_z = (
         l_y * now[5] - l_z * now[4],
         l_z * now[3] - l_x * now[5],
@@ -251,3 +273,21 @@ def accelerate(world, state, work):
         for row in range(3):
             turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
             acting[3 + row] += turned
+    if _motor_acts(world.acting.motor):
+        _throw(world, work)
+
+
+@lean
+def _throw(world, work):
+    """Add what a motor turns: the body, and the legs that its push leaves behind."""
+    walker, inverse, thrown = world.walker, world.walker.inverse_inertia, work.thrown
+    p_x, p_y, p_z = _motor_torque(world.acting.motor, walker.centre, walker.mass, thrown)
+    for row in range(3):
+        turned = inverse[row, 0] * p_x + inverse[row, 1] * p_y + inverse[row, 2] * p_z
+        work.acting[3 + row] += turned
+    if not placed(world.acting):
+        for j in range(len(walker.stiffness)):
+            work.left[j] = 0.0
+    for j in range(len(walker.stiffness)):
+        work.left[j] += thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2],
+                                   p_x, p_y, p_z)  # fmt: skip

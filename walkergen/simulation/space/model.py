@@ -6,7 +6,7 @@ import numpy as np
 
 from walkergen.numerics.kernels import kernel
 from walkergen.simulation.drive import Drive
-from walkergen.simulation.effects import noise, roughness, unevenness
+from walkergen.simulation.effects import motor, noise, roughness, unevenness
 from walkergen.simulation.effects.acting import across, along, potential
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
@@ -42,6 +42,7 @@ from walkergen.simulation.space.state import (
     W_Z,
     Options,
     Walker,
+    Work,
     first_row,
     size_of,
     work_for,
@@ -66,11 +67,22 @@ def start(
     state[PHASE] = phase
     work = work_for(world.walker, state)
     place(world, state, work)
+    _sway(world, state, work)
     locate(world, state, work)
     gaps = work.points["gap"][world.walker.place == 0.0]
     state[C_Y] += clearance - float(gaps.min())
     place(world, state, work)
     return state
+
+
+def _sway(world: World, state: State, work: Work) -> None:
+    """Let the body turn to and fro as its motor turns it, without turning on."""
+    walker, rotor = world.walker, world.acting.motor
+    if rotor is not None and motor.acts(rotor):
+        still = rotor._replace(spin=(0.0, 0.0, 0.0))
+        turning = motor.spin(still, walker.centre, walker.mass, work.thrown)
+        state[W_X : W_Z + 1] = -walker.inverse_inertia @ np.array(turning)
+        place(world, state, work)
 
 
 @kernel

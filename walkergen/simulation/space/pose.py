@@ -4,6 +4,7 @@ import math
 
 from walkergen.numerics.kernels import lean
 from walkergen.simulation.drive import TWO_PI, height, velocity
+from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects import noise as noises
 from walkergen.simulation.effects import roughness as rough
 from walkergen.simulation.space.state import (
@@ -29,6 +30,7 @@ from walkergen.simulation.space.state import (
 
 _noise_height, _noise_velocity = noises.height, noises.velocity
 _bumps = rough.surface
+_motor_acts, _swing_of_motor = motors.acts, motors.swing
 
 
 @lean
@@ -88,6 +90,12 @@ def place(world, state, work):
         c_x -= shift[0, j] * state[LEGS + j]
         c_y -= shift[1, j] * state[LEGS + j]
         c_z -= shift[2, j] * state[LEGS + j]
+    if _motor_acts(world.acting.motor):
+        thrown = work.thrown
+        _swing_of_motor(world.acting.motor, walker.mass, state[PHASE], thrown)
+        c_x, c_y, c_z = c_x - thrown[0, 0], c_y - thrown[0, 1], c_z - thrown[0, 2]
+        for row in range(3):
+            now[row] -= thrown[1, row]
     state[SHOWN_X] = state[C_X] + R[0, 0] * c_x + R[0, 1] * c_y + R[0, 2] * c_z
     state[HEIGHT] = state[C_Y] + R[1, 0] * c_x + R[1, 1] * c_y + R[1, 2] * c_z
     state[SHOWN_Y] = -(state[C_Z] + R[2, 0] * c_x + R[2, 1] * c_y + R[2, 2] * c_z)
@@ -109,6 +117,8 @@ def locate(world, state, work):
         o_x -= walker.shift[0, j] * state[LEGS + j]
         o_y -= walker.shift[1, j] * state[LEGS + j]
         o_z -= walker.shift[2, j] * state[LEGS + j]
+    if _motor_acts(world.acting.motor):
+        o_x, o_y, o_z = o_x - work.thrown[0, 0], o_y - work.thrown[0, 1], o_z - work.thrown[0, 2]
     plate = plate_height(world, state)
     for k in range(len(walker.leg)):
         leg, side, point = walker.leg[k], walker.side[k], work.points[k]
@@ -186,4 +196,7 @@ def lowest_corner(world, state, work):
     for i in range(len(corners)):
         y = R[1, 0] * corners[i, 0] + R[1, 1] * corners[i, 1] + R[1, 2] * corners[i, 2]
         lowest = min(lowest, y)
+    if _motor_acts(world.acting.motor):
+        thrown = work.thrown
+        lowest -= R[1, 0] * thrown[0, 0] + R[1, 1] * thrown[0, 1] + R[1, 2] * thrown[0, 2]
     return state[C_Y] + lowest - plate_height(world, state)

@@ -98,6 +98,9 @@ class Walker(NamedTuple):
     """Stiffness in unloading over that in loading, 1 for viscous feet."""
     corners: Array
     """Corners of the body, or points of its hull, shape (c, 3)."""
+    forced: Array
+    """Coordinates of the legs in flight as a motor shakes them, times the cosine and the sine of
+    its phase, shape (2, n), rad."""
     flights: Array
     """Propagators of the legs' coordinates and rates in flight, for times `Options.step` 2^i, shape
     (levels, 2 n, 2 n)."""
@@ -183,6 +186,9 @@ class Work(NamedTuple):
     """Inverse inertia of the coordinates in a step, their springs included, shape (n, n)."""
     swung: Array
     """Step for which `swing` is, shape (1,), s."""
+    thrown: Array
+    """By how much a motor's unbalanced mass leads C away, its rate and its second derivative, body
+    axes, shape (3, 3)."""
     midway: Array
     """State at the middle of a frame, as far as it is known at its start."""
 
@@ -197,7 +203,7 @@ def work_for(walker, state):
         np.zeros(k, POINT), np.zeros(k, NEAR),
         np.zeros((m, 6 + n)), np.zeros((m, 6 + n)), np.zeros((m, m)), np.zeros((m, m + 1)),
         np.zeros(n), np.zeros(2 * n), np.zeros(2 * n), np.zeros(n), np.zeros((n, n)), np.zeros(1),
-        np.zeros_like(state),
+        np.zeros((3, 3)), np.zeros_like(state),
     )  # fmt: skip
 
 

@@ -13,7 +13,15 @@ import numpy.typing as npt
 
 from walkergen.errors import InputError
 from walkergen.scene import Scene
-from walkergen.simulation.effects import compliance, feet, local_contact, turning, twist, walls
+from walkergen.simulation.effects import (
+    compliance,
+    feet,
+    local_contact,
+    motor,
+    turning,
+    twist,
+    walls,
+)
 from walkergen.simulation.effects.effect import Case
 from walkergen.simulation.effects.resolve import Resolved
 from walkergen.simulation.space.points import axis_of, corners_of, points_of
@@ -95,8 +103,12 @@ def walker_of(case: Case, resolved: Resolved) -> tuple[Walker, Options]:
         damper=np.zeros(0),
         unloading=1.0,
         corners=corners_of(design, mass, centre),
+        forced=np.zeros((2, n)),
         flights=np.zeros((0, n, n)),
     )  # fmt: skip
+    rotor = resolved.acting.motor
+    if rotor is not None and motor.acts(rotor) and n > 0:
+        walker = walker._replace(forced=_forced(walker, rotor))
     return _with_feet(walker, case, feet, resolved.on(local_contact.NAME))
 
 
@@ -144,6 +156,18 @@ def _hinges(case: Case, free: Sequence[int], freedoms: int) -> tuple[Array, Arra
             for k, inertia in zip(stiff[:freedoms], inertias[:freedoms], strict=True)
         ]
     return np.array(springs), np.array(dampers)
+
+
+def _forced(walker: Walker, rotor: motor.Rotor) -> Array:
+    """Coordinates of the legs in lasting flight, by the phase's cosine and sine, shape (2, n)."""
+    omega, push = rotor.omega, rotor.moment * rotor.omega**2
+    pushes = push * np.array([rotor.first, rotor.second])
+    torques = np.cross(rotor.place + walker.centre, pushes)
+    left = -(pushes @ walker.shift + torques @ walker.lock)
+    stiff = np.diag(walker.stiffness) - omega**2 * walker.hinge_inertia
+    turned = omega * np.diag(walker.damping)
+    both = np.block([[stiff, turned], [-turned, stiff]])
+    return np.asarray(np.linalg.solve(both, left.ravel()).reshape(2, -1))
 
 
 def _friction(scene: Scene, design: Design, foot: int) -> float:

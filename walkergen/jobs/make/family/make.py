@@ -161,8 +161,8 @@ def _stated(design: Design, scene: Scene) -> tuple[float, float] | None:
     if not isinstance(design.legs, Legs):
         return None
     legs = design.legs.model_copy(update={"tilt_deg": 10.0, "kind": "flexible"})
-    same = design.body == Body() and legs == Legs()
     drive, paper = scene.drive, Drive(frequency_hz=90.0, gamma=1.8)
+    same = design.body == Body() and legs == Legs() and drive.kind == "plate"
     if same and math.isclose(drive.peak_speed, paper.peak_speed, rel_tol=SAME_PLATE):
         return 10.0, 60.0
     return None

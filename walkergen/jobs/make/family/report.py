@@ -59,8 +59,9 @@ def _figure(
 ) -> "Callable[[], Figure]":
     """What draws speed against tilt."""
     drive, contact = scene.drive, scene.contact
+    shaken = drive.motor_in_words or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g"
     title = (
-        f"{design.name}: {drive.frequency:g} Hz, {drive.peak_gamma:g} g, "
+        f"{design.name}: {shaken}, "
         f"{contact.origin}: restitution {contact.restitution:g} ± {contact.restitution_sd:g}, "
         f"friction {contact.friction:g} ± {contact.friction_sd:g}"
     )

@@ -38,7 +38,8 @@ class Tabled(NamedTuple):
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
         design, plate = self.setting.design, self.setting.plate_speed
-        places = prediction.drawn_places(self.place, design, self.scene, drawn)
+        amplitude = self.scene.drive.amplitude
+        places = prediction.drawn_places(self.place, design, self.scene, drawn, amplitude)
         speeds = discrepancy.speeds(places, design.tilt_deg, design.braced)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         interpolated = np.sqrt(np.maximum(speeds.sd**2 - speeds.between_prints**2, 0.0))

@@ -109,9 +109,11 @@ def _words(motion: poses.Poses, scene: Scene, name: str) -> str:
     """Sentence that says what is played."""
     drive = scene.drive
     ended = "" if motion.outcome in ENDED_WELL else f"; it ended: {motion.outcome.value}"
+    shaken = drive.motor_in_words or (
+        f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
+    )
     return (
-        f"{name} in {scene.name}: {drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± "
-        f"{1e3 * drive.amplitude:.3g} µm, {scene.feet.damping} feet of restitution "
+        f"{name} in {scene.name}: {shaken}, {scene.feet.damping} feet of restitution "
         f"{scene.contact.restitution:g}, friction {scene.contact.friction:g}; "
         f"{motion.times[-1]:.3g} s{ended}"
     )

@@ -325,7 +325,7 @@ def settings(scene: Scene, models: Sequence[str]) -> str:
     law = f"({contact.law})"
     if "space" in models:
         law = f"(label of {scene.feet.damping} feet)"
-    shaken = (
+    shaken = drive.motor_in_words or (
         f"{drive.frequency:g} Hz, {drive.peak_gamma:.3g} g, plate ± {1e3 * drive.amplitude:.3g} µm"
         if 1e3 * drive.amplitude > AT_REST_UM
         else "plate at rest"

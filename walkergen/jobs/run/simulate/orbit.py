@@ -38,7 +38,7 @@ def of(point: Results, experiment: Experiment, progress: Progress) -> Orbit | No
     """
     scene = experiment.scene
     good = [result.speed for result in point.results if result.outcome in ENDED_WELL]
-    kind = orbits.shared(np.array(good), scene.drive.peak_speed)
+    kind = orbits.shared(np.array(good), experiment.shaken.peak_speed)
     if not kind or len(good) < scene.run.runs:
         return None
     from walkergen.jobs.run.simulate import uncertain

@@ -183,7 +183,7 @@ def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
 def _lines(simulated: Simulated, scene: Scene, design: Design) -> Iterator[tuple[str, str]]:
     summary = simulated.point.summary
     yield "walker", f"{design.name}, {design.kind} legs, tilt {design.tilt_deg:g} deg"
-    yield "plate", tables.plate_in_words(scene)
+    yield scene.drive.kind, tables.plate_in_words(scene)
     yield "model", tables.model_in_words(simulated, scene)
     yield "mean speed", _speed(simulated, scene)
     yield from tables.bound_rows(simulated)

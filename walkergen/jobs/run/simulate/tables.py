@@ -38,9 +38,12 @@ MOST_LISTED = 6
 
 
 def plate_in_words(scene: Scene) -> str:
-    """Frequency, peak acceleration and peak speed of the plate."""
+    """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
     drive = scene.drive
-    return f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
+    return (
+        drive.motor_in_words
+        or f"{drive.frequency:g} Hz, {drive.peak_gamma:g} g, {drive.peak_speed:.1f} mm/s"
+    )
 
 
 def model_in_words(simulated: Simulated, scene: Scene) -> str:

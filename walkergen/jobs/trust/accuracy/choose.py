@@ -58,7 +58,7 @@ def choose(survey: Survey, wanted: Tolerance, progress: Progress) -> Choice:
     """
     measurements = candidates(survey, progress)
     reference = survey.reference(progress)
-    error = allowed(wanted, reference.value, survey.scene)
+    error = allowed(wanted, reference.value, survey.scene.drive)
     offers = (
         _offer(survey, candidate, reference, error)
         for candidate in measurements
