@@ -118,7 +118,7 @@ def test_designs_are_distinct_and_on_the_steps_that_people_write(bench, tmp_path
     assert len(result.designs) == 3
     x = [result.job.box.place(one.values) for one in result.designs]
     apart = [np.linalg.norm(x[a] - x[b]) for a, b in ((0, 1), (0, 2), (1, 2))]
-    assert min(apart) >= search.DISTINCT * math.sqrt(2)
+    assert min(apart) >= search.DISTINCT[1] * math.sqrt(2)
     for one in result.designs:
         tilt, length = one.values.values()
         assert (tilt, length) == (round(tilt, 1), round(length, 2))

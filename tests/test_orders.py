@@ -117,7 +117,7 @@ def test_designs_share_plates_and_stay_apart_in_every_file(run, lists, tmp_path)
     sheet = (folder / "plates" / "plate_prusa-mk3s.md").read_text()
     assert "| A | duck |\n| B | maker-large |\n| C | koumakis2016 |" in sheet
     assert "Marks of duck. Notches" in sheet
-    assert "| `plate_prusa-mk3s_1.3mf` | duck_t20.0_flexible_s0.40 | 1 |" in sheet
+    assert "| `plate_prusa-mk3s_1.3mf` | `duck_t20.0_flexible_s0.40` | 1 |" in sheet
     assert "`weights_DESIGN.csv`" in sheet
     forms = {name: text for name, text in files_below(folder).items() if "weights" in name}
     assert sorted(forms) == [f"weights_{d}.csv" for d in ("duck", "koumakis2016", "maker-large")]

@@ -177,8 +177,8 @@ def test_a_changed_and_a_missing_file_are_told(folder):
 def test_plates_and_print_sheet_are_there_when_the_folder_has_them(folder):
     page = Elements(rendered(folder))
     assert "Map of the plate plates/family_prusa-mk3s_1.png" in [i["alt"] for i in page.all("img")]
-    assert "Print sheet: family_prusa-mk3s, Prusa i3 MK3S / MK3S+" in page.texts["h1"]
-    assert "walker_t10.0_flexible_s0.40" in page.texts["td"]
+    assert "Print sheet: family_prusa-mk3s, Prusa i3 MK3S / MK3S+" in page.texts["h3"]
+    assert "walker_t10.0_flexible_s0.40" in page.texts["code"]
     for name in (folder / "plates").iterdir():
         name.unlink()
     edit(folder, lambda facts: facts.update(
@@ -275,7 +275,7 @@ def test_broken_files_are_refused_by_name(folder):
         ([*lines[:-1], lines[-1].replace("35.0", "nan", 1)], "family.csv:7: tilt_deg: must be a"),
         ([*lines[:-1], lines[-1].replace("braced", "", 1)], "family.csv:7: legs: missing"),
         ([*lines[:-1], lines[-1] + "x" * 200_000], "family.csv:7: not valid CSV"),
-        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 21 cells, the header has 20"),
+        ([*lines[:-1], lines[-1] + ",more"], "family.csv:7: 22 cells, the header has 21"),
     ):
         table.write_text("\n".join(broken), encoding="utf-8")
         assert refused(folder).startswith(told)

@@ -209,8 +209,9 @@ def off_outline(limbs: Sequence[Limb], shape: Shape) -> list[str]:
         )
         outside = top.difference(ground.buffer(ROUNDING_MM)).area
         if outside > 0.0:
+            percent = max(1.0, 100 * outside / top.area)
             problems.append(
-                f"legs[{number}].along_mm = {limb.along:g}: {100 * outside / top.area:.0f} % of "
+                f"legs[{number}].along_mm = {limb.along:g}: {percent:.0f} % of "
                 "the top of the leg lies beyond the outline or under a hole: move it, or make it "
                 "narrower (width_mm)"
             )

@@ -20,8 +20,12 @@ Array = npt.NDArray[np.float64]
 WANTED = 3
 """Number of designs that are looked for."""
 
-DISTINCT = 0.1
-"""Least distance of two designs, over the diagonal of the box."""
+DISTINCT = (0.3, 0.2, 0.1)
+"""Least distance of two designs, over the diagonal of the box: the first at which the wish is met
+as well, for three that are nearly one are no choice; or the last."""
+
+MET = 1.0
+"""Loss (in allowed errors) up to which a wish is met."""
 
 FIRST, NEAR = 24, 8
 """Numbers of points that begin a search: spread over what can be made, and best as predicted."""
@@ -145,20 +149,19 @@ def _first(job: Job, seen: Survey) -> list[dict[str, float]]:
     else:
         worth = -speeds
     ordered = places[np.argsort(worth[places], kind="stable")].tolist()
-    near = _apart(job, seen.x, [place for place in ordered if place not in spread], NEAR)
+    unseen = [place for place in ordered if place not in spread]
+    near = _apart(seen.x, unseen, NEAR, DISTINCT[-1] * job.box.diagonal)
     rows = [seen.trials[place].values for place in [*spread, *near]]
     return list({tuple(row.values()): row for row in rows}.values())
 
 
-def _apart(job: Job, x: Array, ordered: Sequence[int], count: int) -> list[int]:
-    """First of these places that keep DISTINCT from one another."""
+def _apart(x: Array, ordered: Sequence[int], count: int, least: float) -> list[int]:
+    """First of these places that keep a least distance from one another."""
     kept: list[int] = []
     for place in ordered:
         if len(kept) == count:
             break
-        if all(
-            np.linalg.norm(x[place] - x[other]) >= DISTINCT * job.box.diagonal for other in kept
-        ):
+        if all(np.linalg.norm(x[place] - x[other]) >= least for other in kept):
             kept.append(place)
     return kept
 
@@ -213,7 +216,12 @@ class View(NamedTuple):
     def best(self) -> list[int]:
         """Places of the best distinct trials by what is now known of them, best first."""
         loss = self.loss(self.x, 0.0)
-        return _apart(self.job, self.x, np.argsort(loss, kind="stable").tolist(), WANTED)
+        ordered = np.argsort(loss, kind="stable").tolist()
+        for share in DISTINCT:
+            chosen = _apart(self.x, ordered, WANTED, share * self.job.box.diagonal)
+            if len(chosen) == WANTED and loss[chosen].max() <= MET:
+                break
+        return chosen
 
     def expected(self, place: int) -> float:
         """Emulated value of the quantity at a usable trial."""
@@ -267,8 +275,8 @@ def _proposed(view: View, seed: int) -> list[dict[str, float]]:
     chosen: list[Array] = []
     rows = []
     for number in range(WANTED):
-        at, hoped = _optimum(view, chosen, WANTED * seed + number)
-        own = _loss(view, chosen, 0.0)(view.x.T)
+        share, at, hoped = _farthest(view, chosen, WANTED * seed + number)
+        own = _loss(view, chosen, share, 0.0)(view.x.T)
         place = int(np.argmin(own))
         if own[place] < FAR and own[place] <= _enough(view, hoped):
             chosen.append(view.x[place])
@@ -293,9 +301,20 @@ def _enough(view: View, hoped: float) -> float:
     return max(SETTLED[view.job.simulated], hoped + 0.1)
 
 
-def _loss(view: View, chosen: Sequence[Array], hope: float) -> Callable[[Array], Array]:
+def _farthest(view: View, chosen: Sequence[Array], seed: int) -> tuple[float, Array, float]:
+    """Share of DISTINCT, the largest at which the wish can be hoped to be met; optimum and loss."""
+    for share in DISTINCT:
+        at, hoped = _optimum(view, chosen, share, seed)
+        if hoped <= MET or not chosen:
+            break
+    return share, at, hoped
+
+
+def _loss(
+    view: View, chosen: Sequence[Array], share: float, hope: float
+) -> Callable[[Array], Array]:
     """Function of coordinates, shape (keys, k), for the optimiser: kept apart and makeable."""
-    least = 1.05 * DISTINCT * view.job.box.diagonal  # so that rounded values are apart as well
+    least = 1.05 * share * view.job.box.diagonal  # so that rounded values are apart as well
 
     def loss(columns: Array) -> Array:
         x = np.atleast_2d(columns.T)
@@ -308,14 +327,14 @@ def _loss(view: View, chosen: Sequence[Array], hope: float) -> Callable[[Array],
     return loss
 
 
-def _optimum(view: View, chosen: Sequence[Array], seed: int) -> tuple[Array, float]:
+def _optimum(view: View, chosen: Sequence[Array], share: float, seed: int) -> tuple[Array, float]:
     """Coordinates of least loss, hoping for a standard deviation, and the loss there."""
     from scipy.optimize import differential_evolution
 
     wide = len(view.job.box.spans)
     with emulator.alone():
         optimum = differential_evolution(
-            _loss(view, chosen, 1.0), [(0.0, 1.0)] * wide, popsize=15, maxiter=80, tol=1e-4,
+            _loss(view, chosen, share, 1.0), [(0.0, 1.0)] * wide, popsize=15, maxiter=80, tol=1e-4,
             polish=False, vectorized=True, updating="deferred", rng=seed,
         )  # fmt: skip
     return np.asarray(optimum.x), float(optimum.fun)
