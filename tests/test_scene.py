@@ -67,6 +67,22 @@ MEANT = {
     "lane-90hz-walls": {"arena.gap_mm", "run.seconds"},
     "plane-90hz": {"arena.kind", "run.seconds"},
     "plane-noisy": {"arena.kind", "run.seconds", "plate.noise_ratio", "feet.unevenness_um"},
+    "table-motor": {
+        "arena.kind",
+        "run.seconds",
+        "feet.unevenness_um",
+        *(
+            f"drive.{key}"
+            for key in (
+                "kind",
+                "frequency_hz",
+                "frequency_sd_hz",
+                "gamma",
+                "eccentric_g_mm",
+                "eccentric_sd_g_mm",
+            )
+        ),
+    },
 }
 """Keys, beside the contact, in which a template means to differ from the defaults."""
 
