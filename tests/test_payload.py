@@ -334,7 +334,8 @@ def test_the_print_sheet_says_when_to_weigh_and_to_put_in_what_is_carried(tmp_pa
     order = batch.Order([shipped(name)], [1], [printer_of("ender3")], pictures=False)
     batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
     sheet = (tmp_path / "plates" / "plate_ender3.md").read_text(encoding="utf-8")
-    assert (f"\n{steps}. " in sheet) and f"\n{steps + 1}. " not in sheet
+    assert f"\n{steps}. " in sheet
+    assert f"\n{steps + 1}. " not in sheet
     assert ("motor and the battery" in sheet) == (steps == 7)
 
 

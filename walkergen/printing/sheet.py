@@ -135,8 +135,8 @@ def _put_in(batch: Batch) -> str:
     if not carried:
         return ""
     return (
-        f"7. Weigh the bare part, then push the {' and the '.join(carried)} into the pockets, wires "
-        "in the channel, and fix them with a drop of glue, none on the legs.\n"
+        f"7. Weigh the bare part, then push the {' and the '.join(carried)} into the pockets, "
+        "wires in the channel, and fix them with a drop of glue, none on the legs.\n"
     )
 
 
