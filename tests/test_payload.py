@@ -8,6 +8,7 @@ import trimesh
 
 from walkergen.errors import GeometryError, InputError
 from walkergen.files import config, templates
+from walkergen.jobs.make.plate import make as batch
 from walkergen.printing import checks, profile
 from walkergen.printing.pocket_checks import ceiling, thinnest_wall
 from walkergen.printing.printers import Printer
@@ -326,6 +327,16 @@ def test_places_that_only_the_solid_knows_are_one_line(tables, words):
     assert line.count("\n") == 0
     for word in words:
         assert word in line
+
+
+@pytest.mark.parametrize(("name", "steps"), [("coinbot", 7), ("koumakis2016", 6)])
+def test_the_print_sheet_says_when_to_weigh_and_to_put_in_what_is_carried(tmp_path, name, steps):
+    order = batch.Order([shipped(name)], [1], [printer_of("ender3")], pictures=False)
+    batch.make(order, tmp_path, lambda *step: None, lambda findings: None)
+    sheet = (tmp_path / "plates" / "plate_ender3.md").read_text(encoding="utf-8")
+    assert f"\n{steps}. " in sheet
+    assert f"\n{steps + 1}. " not in sheet
+    assert ("motor and the battery" in sheet) == (steps == 7)
 
 
 def test_marks_that_pockets_take_away_are_refused():

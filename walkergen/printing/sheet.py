@@ -123,7 +123,7 @@ def _steps(batch: Batch) -> str:
         "copy. PrusaSlicer shows copies under one name; a plate of one kind alone under the "
         "file's, unless it was made with --prusaslicer.)\n"
         "5. Slice. In the preview every leg must show plastic in every layer.\n"
-        "6. Print; take the parts off cold, by the body; cut off any brim.\n\n"
+        f"6. Print; take the parts off cold, by the body; cut off any brim.\n{_put_in(batch)}\n"
         "Without a window, `yours.ini` being your printer and filament (PrusaSlicer: File > Export "
         "> Export Config):\n\n"
         f"```\nprusa-slicer --load yours.ini --load {stem}_print.ini {slicing}\n```\n\n"
@@ -133,6 +133,17 @@ def _steps(batch: Batch) -> str:
         f"This heats the nozzle to {material.nozzle_deg_c} °C and the bed to "
         f"{material.bed_deg_c} °C, as the design says of its material, and has PrusaSlicer's plain "
         "start code, not your printer's own."
+    )
+
+
+def _put_in(batch: Batch) -> str:
+    """Step of walkers that carry something; "" without."""
+    carried = dict.fromkeys(name for design in batch.members for name in design.parts)
+    if not carried:
+        return ""
+    return (
+        f"7. Weigh the bare part, then push the {' and the '.join(carried)} into the pockets, "
+        "wires in the channel, and fix them with a drop of glue, none on the legs.\n"
     )
 
 

@@ -189,13 +189,16 @@ def _problems(name: str, part: Part, clearance: float, size: Size, foot: float) 
         elif not low <= value <= high:
             deep = value > high if part.opens == "down" else value < low
             sunk = i == 1 or (i == 2 and part.opens == "side")
-            what = "its pocket is deeper than the body" if deep and sunk else "it leaves the body"
+            what = f"the {name} leaves the body"
+            if deep and sunk:
+                what = "its pocket is deeper than the body"
             yield (
                 f"{key} = {value:g}: {what}: must lie in {low:.4g}..{high:.4g} mm, which "
                 f"leaves floor and walls of {FLOOR_MM:g} mm: move it, or make the body larger"
             )
     gap = cylinder.centre[1] - cylinder.half[1] - foot
-    if gap < ABOVE_PLATE_MM:
+    low, _ = _limits(part.opens, 1, cylinder.half[1] + clearance, size.thickness)
+    if gap < ABOVE_PLATE_MM and cylinder.centre[1] >= low:
         yield (
             f"up_mm = {cylinder.centre[1]:g}: the {name} ends {gap:.3g} mm above the plate, must "
             f"be at least {ABOVE_PLATE_MM:g} mm: move it up, or make the legs longer"

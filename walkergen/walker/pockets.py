@@ -171,10 +171,12 @@ def _refuse_leg(
     for number, leg in enumerate(legs, start=1):
         lost = modeller.evaluated(leg ^ tool).volume()
         if lost > ROUNDING * leg.volume():
-            what = f"the {name}" if name == "channel" else f"the pocket of the {name}"
+            what, remedy = f"the pocket of the {name}", "move it, or the leg"
+            if name == "channel":
+                what, remedy = "the channel", "make it narrower, 0 for none, or move the motor"
             raise GeometryError(
                 f"{_place(name, design)}: {what} cuts leg {number}, or its root in the body (by "
-                f"{lost:.3g} mm3): move it, or the leg"
+                f"{lost:.3g} mm3): {remedy}"
             )
 
 
