@@ -23,11 +23,14 @@ SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""
 
 
+ROOMY = {"body": {"thickness_mm": 24.0}, "material": {"density_g_cm3": 0.155}}
+"""Body that weighs what the paper's does, and has room for a motor off its middle."""
+
+
 def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
-    """Plan of the paper's walker with a motor, on a still plate."""
-    design = Design.model_validate(
-        {"motor": motor or {}, "legs": {"tilt_deg": float(tilt), "kind": kind}}
-    )
+    """Plan of the paper's walker with a motor, its body thick and light, on a still plate."""
+    legs = {"tilt_deg": float(tilt), "kind": kind}
+    design = Design.model_validate(ROOMY | {"motor": motor or {}, "legs": legs})
     data = {"arena": {"kind": "plane"}} | tables
     data["drive"] = {"kind": "motor", "frequency_hz": 90.0} | drive
     data["legs"] = {"model": "space"} | data.get("legs", {})

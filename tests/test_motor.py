@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from motor_rival import carrying, fly, fly_there, pointed, speeds_there
+from motor_rival import ROOMY, carrying, fly, fly_there, pointed, speeds_there
 from space_rival import weightless
 
 from walkergen.drive import GRAVITY, Drive
@@ -264,7 +264,7 @@ def test_a_drive_that_is_none_is_refused_by_its_key(keys, told):
 
 
 def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
-    design = Design.model_validate({"motor": {}})
+    design = Design.model_validate(ROOMY | {"motor": {}})
     mass = solids.mass_of(design)
     scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
     assert resolve(scene, design, mass).model == "space"
@@ -280,7 +280,7 @@ def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
 
 
 def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
-    design = Design.model_validate({"motor": {}})
+    design = Design.model_validate(ROOMY | {"motor": {}})
     mass = solids.mass_of(design)
     scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
     for wanted, on in ((None, True), (False, False), (True, True)):
