@@ -9,6 +9,7 @@ from space_rival import weightless
 
 from walkergen.drive import GRAVITY, Drive
 from walkergen.errors import InputError
+from walkergen.jobs.measure.fit import learn
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import motor
@@ -378,3 +379,25 @@ def test_frequency_and_moment_are_drawn_and_the_rating_stays_with_the_motor():
     assert "drive.frequency_hz" not in {
         one.name for one in uncertain.inputs(Scene(), Design(), "space")
     }
+
+
+def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):
+    """Speeds of the table at a moment of 0.8 of what the scene has, with 40 % of doubt."""
+    rows = ["tilt_deg,speed_mm_s,speed_se_mm_s"]
+    drive = throwing(2.0, axis="along")
+    for tilt in (6.0, 10.0, 14.0):
+        plan = carrying(drive, tilt=tilt)
+        row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
+        rows.append(f"{tilt:g},{row.speed_mm_s:.3f},1.0")
+    (tmp_path / "speeds.csv").write_text("\n".join(rows) + "\n")
+    true = drive["eccentric_g_mm"]
+    doubt = {"eccentric_g_mm": 1.25 * true, "eccentric_sd_g_mm": 0.5 * true}
+    scene, design = carrying(drive | doubt).scene, plan.case.design
+    fixed = {"restitution": 0.22, "friction": 0.25}
+    job = learn.Job(design, scene, "prediction", "flat", fixed, [], False)
+    learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
+    (moment,) = (row for row in learnt.rows if row.name == "eccentric_g_mm")
+    assert moment.sd < 0.6 * doubt["eccentric_sd_g_mm"]
+    assert moment.mean == pytest.approx(true, abs=2.0 * moment.sd)
+    assert learnt.scene.drive.eccentric_g_mm == pytest.approx(moment.mean)
+    assert learnt.scene.drive.eccentric_sd_g_mm == pytest.approx(moment.sd)

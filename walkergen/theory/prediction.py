@@ -148,7 +148,7 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
     """Speeds of a walker at values of `known_inputs`."""
     shaken, model = shaking.of(scene, design, mass), drawn.columns[MODEL.name]
-    pace, moment = _motors(scene, drawn)
+    pace, moment = of_motor(scene, drawn)
     plate = shaken.swing if scene.drive.kind == "plate" else shaken.swing * pace * moment
     try:
         place = discrepancy.place_of(scene, design, mass)
@@ -166,7 +166,7 @@ def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn
     return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table")
 
 
-def _motors(scene: Scene, drawn: Drawn) -> tuple[Array, Array]:
+def of_motor(scene: Scene, drawn: Drawn) -> tuple[Array, Array]:
     """Ratios of a motor's drawn frequency and moment to its nominal ones."""
     drive = scene.drive
     if drive.kind == "plate":
@@ -179,7 +179,7 @@ def drawn_places(
     place: Place, design: Design, scene: Scene, drawn: Drawn, amplitude: float
 ) -> Place:
     """Places in the table at values of the inputs; `amplitude` (mm) is the plate's."""
-    pace, moment = _motors(scene, drawn)
+    pace, moment = of_motor(scene, drawn)
     modulus = design.material.youngs_modulus_gpa
     unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
     return place.drawn(
@@ -219,7 +219,7 @@ def theory_speeds(
         drawn.of("contact.friction", contact.friction),
         mode, contact.law, (contact.restitution, contact.friction),
     )  # fmt: skip
-    pace, moment = _motors(scene, drawn)
+    pace, moment = of_motor(scene, drawn)
     return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
 
 

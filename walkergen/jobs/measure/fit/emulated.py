@@ -158,9 +158,9 @@ def _short(ground: Ground, setting: Setting) -> Scene:
 
 
 def on_plate(scene: Scene, setting: Setting) -> Scene:
-    """Scene whose plate has a setting's speed, at its own frequency."""
+    """Scene whose plate has a setting's speed, at its own frequency; a motor's stays as it is."""
     drive = scene.drive
-    if math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
+    if drive.kind == "motor" or math.isclose(setting.plate_speed, drive.peak_speed, rel_tol=1e-9):
         return scene
     other = Drive(
         frequency_hz=drive.frequency, peak_speed_mm_s=setting.plate_speed,

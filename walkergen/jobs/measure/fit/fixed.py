@@ -3,6 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 from walkergen.analysis.fits import RANGES
+from walkergen.drive import MOTOR_HZ
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.jobs.measure.fit.parameters import FLAT, TABLED_FROM, ModelName
@@ -22,6 +23,7 @@ def of_model(texts: Sequence[str], model: ModelName) -> dict[str, float]:
     ranges = {
         "restitution": (least, 1.0), "friction": (0.0, 5.0), "thickness_mm": (1e-3, 100.0),
         "youngs_modulus_gpa": (1e-3, 1e4), "damping_ratio": (0.0, 10.0),
+        "frequency_hz": MOTOR_HZ, "eccentric_g_mm": (1e-6, 1e6),
     }  # fmt: skip
     if model == "prediction":
         del ranges["damping_ratio"]

@@ -9,6 +9,7 @@ import numpy.typing as npt
 
 from walkergen.analysis import speeds as measured
 from walkergen.analysis.speeds import Measured
+from walkergen.drive import OF_RATING
 from walkergen.errors import InputError
 from walkergen.files.config import validate
 from walkergen.files.progress import Progress
@@ -16,15 +17,26 @@ from walkergen.jobs.measure.fit import emulated, identifiability, posterior, tab
 from walkergen.jobs.measure.fit.emulated import Ground, Setting
 from walkergen.jobs.measure.fit.identifiability import Learnt
 from walkergen.jobs.measure.fit.make import fitted_name
-from walkergen.jobs.measure.fit.parameters import KEYS, ModelName, PriorName, held, unknown
+from walkergen.jobs.measure.fit.parameters import (
+    KEYS,
+    OF_SCENE,
+    ModelName,
+    PriorName,
+    held,
+    unknown,
+)
 from walkergen.jobs.measure.fit.posterior import Observed, Posterior, Responds
 from walkergen.scene import Scene
+from walkergen.walker import solids
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 
 FIRST, SECOND, AHEAD = 64, 32, 48
 """Walkers simulated in a setting: over the prior, over the posterior, and ahead of measuring."""
+
+DEVIATIONS = {"frequency_hz": "frequency_sd_hz", "eccentric_g_mm": "eccentric_sd_g_mm"}
+"""Keys of standard deviations that do not end in _sd."""
 
 MOST_SETTINGS = 40
 """Number of settings (tilts on plates), measured and predicted, that a fit knows at most."""
@@ -86,7 +98,8 @@ def learn(path: Path, job: Job, progress: Progress) -> Learned:
     Columns as in `make.fit`; simulated models need speed_se_mm_s. Raises InputError for unusable
     input.
     """
-    table = measured.read(path, job.design.kind, job.scene.drive.peak_speed)
+    total = float(solids.mass_of(job.design).total)
+    table = measured.read(path, job.design.kind, job.scene.drive.beneath(total).peak_speed)
     measured.refuse_slips(path, table)
     seen, notes = _flexible(table, path, job.model)
     scene, design = held(job.scene, job.design, job.fixed)
@@ -270,9 +283,11 @@ def _scene(job: Job, scene: Scene, rows: Sequence[Learnt], path: Path) -> Scene:
     """Scene with what was learnt; held values keep the standard deviations of the scene."""
     data: dict[str, Any] = scene.model_dump(exclude_none=True)
     for row in rows:
-        if row.name in ("restitution", "friction", "damping_ratio"):
+        if row.name in OF_SCENE:
             table, _, key = KEYS[row.name].partition(".")
-            data[table] |= {key: row.mean, f"{key}_sd": row.sd}
+            data[table] |= {key: row.mean, DEVIATIONS.get(key, f"{key}_sd"): row.sd}
+        if row.name == "eccentric_g_mm":  # in place of a rating
+            data["drive"] = {k: v for k, v in data["drive"].items() if k not in OF_RATING}
     if job.model != "prediction":
         data["legs"]["model"] = job.model
     data["description"] = f"As {scene.name}, as learnt from {path.name[:200]} by {job.model}"

@@ -9,7 +9,7 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.files import words
 from walkergen.scene import LEAST_LABEL, Scene
-from walkergen.theory import uncertain
+from walkergen.theory import shaking, uncertain
 from walkergen.theory.uncertain import Input
 from walkergen.walker.design import Design
 
@@ -28,8 +28,14 @@ KEYS = {
     "thickness_mm": "legs.thickness_mm",
     "youngs_modulus_gpa": "material.youngs_modulus_gpa",
     "damping_ratio": "legs.damping_ratio",
+    "frequency_hz": shaking.FREQUENCY,
+    "eccentric_g_mm": shaking.MOMENT,
 }
-"""Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike."""
+"""Names of the parameters and their keys among `uncertain.inputs`: those of all prints alike, the
+last two of a motor."""
+
+OF_SCENE = ("restitution", "friction", "damping_ratio", "frequency_hz", "eccentric_g_mm")
+"""Names of those that a scene holds; a design has the others."""
 
 PRINTED = ("body mass", "leg mass", "feet.unevenness_um")
 """Inputs in which one print differs from the next: drawn anew for every simulated walker."""
@@ -139,6 +145,8 @@ def unknown(
 def held(scene: Scene, design: Design, fixed: Mapping[str, float]) -> tuple[Scene, Design]:
     """Scene and design with the fixed values. Raises GeometryError for legs too thick."""
     values = {KEYS[name]: value for name, value in fixed.items()}
+    if scene.drive.kind == "plate" and (wrong := {shaking.FREQUENCY, shaking.MOMENT} & set(values)):
+        raise InputError(f"--fix: {sorted(wrong)[0]} is a motor's, and the scene has a plate")
     scene, design, _ = uncertain.applied(scene, design, values)
     return scene, design
 

@@ -14,8 +14,9 @@ from walkergen.errors import InputError
 from walkergen.jobs.measure.fit.emulated import STILL, Ground, Setting, on_plate
 from walkergen.jobs.measure.fit.parameters import SCATTER
 from walkergen.scene import Scene
-from walkergen.theory import discrepancy, prediction
+from walkergen.theory import discrepancy, prediction, shaking
 from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
+from walkergen.theory.shaking import Shaken
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 
@@ -28,6 +29,7 @@ class Tabled(NamedTuple):
     setting: Setting
     scene: Scene
     place: Place
+    shaken: Shaken
     inputs: tuple[str, ...]
     """Inputs in the order of the columns."""
 
@@ -37,17 +39,19 @@ class Tabled(NamedTuple):
         Shared are the errors of the interpolation and of the model itself, `prediction.model_sd`.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
-        design, plate = self.setting.design, self.setting.plate_speed
-        amplitude = self.scene.drive.amplitude
+        design, amplitude = self.setting.design, self.shaken.drive.amplitude
+        pace, moment = prediction.of_motor(self.scene, drawn)
+        plate = self.setting.plate_speed * pace * moment
         places = prediction.drawn_places(self.place, design, self.scene, drawn, amplitude)
         speeds = discrepancy.speeds(places, design.tilt_deg, design.braced)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         interpolated = np.sqrt(np.maximum(speeds.sd**2 - speeds.between_prints**2, 0.0))
+        model_sd = np.hypot(self.scene.prediction.model_sd, self.shaken.error_sd)
         mean = plate * speeds.at(np.zeros(len(x)))
         learnt = drawn.of(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
         return (
             mean,
-            slope * np.hypot(interpolated, self.scene.prediction.model_sd),
+            slope * np.hypot(interpolated, model_sd),
             np.hypot(slope * speeds.between_prints, learnt),
         )
 
@@ -59,12 +63,14 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
-            place = discrepancy.place_of(scene, design, solids.mass_of(design))
+            mass = solids.mass_of(design)
+            place = discrepancy.place_of(scene, design, mass)
             discrepancy.check(scene, place, design.braced)
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "
                 "--model space, or leave that tilt out"
             ) from None
-        by_setting.append(Tabled(setting, scene, place, names))
+        shaken = shaking.of(scene, design, mass)
+        by_setting.append(Tabled(setting, scene, place, shaken, names))
     return by_setting
