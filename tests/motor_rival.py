@@ -23,7 +23,7 @@ SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""
 
 
-ROOMY = {"body": {"thickness_mm": 24.0}, "material": {"density_g_cm3": 0.155}}
+ROOMY = {"body": {"thickness_mm": 24.0}, "weighed": {"body_mass_g": 0.8333}}
 """Body that weighs what the paper's does, and has room for a motor off its middle."""
 
 

