@@ -36,6 +36,9 @@ PUSHES = (1.3, 1.8, 2.4)
 ACROSS_SDS = (1.8, 1.0, 0.1)
 """The same of the swing along the run of a motor whose axis lies across it, besides."""
 
+UPRIGHT_SD, UPRIGHT_DEG = 1.8, 5.0
+"""The same without tilt, where that swing alone makes a walker run; it ends at this tilt."""
+
 LEVER_SDS = (4.0, 1.5, 1.5)
 """The same of a motor as far off the centre of mass as the body's radius of gyration, besides."""
 
@@ -76,15 +79,16 @@ def of(scene: Scene, design: Design, mass: MassProperties) -> Shaken:
     motor, total = motor_of(design), float(mass.total)
     along, _, up = scene.drive.direction(motor.axis)
     whole = scene.drive.beneath(total)
-    upright = max(math.sqrt(max(1.0 - up * up, 0.0)), 1e-6)
-    drive = whole.model_copy(update={"amplitude_um": upright * (whole.amplitude_um or 0.0)})
+    lift = max(math.sqrt(max(1.0 - up * up, 0.0)), 1e-6)
+    drive = whole.model_copy(update={"amplitude_um": lift * (whole.amplitude_um or 0.0)})
     forward = math.sqrt(max(1.0 - along * along, 0.0))
     place = from_centre(design, mass, np.array([motor.along_mm, motor.up_mm])) - mass.centre
     lever = math.hypot(*place, motor.across_mm) / math.sqrt(float(mass.J) / float(mass.M))
     across, off = (
-        float(np.interp(whole.peak_gamma, PUSHES, sds)) * size
-        for sds, size in ((ACROSS_SDS, forward), (LEVER_SDS, lever))
+        float(np.interp(whole.peak_gamma, PUSHES, sds)) for sds in (ACROSS_SDS, LEVER_SDS)
     )
+    upright = max(1.0 - abs(design.tilt_deg) / UPRIGHT_DEG, 0.0)
+    across, off = forward * max(across, UPRIGHT_SD * upright), lever * off
     left_out = [
         words
         for words, error in (("its push along the run", across), ("that it turns the body", off))
