@@ -3,7 +3,6 @@
 import gc
 import os
 
-
 GARBAGE = 50_000
 """Objects made between two searches for unused ones, 700 by default: libraries make as they load
 many that stay, among which each search is in vain, a tenth of the time of a short command."""
