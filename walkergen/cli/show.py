@@ -131,9 +131,7 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 what, done, total = state[0]
                 share = f", {done} of {total}" if done else ""
                 passed = time.monotonic() - begun
-                rest = (
-                    f", {_rest(passed, done, total)} left" if done else f", {passed:.0f} s so far"
-                )
+                rest = f"{_rest(passed, done, total)} left" if done else f"{passed:.0f} s so far"
                 try:
                     print(
                         plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True
