@@ -31,14 +31,18 @@ def rated(survey, cpu_per_s=0.06):
     return survey
 
 
-@pytest.mark.parametrize("slowness", [1.0, 2.5])
-@pytest.mark.parametrize("budget", [3.0, 10.0, 60.0])
+@pytest.mark.parametrize(
+    ("budget", "slowness"), [(15.0, 1.0), (60.0, 1.0), (40.0, 2.5), (120.0, 2.5)]
+)
 def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slowness):
     """Made-up runs that take `slowness` times what their CPU time says; only the clock is false."""
     survey = rated(survey_of(budget))
     survey.budget.cores = 2
+    survey.budget.pay_other(0.0, slowness * make.START_S)
+    survey.budget.pay_turns(1.0, slowness)  # the pilots
     least = make._share_out(survey, ("models", "steps", "statistics", "shape"), silent)
     assert least is None
+    others = survey.budget.kept_s
     for setting in [*survey.steps, *survey.simpler]:
         kinds = KINDS
         rate = survey.rate(setting)
@@ -56,6 +60,8 @@ def test_a_study_spends_its_budget_on_an_idle_and_on_a_busy_machine(budget, slow
         survey.budget.pay_runs(runs, rate, 1.0, parts * slowness * idle)
     assert not survey.due
     assert not survey.others
+    survey.budget.pay_other(others, slowness * others)
+    assert survey.budget.kept_s == 0.0
     assert survey.budget.spent_s == pytest.approx(budget, rel=0.3)
 
 
@@ -67,6 +73,25 @@ def test_what_one_leaves_over_the_others_get():
     assert budget.grant("b", {"b": 3.0, "c": 1.0}) == pytest.approx(9.0 * 0.75)
     budget.pay(20.0)
     assert budget.grant("c", {"c": 1.0}) == 0.0
+
+
+def test_simulations_share_out_what_solids_and_pictures_leave():
+    budget = Budget(10.0, 2)
+    budget.keep(4.0)
+    assert budget.grant("a", {"a": 1.0, "b": 1.0}) == pytest.approx(3.0)
+    budget.pay_other(1.0, 3.0)  # a slow picture: simulations have the less
+    assert budget.grant("a", {"a": 1.0}) == pytest.approx(4.0)
+    budget.pay_turns(1.0, 1.3)  # everything is 1.3 times as slow, what is still to be drawn as well
+    assert budget.grant("a", {"a": 1.0}) == pytest.approx(10.0 - 3.0 - 1.3 - 1.3 * 3.0)
+    assert (budget.simulated_s, budget.others_s) == (1.3, 4.0)
+
+
+def test_ladders_and_their_pictures_have_their_time_in_the_least_budget():
+    one, all_of_them = rated(survey_of(1.0)), rated(survey_of(1.0))
+    least = make._share_out(one, ("models",), silent)
+    assert least > make.FIRST_PICTURE_S + 2 * make.PICTURE_S  # its own, and the choice
+    more = make._share_out(all_of_them, ("models", "steps", "statistics", "shape"), silent)
+    assert more > least + 6 * make.PICTURE_S + make.SHAPE_S
 
 
 def test_a_budget_learns_how_much_slower_a_busy_machine_is():
@@ -119,7 +144,7 @@ def test_the_least_budget_is_named_and_taken():
     assert survey.least(survey.own) == pytest.approx(
         math.ceil(4 / survey.cores) * 1.5 * survey.rate(survey.own)
     )
-    assert make._share_out(rated(survey_of(1.0), 1.0), ("shape",), silent) is None
+    assert make._share_out(rated(survey_of(3.0), 1.0), ("shape",), silent) is None
 
 
 def test_one_ladder_alone_has_the_whole_budget():

@@ -292,7 +292,9 @@ def test_long_work_says_how_far_it_is_where_there_is_no_bar(monkeypatch, capsys)
             if line:
                 break
     assert line == "simulate: runs, 3 of 4, about 0 s left\n"
-    with show.progress("simulate", wanted=False) as update:
+    with show.progress("accuracy", wanted=True, about_s=60.0):
+        assert capsys.readouterr().err == "accuracy: about 60 s\n"  # first of all, also when piped
+    with show.progress("simulate", wanted=False, about_s=60.0) as update:
         update("runs", 3, 4)
         time.sleep(0.05)
     assert capsys.readouterr().err == ""

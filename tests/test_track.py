@@ -12,6 +12,7 @@ from PIL import Image
 from typer.testing import CliRunner
 
 import walkergen as wg
+from walkergen import extras
 from walkergen.analysis import motion, tracks
 from walkergen.cli import command_line
 from walkergen.errors import InputError
@@ -386,7 +387,7 @@ def test_too_large_a_film_and_a_missing_package_say_what_to_do(monkeypatch, two)
     monkeypatch.setattr(films, "MOST_PIXELS", 1000)
     with pytest.raises(InputError, match=r"240 x 160 pixels a frame: at most .* make it smaller"):
         films.about(two)
-    monkeypatch.setattr(films, "NEEDED", {"no_such_module": "no-such-package"})
+    monkeypatch.setitem(extras.PACKAGES, "film", {"no_such_module": "no-such-package"})
     with pytest.raises(InputError, match=r"no-such-package not installed: pip install 'walkergen"):
         films.require()
 

@@ -24,8 +24,7 @@ def accuracy(
         str, typer.Option("--only", metavar="LADDERS", help="Comma-separated ladders to measure.")
     ] = "models,steps,statistics,shape",
     budget: Annotated[
-        str,
-        typer.Option("--budget", metavar="TIME", help="Time of all simulations: 10s, 5min, 1h."),
+        str, typer.Option("--budget", metavar="TIME", help="Time of all of it: 30s, 5min, 1h.")
     ] = "60s",
     out: opt.Out = None,
     json: opt.AsJson = False,
@@ -41,13 +40,15 @@ def accuracy(
     resolved, member = inputs.scene(scene), inputs.one(design, tilt, legs)
     name = f"{member.name}_{names.tilt(member)}_{member.kind}_{resolved.name}"
     folder = out or Path("out") / "accuracy" / name
-    with show.progress("accuracy", wanted=not quiet) as progress:
-        report = study.make(study.Job(member, resolved, chosen, seconds), folder, progress)
-    show.report(report, json, quiet)
-    if report.facts["least_budget_s"] is not None:
-        least = words.budget(report.facts["least_budget_s"])
+
+    def too_short(least_s: float) -> None:
         print(
-            f"--budget {budget}: too short for {only}, which were given {least}, the least that "
-            "gives error bars here; --only takes fewer",
-            file=sys.stderr,
-        )
+            f"--budget {budget}: too short for {only}, which are given {words.budget(least_s)}, "
+            "the least that gives error bars here; --only takes fewer",
+            file=sys.stderr, flush=True,
+        )  # fmt: skip
+
+    job = study.Job(member, resolved, chosen, seconds)
+    with show.progress("accuracy", wanted=not quiet, about_s=seconds) as progress:
+        report = study.make(job, folder, progress, too_short)
+    show.report(report, json, quiet)

@@ -46,7 +46,8 @@ def reproduce(
         side_by_side.GAMMAS if gamma is None else parse_gammas(gamma),
     )
     folder = out or Path("out") / "reproduce"
-    with show.progress("reproduce", wanted=not quiet) as progress:
+    about_s = side_by_side.expected_s(job)
+    with show.progress("reproduce", wanted=not quiet, about_s=about_s) as progress:
         report = side_by_side.make(job, folder, progress)
     show.report(report, json, quiet)
 

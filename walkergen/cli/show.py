@@ -98,8 +98,15 @@ FIRST_S, NEXT_S = 5.0, 15.0
 
 
 @contextmanager
-def progress(title: str, wanted: bool) -> Iterator[Callable[[str, int, int], None]]:
-    """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines."""
+def progress(
+    title: str, wanted: bool, about_s: float | None = None
+) -> Iterator[Callable[[str, int, int], None]]:
+    """Show how far a job is on the error stream, if `wanted`: a bar on a terminal, or lines.
+
+    Long work says at once about how long it takes, s.
+    """
+    if wanted and about_s is not None:
+        print(f"{title}: {_about(about_s)}", file=sys.stderr, flush=True)
     if not wanted:
         from walkergen import caches
 
@@ -124,11 +131,11 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
                 what, done, total = state[0]
                 share = f", {done} of {total}" if done else ""
                 passed = time.monotonic() - begun
-                rest = (
-                    f", {_rest(passed, done, total)} left" if done else f", {passed:.0f} s so far"
-                )
+                rest = f"{_rest(passed, done, total)} left" if done else f"{passed:.0f} s so far"
                 try:
-                    print(plain.line(f"{title}: {what}{share}{rest}"), file=sys.stderr, flush=True)
+                    print(
+                        plain.line(f"{title}: {what}{share}, {rest}"), file=sys.stderr, flush=True
+                    )
                 except OSError:  # nobody reads it
                     return
 
@@ -146,8 +153,11 @@ def _lines(title: str) -> Iterator[Callable[[str, int, int], None]]:
 
 def _rest(passed: float, done: int, total: int) -> str:
     """Time that is left after `passed` seconds at the same pace, in words."""
-    rest = passed * (total - done) / done
-    return f"about {rest:.0f} s" if rest < 100.0 else f"about {rest / 60.0:.0f} min"
+    return _about(passed * (total - done) / done)
+
+
+def _about(seconds: float) -> str:
+    return f"about {seconds:.0f} s" if seconds < 100.0 else f"about {seconds / 60.0:.0f} min"
 
 
 @contextmanager

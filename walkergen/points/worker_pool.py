@@ -17,6 +17,7 @@ from contextlib import contextmanager
 from multiprocessing.connection import wait
 from typing import Any, NamedTuple
 
+from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.points.point import digest
 
@@ -91,12 +92,9 @@ def dask(address: str) -> Iterator[WorkerPool]:
     Raises InputError when dask is not installed, the scheduler is not reached, there is no worker,
     or a worker has another version of walkergen, or none.
     """
-    try:
-        from distributed import Client
-    except ModuleNotFoundError:
-        raise InputError(
-            "--dask: dask is not installed: pip install 'walkergen[cluster]'"
-        ) from None
+    extras.require("cluster", "--dask")
+    from distributed import Client
+
     host, port = _place(address)
     try:
         _greeted(host, port)

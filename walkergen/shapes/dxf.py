@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading
 from walkergen.shapes.contours import FLATNESS, GAP, MOST_BYTES, Array, Shape, meet
@@ -42,7 +43,9 @@ def pack(polygons: Sequence[Array]) -> bytes:
     """DXF file of polygons in mm: a closed polyline each, for laser cutters.
 
     Equal polygons give equal bytes with one version of ezdxf: no date, no random identifier.
+    Raises InputError where ezdxf is not installed.
     """
+    extras.require("drawings", "DXF")
     import ezdxf
     from ezdxf import units
 
@@ -97,7 +100,11 @@ def _shapes(data: bytes, scale_mm: float | None, source: str) -> list[Shape]:
 
 
 def _document(data: bytes) -> "Drawing":
-    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names."""
+    """Drawing of the bytes that were read, and no others: ezdxf opens files by their names.
+
+    Raises InputError where ezdxf is not installed.
+    """
+    extras.require("drawings", "DXF")
     import ezdxf
 
     with tempfile.TemporaryDirectory() as folder:

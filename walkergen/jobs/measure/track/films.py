@@ -5,7 +5,6 @@ the time at which each is shown to a file. Films of varying frame rate, as phone
 their own times: no frame is repeated or left out.
 """
 
-import importlib.util
 import os
 import re
 import subprocess
@@ -20,14 +19,12 @@ from typing import IO, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen import extras
 from walkergen.errors import InputError
 from walkergen.files import reading
 
 Grey = npt.NDArray[np.uint8]
 """Brightness of a frame, shape (height, width), 0 black to 255 white; row 0 is the upper one."""
-
-NEEDED = {"imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"}
-"""Packages of the extra `film`, by the names of their modules."""
 
 MOST_PIXELS = 36_000_000
 """Largest frame: 8K."""
@@ -79,11 +76,7 @@ class Clock(NamedTuple):
 
 def require() -> None:
     """Raise InputError when the packages of the extra `film` are not installed."""
-    missing = [name for module, name in NEEDED.items() if importlib.util.find_spec(module) is None]
-    if missing:
-        raise InputError(
-            f"track: {' and '.join(missing)} not installed: pip install 'walkergen[film]'"
-        )
+    extras.require("film", "track")
 
 
 def about(path: Path) -> Film:

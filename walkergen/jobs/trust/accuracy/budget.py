@@ -1,4 +1,4 @@
-"""Time of a study's simulations: shared out among what is still to be measured, and spent."""
+"""Time of a study: shared out among what is still to be simulated, and spent."""
 
 import math
 from collections.abc import Hashable, Mapping, Sequence
@@ -29,12 +29,19 @@ it the measured speed does not."""
 
 
 class Budget:
-    """Wall time for simulations, s, and how much slower they are than their CPU time says."""
+    """Wall time of a study, s, and how much slower it is than its CPU time says.
+
+    Simulations share out what solids and pictures leave.
+    """
 
     def __init__(self, budget_s: float, cores: int) -> None:
-        """Budget of `budget_s` s for ensembles on `cores` threads."""
+        """Budget of `budget_s` s for a study whose ensembles run on `cores` threads."""
         self.budget_s, self.cores = budget_s, cores
-        self.spent_s = 0.0
+        self.spent_s = self.simulated_s = 0.0
+        self.others_s = 0.0
+        """Time of all that is not simulated, on an idle machine."""
+        self.kept_s = 0.0
+        """Time of it that is still to come."""
         self._expected_s = self._took_s = 0.0
 
     @property
@@ -44,7 +51,8 @@ class Budget:
 
     def grant(self, what: Hashable, due: Mapping[Hashable, float]) -> float:
         """Time for one of those `due` by their weights, s: what others left over is shared out."""
-        return max(self.budget_s - self.spent_s, 0.0) * due[what] / sum(due.values())
+        free_s = self.budget_s - self.spent_s - self.kept_s * self.slowness
+        return max(free_s, 0.0) * due[what] / sum(due.values())
 
     def affords(
         self, granted_s: float, rate: float, discard_s: float, kinds: Sequence[Runs]
@@ -65,9 +73,20 @@ class Budget:
         idle = self._idle_s(runs.number, rate) * (runs.seconds + discard_s)
         return float(idle * self.slowness)
 
-    def pay(self, wall_s: float) -> None:
-        """Note time spent, s."""
+    def keep(self, expected_s: float) -> None:
+        """Keep time for what will not be simulated, s on an idle machine."""
+        self.others_s += expected_s
+        self.kept_s += expected_s
+
+    def pay_other(self, expected_s: float, wall_s: float) -> None:
+        """Note time spent on what time was kept for, s."""
+        self.kept_s -= expected_s
         self.spent_s += wall_s
+
+    def pay(self, wall_s: float) -> None:
+        """Note time spent on simulations, s."""
+        self.spent_s += wall_s
+        self.simulated_s += wall_s
 
     def pay_runs(self, runs: Runs, rate: float, discard_s: float, wall_s: float) -> None:
         """Note time spent on runs, and learn from it what those to come will take."""

@@ -88,7 +88,7 @@ def _too_fine(wanted: Tolerance, error: float, survey: Survey, reference: Measur
     if needed > LONGEST_BUDGET:
         least = _up(3.0 * certainty * math.sqrt(spent / LONGEST_BUDGET))
         return f"{problem}a day of simulations would not do: ask for {words.number(least, 2)}mm/s"
-    budget = words.budget(needed)
+    budget = words.budget(needed + survey.budget.others_s)
     return f"{problem}measure longer: walkergen accuracy ... --only steps --budget {budget}"
 
 

@@ -1,6 +1,8 @@
 """The study of accuracy: its cost in time, as ladders in a folder."""
 
-from collections.abc import Callable, Sequence
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -40,7 +42,7 @@ class Job(NamedTuple):
     only: Sequence[str]
     """Names of the LADDERS to measure, in this order."""
     budget_s: float
-    """Wall time for all simulations, s; solids, compilation, tables and figures come on top."""
+    """Wall time for all of it, s; only compilation comes on top."""
 
 
 LADDERS: dict[str, Sequence[Callable[[Survey, Progress], Ladder]]] = {
@@ -60,18 +62,26 @@ LEAST: dict[str, Callable[[Survey], float]] = {
 ANSWERING = {"models", "steps"}
 """Ladders whose measurements answer what to run for which error."""
 
+START_S, FIRST_PICTURE_S, PICTURE_S, SHAPE_S = 1.2, 0.5, 0.4, 1.5
+"""Wall times on an idle core (s) of what is not simulated: imports and kernels read from the cache;
+the library of pictures; a ladder's picture and tables; the ladder of shape. Within a third."""
 
-def make(job: Job, folder: Path, progress: Progress) -> Report:
+
+def make(job: Job, folder: Path, progress: Progress, told: Callable[[float], None]) -> Report:
     """Measure ladders and write NAME.csv, .md, .png, .pdf for each as soon as it is measured.
 
     With the ladders of models or steps also accuracy.md, choice.png and .pdf: what to run for which
-    error. Ctrl-C keeps the ladders already done.
+    error. Ctrl-C keeps the ladders already done. Where the budget is too short the least is taken,
+    which `told` is called with, s, before anything is simulated for the ladders.
     Raises InputError when there is no mean speed to study.
     """
     parts = solids.build(job.design)
     mass = solids.weigh(job.design, parts)
     survey = Survey(job.scene, job.design, mass, job.budget_s)
+    survey.budget.pay_other(0.0, START_S)
     least = _share_out(survey, job.only, progress)
+    if least is not None:
+        told(least)
     title = f"{job.design.name}, tilt {job.design.tilt_deg:g}°, on {job.scene.name}"
     ladders: list[Ladder] = []
     answers = None
@@ -80,19 +90,23 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
             for measure in LADDERS[name]:
                 if measure is space_steps.frames and survey.complete != "space":
                     continue
-                ladders.append(measure(survey, part(progress, place, len(job.only))))
-                report.of_ladder(ladders[-1], title).write(target, pictures=True)
+                with _other(survey, SHAPE_S if measure is shape.ladder else 0.0):
+                    ladders.append(measure(survey, part(progress, place, len(job.only))))
+                with _other(survey, PICTURE_S):
+                    report.of_ladder(ladders[-1], title).write(target, pictures=True)
         if {*job.only} & ANSWERING:
             answers = _answers(survey, title, progress)
-            answers.write_figures(target)
+            with _other(survey, PICTURE_S):
+                answers.write_figures(target)
             page = f"{answers.markdown()}\n![choice](choice.png)\n"
             target.write("accuracy.md", page.encode())
-    return report.of(ladders, answers, survey.budget.spent_s, least, title, folder)
+    return report.of(ladders, answers, survey.budget.simulated_s, least, title, folder)
 
 
 def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float | None:
     """Promise each ladder its share of the budget; the least budget where that is too small, s.
 
+    What is not simulated keeps its time.
     The least is what the fewest and shortest runs take that mean something, and it is then spent:
     shorter ones would give numbers without error bars.
     """
@@ -110,11 +124,31 @@ def _share_out(survey: Survey, only: Sequence[str], progress: Progress) -> float
         least += survey.least(setting)
     for name in survey.others:
         least += LEAST[name](survey)
-    least += survey.budget.spent_s
+    survey.budget.keep(_others_s(survey, only))
+    least += survey.budget.spent_s + survey.budget.kept_s * survey.budget.slowness
     if least <= survey.budget.budget_s:
         return None
     survey.budget.budget_s = least
     return least
+
+
+def _others_s(survey: Survey, only: Sequence[str]) -> float:
+    """Wall time of all that is not simulated after the start, on an idle machine, s."""
+    measures = [measure for name in only for measure in LADDERS[name]]
+    if survey.complete != "space":
+        measures = [measure for measure in measures if measure is not space_steps.frames]
+    pictures = len(measures) + bool({*only} & ANSWERING)
+    return FIRST_PICTURE_S + PICTURE_S * pictures + SHAPE_S * (shape.ladder in measures)
+
+
+@contextmanager
+def _other(survey: Survey, expected_s: float) -> Iterator[None]:
+    """Guard of what time was kept for: the wall time that no simulation took is paid."""
+    budget = survey.budget
+    started, simulated_s = time.perf_counter(), budget.simulated_s
+    yield
+    wall_s = time.perf_counter() - started - (budget.simulated_s - simulated_s)
+    budget.pay_other(expected_s, max(wall_s, 0.0))
 
 
 def check(names: str) -> list[str]:

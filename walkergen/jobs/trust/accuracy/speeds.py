@@ -48,7 +48,7 @@ class Survey:
     def __init__(
         self, scene: Scene, design: Design, mass: MassProperties, budget_s: float, of: str = SPEED
     ) -> None:
-        """Survey of an observable; `budget_s`: wall time of all its simulations, s."""
+        """Survey of an observable; `budget_s`: wall time of all of it, s."""
         self.of = of
         self.scene, self.design, self.mass = scene, design, mass
         self.cores = os.cpu_count() or 1

@@ -1,5 +1,6 @@
 """Reproduction of the paper's figures 2, 3, 5, 6 on our geometry, and a verdict on each fact."""
 
+import os
 from collections.abc import Sequence
 from pathlib import Path
 from typing import NamedTuple
@@ -45,6 +46,10 @@ LOW_RESTITUTION = 0.3
 plane and in space: chosen for that, not measured."""
 
 
+PICTURES_S, CPU_PER_S = 8.0, 0.025
+"""Time of theory and pictures, and CPU time of a simulated second, s, mean of all ensembles."""
+
+
 class Job(NamedTuple):
     """Walker, contacts, tilts and drives to reproduce with."""
 
@@ -65,20 +70,10 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
     """
     check(job)
     assumptions = assumptions_of(job)
-    flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant", "space"))
-    braced = _cases(job, assumptions, "braced", ("rigid", "space, braced"))
-    labelled = _labelled(job, assumptions)
-    driven = [
-        case._replace(design=case.design.variant(tilt_deg=TILT_OF_DRIVES))
-        for case in flexible + _cases(job, assumptions, "flexible", ("space, noisy plate",))
-    ]
+    flexible, braced, labelled, driven = _sweeps(job, assumptions)
     on_plane = [job.design.variant(tilt_deg=tilt, kind="flexible") for tilt in plane.TILTS]
     ways = mechanisms.designs(job.design)
-    counts = [
-        len(job.tilts_deg) * len(flexible + braced), len(TILTS_OF_LABELS) * len(labelled),
-        len(job.gammas) * len(driven), len(assumptions) * len(on_plane), len(ways),
-    ]  # fmt: skip
-    parts = parts_of(counts, progress)
+    parts = parts_of(_counts(job), progress)
     progress("theory", 0, 1)
     theories = _theories(job, assumptions)
     peaks = [maximum.tilts(job.design.variant(kind="flexible"), mode) for mode in MODES]
@@ -99,6 +94,38 @@ def make(job: Job, folder: Path, progress: Progress) -> Report:
         _write_table(report.compared(rows), target)
         target.write("reproduce.md", page.to_markdown(findings, rows, job.design.name).encode())
     return report.of(findings, rows, page.TITLE, folder)
+
+
+def expected_s(job: Job) -> float:
+    """Wall time of a job on an idle machine with compiled kernels, s, within a factor of two."""
+    check(job)
+    run = job.measured.run
+    simulated_s = sum(_counts(job)) * run.runs * (run.seconds + run.discard_seconds)
+    return PICTURES_S + CPU_PER_S * simulated_s / (os.cpu_count() or 1)
+
+
+def _sweeps(
+    job: Job, assumptions: Sequence[Assumption]
+) -> tuple[list[Case], list[Case], list[Case], list[Case]]:
+    """Cases of flexible and of braced legs along the tilts, of other labels, and along drives."""
+    flexible = _cases(job, assumptions, "flexible", ("relaxed", "compliant", "space"))
+    braced = _cases(job, assumptions, "braced", ("rigid", "space, braced"))
+    driven = [
+        case._replace(design=case.design.variant(tilt_deg=TILT_OF_DRIVES))
+        for case in flexible + _cases(job, assumptions, "flexible", ("space, noisy plate",))
+    ]
+    return flexible, braced, _labelled(job, assumptions), driven
+
+
+def _counts(job: Job) -> list[int]:
+    """Numbers of ensembles: along tilts, of other labels, along drives, on a plane, of ways."""
+    assumptions = assumptions_of(job)
+    flexible, braced, labelled, driven = _sweeps(job, assumptions)
+    return [
+        len(job.tilts_deg) * len(flexible + braced), len(TILTS_OF_LABELS) * len(labelled),
+        len(job.gammas) * len(driven), len(assumptions) * len(plane.TILTS),
+        len(mechanisms.designs(job.design)),
+    ]  # fmt: skip
 
 
 def parts_of(counts: Sequence[int], progress: Progress) -> list[Progress]:

@@ -1,0 +1,25 @@
+"""Packages that only some need, which come with extras named by the need."""
+
+import importlib.util
+
+from walkergen.errors import InputError
+
+PACKAGES = {
+    "cluster": {"distributed": "dask"},
+    "drawings": {"ezdxf": "ezdxf"},
+    "film": {"imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"},
+}
+"""Modules of each extra, with the names of their packages."""
+
+
+def require(extra: str, what: str) -> None:
+    """Raise InputError, with what to install, where a package of an extra is not installed.
+
+    `what` is what needs it, as people write it.
+    """
+    packages = PACKAGES[extra].items()
+    missing = [name for module, name in packages if importlib.util.find_spec(module) is None]
+    if missing:
+        raise InputError(
+            f"{what}: {' and '.join(missing)} not installed: pip install 'walkergen[{extra}]'"
+        )
