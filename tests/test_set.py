@@ -191,7 +191,7 @@ def test_files_in_values_lie_where_walkergen_runs(run, tmp_path):
     (row,) = json.loads(predicted(run, "sub/disc.toml", "--set", "body.outline=box.svg"))["rows"]
     assert row["M_g"] == pytest.approx(20 * 12 * 3 * 1.24e-3, rel=1e-3)
     told = refused(run, "predict", "sub/disc.toml", "--set", "body.outline=disc.svg")
-    assert told == "disc.svg: no such file"
+    assert told == "command line: disc.svg: no such file"
 
 
 @pytest.mark.parametrize(

@@ -15,7 +15,7 @@ from typing import Annotated, Any, ClassVar, Literal, TypeVar, get_args, get_ori
 from pydantic import BaseModel, ConfigDict, Field, Tag, ValidationError, field_validator
 from pydantic.fields import FieldInfo
 
-from walkergen.errors import GeometryError, InputError
+from walkergen.errors import InputError
 from walkergen.files import plain, reading
 
 MOST_BYTES, DEEPEST, MOST_MISTAKES = 1_000_000, 32, 20
@@ -181,12 +181,12 @@ def validate(
     """
     try:
         return model.model_validate(data)
-    except GeometryError as error:
+    except InputError as error:  # of parts that cannot be built, or of a file that a key names
         lines = []
         for problem in str(error).splitlines():  # each begins with its key
             location = _split_key(problem.split(" ", 1)[0])
             lines.append(f"{where(location, source, text)}: {problem}")
-        raise GeometryError("\n".join(lines)) from None
+        raise type(error)("\n".join(lines)) from None
     except ValidationError as error:
         mistakes = error.errors()
         lines = [
