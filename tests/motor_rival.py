@@ -18,20 +18,23 @@ from walkergen.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
 from walkergen.simulation.world import OK
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.payload import Motor
 
 SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""
 
 
 def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
-    """Plan of the paper's walker with a motor, on a still plate."""
-    design = Design.model_validate(
-        {"motor": motor or {}, "legs": {"tilt_deg": float(tilt), "kind": kind}}
-    )
+    """Plan of the paper's walker on a still plate, as it is, with a motor anywhere in its body.
+
+    No pocket is cut, and the motor's mass counts as a part of the body's.
+    """
+    bare = Design().variant(tilt_deg=float(tilt), kind=kind)
+    design = bare.model_copy(update={"motor": Motor.model_validate(motor or {})})
     data = {"arena": {"kind": "plane"}} | tables
     data["drive"] = {"kind": "motor", "frequency_hz": 90.0} | drive
     data["legs"] = {"model": "space"} | data.get("legs", {})
-    return prepare(Scene.model_validate(data), design, solids.mass_of(design))
+    return prepare(Scene.model_validate(data), design, solids.mass_of(bare))
 
 
 def pointed(plan, radius):

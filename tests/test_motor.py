@@ -265,10 +265,10 @@ def test_a_drive_that_is_none_is_refused_by_its_key(keys, told):
 
 
 def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
-    design = Design.model_validate({"motor": {}})
-    mass = solids.mass_of(design)
-    scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
-    assert resolve(scene, design, mass).model == "space"
+    case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
+    design, mass, scene = case.design, case.mass, case.scene
+    lane = Scene.model_validate({"drive": scene.drive.model_dump(exclude_none=True)})
+    assert resolve(lane, design, mass).model == "space"
     for model in ("compliant", "relaxed"):
         planar = Scene.model_validate({"drive": MOTOR, "legs": {"model": model}})
         with pytest.raises(InputError, match=r"drive\.kind = 'motor': only the model 'space'"):
@@ -281,9 +281,8 @@ def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
 
 
 def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
-    design = Design.model_validate({"motor": {}})
-    mass = solids.mass_of(design)
-    scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
+    case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
+    design, mass, scene = case.design, case.mass, case.scene
     for wanted, on in ((None, True), (False, False), (True, True)):
         effects = scene.effects.model_copy(update={"gyroscopic_torque": wanted})
         resolved = resolve(scene.model_copy(update={"effects": effects}), design, mass)
@@ -389,10 +388,13 @@ def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):
         plan = carrying(drive, tilt=tilt)
         row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
         rows.append(f"{tilt:g},{row.speed_mm_s:.3f},1.0")
+    # Of the walker as it is, whose centre of mass a motor this small leaves where it is
     (tmp_path / "speeds.csv").write_text("\n".join(rows) + "\n")
     true = drive["eccentric_g_mm"]
     doubt = {"eccentric_g_mm": 1.25 * true, "eccentric_sd_g_mm": 0.5 * true}
-    scene, design = carrying(drive | doubt).scene, plan.case.design
+    scene = carrying(drive | doubt).scene
+    small = {"diameter_mm": 2.0, "height_mm": 1.0, "mass_g": 1e-3, "up_mm": 1.2}
+    design = Design.model_validate({"motor": small})
     fixed = {"restitution": 0.22, "friction": 0.25}
     job = learn.Job(design, scene, "prediction", "flat", fixed, [], False)
     learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
