@@ -34,6 +34,9 @@ from walkergen.theory import prediction, shaking, uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
+SMALL = {"diameter_mm": 2.0, "height_mm": 1.0, "mass_g": 1e-3, "up_mm": 1.2}
+"""Motor that fits into a pocket of the paper's walker."""
+
 OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
 """Place of a motor off the centre of mass."""
 
@@ -363,7 +366,7 @@ def test_what_the_plate_leaves_out_widens_the_bounds_and_is_said():
 
 def test_frequency_and_moment_are_drawn_and_the_rating_stays_with_the_motor():
     drive = {"frequency_hz": 100.0, "rated_g": 0.02, "on_mass_g": 100.0, "frequency_sd_hz": 8.0}
-    plan = carrying(drive | {"eccentric_sd_g_mm": 0.001})
+    plan = carrying(drive | {"eccentric_sd_g_mm": 0.001}, SMALL)
     scene, design = plan.scene, plan.case.design
     inputs = {one.name: one for one in uncertain.inputs(scene, design, "space")}
     assert inputs["drive.frequency_hz"].sd == 8.0
@@ -383,18 +386,15 @@ def test_frequency_and_moment_are_drawn_and_the_rating_stays_with_the_motor():
 def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):
     """Speeds of the table at a moment of 0.8 of what the scene has, with 40 % of doubt."""
     rows = ["tilt_deg,speed_mm_s,speed_se_mm_s"]
-    drive = throwing(2.0, axis="along")
+    drive, design = throwing(2.4, axis="along"), Design.model_validate({"motor": SMALL})
     for tilt in (6.0, 10.0, 14.0):
-        plan = carrying(drive, tilt=tilt)
-        row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
+        one = design.variant(tilt_deg=tilt)
+        row = prediction.predict(one, solids.mass_of(one), carrying(drive).scene)
         rows.append(f"{tilt:g},{row.speed_mm_s:.3f},1.0")
-    # Of the walker as it is, whose centre of mass a motor this small leaves where it is
     (tmp_path / "speeds.csv").write_text("\n".join(rows) + "\n")
     true = drive["eccentric_g_mm"]
     doubt = {"eccentric_g_mm": 1.25 * true, "eccentric_sd_g_mm": 0.5 * true}
     scene = carrying(drive | doubt).scene
-    small = {"diameter_mm": 2.0, "height_mm": 1.0, "mass_g": 1e-3, "up_mm": 1.2}
-    design = Design.model_validate({"motor": small})
     fixed = {"restitution": 0.22, "friction": 0.25}
     job = learn.Job(design, scene, "prediction", "flat", fixed, [], False)
     learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
