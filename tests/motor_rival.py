@@ -37,6 +37,13 @@ def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
     return prepare(Scene.model_validate(data), design, solids.mass_of(bare))
 
 
+def throwing(share, frequency=90.0, **keys):
+    """Drive whose motor pushes with so many times the weight of `carrying`'s walker."""
+    whole = float(carrying({"eccentric_g_mm": 1e-3}).case.mass.total)
+    omega = 2.0 * math.pi * frequency
+    return {"eccentric_g_mm": share * whole * GRAVITY / omega**2, "frequency_hz": frequency} | keys
+
+
 def pointed(plan, radius):
     """Plan whose rotor is a point mass at so many mm from its axis, and that mass in g."""
     rotor = plan.world.acting.motor
