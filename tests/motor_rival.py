@@ -18,23 +18,30 @@ from walkergen.simulation.space.state import HEIGHT, SHOWN_X, SHOWN_Y, work_for
 from walkergen.simulation.world import OK
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+from walkergen.walker.payload import Motor
 
 SPEED, TINY = 1e4, 1e-4
 """Gain of the servo that keeps a rotor's rate, g mm^2/s per rad/s; inertia of its point, g mm^2."""
 
 
-ROOMY = {"body": {"thickness_mm": 24.0}, "weighed": {"body_mass_g": 0.8333}}
-"""Body that weighs what the paper's does, and has room for a motor off its middle."""
-
-
 def carrying(drive, motor=None, tilt=10.0, kind="flexible", **tables):
-    """Plan of the paper's walker with a motor, its body thick and light, on a still plate."""
-    legs = {"tilt_deg": float(tilt), "kind": kind}
-    design = Design.model_validate(ROOMY | {"motor": motor or {}, "legs": legs})
+    """Plan of the paper's walker on a still plate, as it is, with a motor anywhere in its body.
+
+    No pocket is cut, and the motor's mass counts as a part of the body's.
+    """
+    bare = Design().variant(tilt_deg=float(tilt), kind=kind)
+    design = bare.model_copy(update={"motor": Motor.model_validate(motor or {})})
     data = {"arena": {"kind": "plane"}} | tables
     data["drive"] = {"kind": "motor", "frequency_hz": 90.0} | drive
     data["legs"] = {"model": "space"} | data.get("legs", {})
-    return prepare(Scene.model_validate(data), design, solids.mass_of(design))
+    return prepare(Scene.model_validate(data), design, solids.mass_of(bare))
+
+
+def throwing(share, frequency=90.0, **keys):
+    """Drive whose motor pushes with so many times the weight of `carrying`'s walker."""
+    whole = float(carrying({"eccentric_g_mm": 1e-3}).case.mass.total)
+    omega = 2.0 * math.pi * frequency
+    return {"eccentric_g_mm": share * whole * GRAVITY / omega**2, "frequency_hz": frequency} | keys
 
 
 def pointed(plan, radius):

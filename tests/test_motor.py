@@ -4,12 +4,11 @@ import math
 
 import numpy as np
 import pytest
-from motor_rival import ROOMY, carrying, fly, fly_there, pointed, speeds_there
+from motor_rival import carrying, fly, fly_there, pointed, speeds_there, throwing
 from space_rival import weightless
 
 from walkergen.drive import GRAVITY, Drive
 from walkergen.errors import InputError
-from walkergen.jobs.measure.fit import learn
 from walkergen.scene import Scene
 from walkergen.simulation import record
 from walkergen.simulation.effects import motor
@@ -30,7 +29,6 @@ from walkergen.simulation.space.state import (
     work_for,
 )
 from walkergen.simulation.world import OK
-from walkergen.theory import prediction, shaking, uncertain
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
@@ -38,13 +36,6 @@ OFF = {"along_mm": 5.0, "up_mm": 3.0, "across_mm": 2.0}
 """Place of a motor off the centre of mass."""
 
 SLOW = {"run": {"seconds": 0.5, "discard_seconds": 0.25, "runs": 1}}
-
-
-def throwing(share, frequency=90.0, **keys):
-    """Drive whose motor pushes with so many times the weight of `carrying`'s walker."""
-    whole = float(carrying({"eccentric_g_mm": 1e-3}).case.mass.total)
-    omega = 2.0 * math.pi * frequency
-    return {"eccentric_g_mm": share * whole * GRAVITY / omega**2, "frequency_hz": frequency} | keys
 
 
 def centred(axis):
@@ -105,9 +96,9 @@ def test_off_the_centre_it_turns_the_body_as_angular_momentum_says():
 
 @pytest.mark.parametrize("axis", ["across", "along", "up", [0.3, 0.5, 0.8]])
 def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
-    """MuJoCo turns a mass of 12 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
+    """MuJoCo turns a mass of 5 mg at 1 mm; legs swing, and the rotor's spin tilts the body."""
     free = {"effects": {"leg_twist": False}}
-    keys = {"eccentric_g_mm": 0.012, "axis": axis}
+    keys = {"eccentric_g_mm": 0.005, "axis": axis}
     plan, _ = pointed(weightless(carrying(keys, OFF, **free)), 1.0)
     walker, rotor = plan.world.walker, plan.world.acting.motor
     seconds, phase = 2.25 * 2.0 * math.pi / rotor.omega, 0.3
@@ -125,7 +116,7 @@ def test_in_flight_it_moves_as_a_real_mass_on_a_hinge(axis):
         at, theirs[:3], rtol=0, atol=10.0 * share * rotor.moment / walker.mass
     )
     turned = np.linalg.norm(theirs[4:7])
-    np.testing.assert_allclose(ours[Q_X : Q_Z + 1], theirs[4:7], rtol=0, atol=10.0 * share * turned)
+    np.testing.assert_allclose(ours[Q_X : Q_Z + 1], theirs[4:7], rtol=0, atol=5.0 * share * turned)
     np.testing.assert_allclose(ours[LEGS : LEGS + 2], legs, rtol=0, atol=0.02 * abs(legs).max())
 
 
@@ -175,7 +166,7 @@ def test_of_a_symmetric_walker_the_sense_of_rotation_is_the_direction():
         ends.append((first, state))
     # 50 ms hold some ten landings, over which rounding grows
     assert ends[0][1][SHOWN_X] == pytest.approx(-ends[1][1][SHOWN_X], abs=1e-6)
-    assert abs(ends[0][1][SHOWN_X] - ends[0][0][SHOWN_X]) > 0.02
+    assert abs(ends[0][1][SHOWN_X] - ends[0][0][SHOWN_X]) > 0.05
 
 
 @pytest.mark.slow
@@ -265,10 +256,10 @@ def test_a_drive_that_is_none_is_refused_by_its_key(keys, told):
 
 
 def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
-    design = Design.model_validate(ROOMY | {"motor": {}})
-    mass = solids.mass_of(design)
-    scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
-    assert resolve(scene, design, mass).model == "space"
+    case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
+    design, mass, scene = case.design, case.mass, case.scene
+    lane = Scene.model_validate({"drive": scene.drive.model_dump(exclude_none=True)})
+    assert resolve(lane, design, mass).model == "space"
     for model in ("compliant", "relaxed"):
         planar = Scene.model_validate({"drive": MOTOR, "legs": {"model": model}})
         with pytest.raises(InputError, match=r"drive\.kind = 'motor': only the model 'space'"):
@@ -281,9 +272,8 @@ def test_models_walkers_and_moments_without_a_motor_are_refused_by_name():
 
 
 def test_the_gyroscopic_torque_is_judged_by_the_rotor_and_can_be_forced():
-    design = Design.model_validate(ROOMY | {"motor": {}})
-    mass = solids.mass_of(design)
-    scene = Scene.model_validate({"drive": MOTOR | {"eccentric_g_mm": 0.01}})
+    case = carrying(MOTOR | {"eccentric_g_mm": 0.01}).case
+    design, mass, scene = case.design, case.mass, case.scene
     for wanted, on in ((None, True), (False, False), (True, True)):
         effects = scene.effects.model_copy(update={"gyroscopic_torque": wanted})
         resolved = resolve(scene.model_copy(update={"effects": effects}), design, mass)
@@ -317,87 +307,10 @@ def test_on_the_plate_it_runs_as_with_a_real_mass_on_a_hinge(tilt, push, turned,
     assert ours.mean() == pytest.approx(theirs.mean(), abs=near)
 
 
-@pytest.mark.slow
-@pytest.mark.parametrize("turned", [False, True])
-def test_along_the_run_it_runs_within_the_bounds_of_the_plate_that_shakes_alike(turned):
-    for tilt, push in ((10.0, 1.8), (15.0, 2.4)):
-        plan = carrying(throwing(push, axis="along", reversed=turned), tilt=tilt,
-                        run={"seconds": 2.0, "discard_seconds": 0.5, "runs": 4})  # fmt: skip
-        speed = np.mean([simulate(plan, number).speed for number in range(4)])
-        row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
-        assert row.speed_by == "table"
-        assert row.speed_low_95_mm_s < speed < row.speed_high_95_mm_s
-
-
-def predicted(drive, motor=None):
-    """Prediction of a walker with a motor, and its plate."""
-    plan = carrying(drive, motor)
-    case = plan.case
-    row = prediction.predict(case.design, case.mass, plan.scene)
-    return row, shaking.of(plan.scene, case.design, case.mass), plan
-
-
-def test_a_motor_along_the_run_is_predicted_as_the_plate_that_moves_as_far():
-    row, shaken, plan = predicted(throwing(1.8, axis="along"))
-    scene = plan.scene.variant(**{"drive": shaken.drive.model_dump(exclude_none=True)})
-    plate = prediction.predict(plan.case.design, plan.case.mass, scene)
-    assert shaken.drive.peak_gamma == pytest.approx(1.8)
-    assert row.theory_mm_s == pytest.approx(plate.theory_mm_s)
-    # Medians of the same draws; the motor's own error widens the bounds
-    assert row.speed_mm_s == pytest.approx(plate.speed_mm_s, rel=0.03)
-    assert row.speed_sd_mm_s > plate.speed_sd_mm_s
-
-
-def test_what_the_plate_leaves_out_widens_the_bounds_and_is_said():
-    widths, notes = [], []
-    for axis, place_of in (("along", {}), ("along", {"up_mm": 6.0}), ("across", {})):
-        row, _, _ = predicted(throwing(1.8, axis=axis), place_of)
-        widths.append(row.speed_high_95_mm_s - row.speed_low_95_mm_s)
-        notes.append(row.note)
-    assert widths[0] < min(widths[1:])
-    assert ["its push along the run" in note for note in notes] == [False, False, True]
-    strong, _, _ = predicted(throwing(2.8, axis="across"))
-    assert "bounds are wide" not in strong.note
-    _, up, _ = predicted(throwing(1.8, axis="up"))
-    assert up.drive.peak_gamma < 1e-5 < up.swing
-
-
-def test_frequency_and_moment_are_drawn_and_the_rating_stays_with_the_motor():
-    drive = {"frequency_hz": 100.0, "rated_g": 0.02, "on_mass_g": 100.0, "frequency_sd_hz": 8.0}
-    plan = carrying(drive | {"eccentric_sd_g_mm": 0.001})
-    scene, design = plan.scene, plan.case.design
-    inputs = {one.name: one for one in uncertain.inputs(scene, design, "space")}
-    assert inputs["drive.frequency_hz"].sd == 8.0
-    assert inputs["drive.eccentric_g_mm"].mean == scene.drive.eccentric
-    sagged, _, _ = uncertain.applied(scene, design, {"drive.frequency_hz": 80.0})
-    assert sagged.drive.frequency == 80.0
-    assert sagged.drive.eccentric == scene.drive.eccentric
-    row = prediction.predict(design, plan.case.mass, scene)
-    exact = scene.variant(**{"drive.frequency_sd_hz": 0.0, "drive.eccentric_sd_g_mm": 0.0})
-    without = prediction.predict(design, plan.case.mass, exact)
-    assert row.speed_sd_mm_s > without.speed_sd_mm_s
-    assert "drive.frequency_hz" not in {
-        one.name for one in uncertain.inputs(Scene(), Design(), "space")
-    }
-
-
-def test_the_moment_is_learnt_from_speeds_along_the_run(tmp_path):
-    """Speeds of the table at a moment of 0.8 of what the scene has, with 40 % of doubt."""
-    rows = ["tilt_deg,speed_mm_s,speed_se_mm_s"]
-    drive = throwing(2.0, axis="along")
-    for tilt in (6.0, 10.0, 14.0):
-        plan = carrying(drive, tilt=tilt)
-        row = prediction.predict(plan.case.design, plan.case.mass, plan.scene)
-        rows.append(f"{tilt:g},{row.speed_mm_s:.3f},1.0")
-    (tmp_path / "speeds.csv").write_text("\n".join(rows) + "\n")
-    true = drive["eccentric_g_mm"]
-    doubt = {"eccentric_g_mm": 1.25 * true, "eccentric_sd_g_mm": 0.5 * true}
-    scene, design = carrying(drive | doubt).scene, plan.case.design
-    fixed = {"restitution": 0.22, "friction": 0.25}
-    job = learn.Job(design, scene, "prediction", "flat", fixed, [], False)
-    learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
-    (moment,) = (row for row in learnt.rows if row.name == "eccentric_g_mm")
-    assert moment.sd < 0.6 * doubt["eccentric_sd_g_mm"]
-    assert moment.mean == pytest.approx(true, abs=2.0 * moment.sd)
-    assert learnt.scene.drive.eccentric_g_mm == pytest.approx(moment.mean)
-    assert learnt.scene.drive.eccentric_sd_g_mm == pytest.approx(moment.sd)
+def test_held_in_its_plane_a_walker_does_not_move_across():
+    held = {"effects": {"roll_and_yaw": False}, "run": SLOW["run"]}
+    for axis in ("along", [0.3, 0.5, 0.8]):
+        plan = carrying(throwing(1.8, axis=axis), OFF, **held)
+        result = simulate(plan, 0)
+        np.testing.assert_array_equal(result.places[:, 1:], 0.0)
+        assert result.energy_error < 1e-2

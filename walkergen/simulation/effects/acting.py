@@ -92,8 +92,14 @@ def acting(case: Case, on: Callable[[str], bool]) -> Acting:
         noise=noise.OFF,
         roughness=roughness.OFF,
         tether=tether.parameters(case) if on(tether.NAME) else tether.OFF,
-        motor=motor.parameters(case, on(motor.GYROSCOPIC)) if on(motor.NAME) else motor.OFF,
+        motor=_rotor(case, on) if on(motor.NAME) else motor.OFF,
     )
+
+
+def _rotor(case: Case, on: Callable[[str], bool]) -> Rotor:
+    """Rotor of a case with a motor."""
+    rotor = motor.parameters(case, on(motor.GYROSCOPIC))
+    return rotor if on(turning.NAME) else motor.held(rotor)
 
 
 @kernel

@@ -140,6 +140,17 @@ def parameters(case: Case, spins: bool) -> Rotor:
     )  # fmt: skip
 
 
+def held(rotor: Rotor) -> Rotor:
+    """Rotor as a walker that is held in its plane feels it: what would move it across is gone."""
+    first, second, place, spin = rotor.first, rotor.second, rotor.place, rotor.spin
+    return rotor._replace(
+        first=(first[0], first[1], 0.0),
+        second=(second[0], second[1], 0.0),
+        place=(place[0], place[1], 0.0),
+        spin=(0.0, 0.0, spin[2]),
+    )
+
+
 def cross(a: Vector, b: Vector) -> Vector:
     """Vector product."""
     return a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]

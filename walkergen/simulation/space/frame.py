@@ -291,3 +291,22 @@ def _throw(world, work):
     for j in range(len(walker.stiffness)):
         work.left[j] += thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2],
                                    p_x, p_y, p_z)  # fmt: skip
+
+
+@lean
+def motor_work(walker, motor, state, work, m, t):
+    """Work (g mm^2/s^2) of a motor in a frame of t seconds: on m contacts, body and legs."""
+    near, J, thrown, total = work.near, work.J, work.thrown, 0.0
+    for i in range(m):
+        for p in range(3):
+            impulse, carried = near[i].impulse[p], near[i].carried[p]
+            for j in range(3):
+                rate = thrown[1, j] - 0.5 * t * thrown[2, j]
+                later = thrown[2, j] * (t * impulse - carried)
+                total += J[3 * i + p, j] * (rate * impulse + later)
+    t_x, t_y, t_z = _motor_torque(motor, walker.centre, walker.mass, thrown)
+    total += t_x * work.moved[3] + t_y * work.moved[4] + t_z * work.moved[5]
+    for j in range(len(walker.stiffness)):
+        left = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z)
+        total += left * (state[LEGS + j] - work.before[j])
+    return total

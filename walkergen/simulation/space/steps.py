@@ -14,16 +14,16 @@ from walkergen.simulation.drive import TWO_PI
 from walkergen.simulation.effects import motor as motors
 from walkergen.simulation.effects.acting import across, along, placed
 from walkergen.simulation.record import next_sample, take_sample
-from walkergen.simulation.space.flight import (
-    TURN,
-    clear_time,
-    fly,
-    pass_time,
-    strongest_throw,
-    thrown_leg,
-)
+from walkergen.simulation.space.flight import TURN, clear_time, fly, pass_time, strongest_throw
 from walkergen.simulation.space.forces import guess, solve
-from walkergen.simulation.space.frame import accelerate, halfway, load, plate_acceleration, stiffen
+from walkergen.simulation.space.frame import (
+    accelerate,
+    halfway,
+    load,
+    motor_work,
+    plate_acceleration,
+    stiffen,
+)
 from walkergen.simulation.space.landings import leave, settle
 from walkergen.simulation.space.pose import (
     locate,
@@ -63,7 +63,7 @@ stuck legs where the plate shakes by 0.5 g."""
 DOZE = 0.03
 """Time (s) at rest after which the walker rides on the plate: several periods of its sway."""
 
-_motor_acts, _motor_torque = motors.acts, motors.torque
+_motor_acts = motors.acts
 
 TURN_OF_MOTOR = 0.5
 """Largest turn of a motor in a flight, rad."""
@@ -223,25 +223,6 @@ def _steps(walker, state, work, m, h, count, begin, lifted, lifting, tally):
 
 
 @lean
-def _motor_work(walker, motor, state, work, m, t):
-    """Work (g mm^2/s^2) of a motor in a frame of t seconds: on m contacts, body and legs."""
-    near, J, thrown, total = work.near, work.J, work.thrown, 0.0
-    for i in range(m):
-        for p in range(3):
-            impulse, carried = near[i].impulse[p], near[i].carried[p]
-            for j in range(3):
-                rate = thrown[1, j] - 0.5 * t * thrown[2, j]
-                later = thrown[2, j] * (t * impulse - carried)
-                total += J[3 * i + p, j] * (rate * impulse + later)
-    t_x, t_y, t_z = _motor_torque(motor, walker.centre, walker.mass, thrown)
-    total += t_x * work.moved[3] + t_y * work.moved[4] + t_z * work.moved[5]
-    for j in range(len(walker.stiffness)):
-        left = thrown_leg(walker, j, -thrown[2, 0], -thrown[2, 1], -thrown[2, 2], t_x, t_y, t_z)
-        total += left * (state[LEGS + j] - work.before[j])
-    return total
-
-
-@lean
 def _move_body(walker, motor, state, work, m, t, sums):
     """Move the body over a frame of t seconds by what its contacts gave; legs have moved."""
     near, MJ, R, acting, motion = work.near, work.MJ, work.R, work.acting, work.motion
@@ -255,7 +236,7 @@ def _move_body(walker, motor, state, work, m, t, sums):
                 moved += MJ[3 * i + p, j] * near[i].carried[p]
         work.gained[j], work.moved[j] = gained, moved
     if _motor_acts(motor):
-        sums[record.PLATE_WORK] += _motor_work(walker, motor, state, work, m, t)
+        sums[record.PLATE_WORK] += motor_work(walker, motor, state, work, m, t)
     for i in range(3):
         for j in range(3):
             state[C_X + i] += R[i, j] * work.moved[j]

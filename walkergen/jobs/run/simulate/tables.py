@@ -154,7 +154,12 @@ def statistic_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     if simulated.landings:
         yield from _landing_rows(simulated)
     yield "in contact", in_words(observables.CONTACT, 100.0, " % of the time")
-    powers = (f"{name} {in_words(f'{observables.POWERS}.{name}', 1e-6)}" for name in POWER_ROWS)
+    motor = simulated.scene.drive.kind == "motor"
+    powers = (
+        f"{'from_motor' if motor and name == 'from_plate' else name} "
+        f"{in_words(f'{observables.POWERS}.{name}', 1e-6)}"
+        for name in POWER_ROWS
+    )
     unaccounted = 100 * simulated.point.summary.energy_error
     yield "power, uW", f"{', '.join(powers)}; unaccounted {words.number(unaccounted, 2)} %"
     for reason, mark in _marks(simulated).items():
