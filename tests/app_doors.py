@@ -64,7 +64,7 @@ class Doors:
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
         first = Document(*(PAPER[key] for key in ("walker", "scene", "printer")), servers.START)
-        self.server = servers.new(self.folder, frozenset([HOST]), first, own, away)
+        self.server = servers.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = servers.application(self.server)
 
     def ask(self, door, message=None, leave_s=None, method="POST", query="", **headers):

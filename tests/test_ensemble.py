@@ -1,6 +1,7 @@
 """Ensembles: statistics against closed forms, and models that misbehave."""
 
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -32,7 +33,7 @@ def fake_plan(advance, scene=None):
         columns=("x_mm", "y_mm", "pitch_rad", "seed"), drawn=same,
     )  # fmt: skip
     world = World(None, Drive(1.0, 2.0 * np.pi / PERIOD), None, None, None)
-    case = Case(scene or scene_of(), None, None, "rigid")
+    case = Case(scene or scene_of(), None, SimpleNamespace(total=1.0), "rigid")
     return Plan(case, None, model, world)
 
 

@@ -99,7 +99,7 @@ def test_numbers_count_over_all_copies_and_name_everything(tmp_path):
         assert [row["part"] for row in csv.DictReader(stream)] == [row.item for row in rows]
     sheet = (tmp_path / "plates" / "plate_prusa-mk3s.md").read_text(encoding="utf-8")
     assert "| 5 | `98` to `99`, `101` |" in sheet
-    assert sheet.count("| walker_t05.0_flexible_s0.40 |") == 2  # on the plate, and to weigh
+    assert sheet.count("| `walker_t05.0_flexible_s0.40` |") == 2  # on the plate, and to weigh
 
 
 def test_without_numbers_nothing_changes():

@@ -17,6 +17,7 @@ from walkergen.walker.design import Design
 
 TAKES = {
     ("accuracy",): "design scene",
+    ("app",): "design scene printer",
     ("bench", "drop"): "design scene",
     ("bench", "pluck"): "design scene",
     ("bench", "slide"): "design scene",

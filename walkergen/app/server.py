@@ -10,7 +10,6 @@ import json
 import secrets
 from collections.abc import AsyncIterator, Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
-from functools import cache
 from pathlib import Path
 from typing import Any, NamedTuple, TypeVar
 
@@ -20,11 +19,11 @@ from starlette.requests import ClientDisconnect, Request
 from starlette.responses import RedirectResponse, Response
 from starlette.routing import Mount, Route
 
-from walkergen.app import answers, children, form, pictures, taking
+from walkergen.app import answers, children, form, pictures, statics, taking
 from walkergen.app import document as documents
 from walkergen.app.document import Document, Place
 from walkergen.errors import InputError, WalkergenError
-from walkergen.files import output, reading, templates, viewer
+from walkergen.files import output, reading, templates
 from walkergen.files.ledger import manifest
 
 MOST_BYTES = 1_000_000
@@ -52,16 +51,6 @@ POLICY = (
     "default-src 'none'; connect-src 'self'; script-src 'self'; style-src 'self' 'unsafe-inline'; "
     "img-src 'self' data:; frame-ancestors 'none'; base-uri 'none'; form-action 'none'"
 )
-ASSETS = {
-    "app.css": "text/css",
-    **{
-        f"{name}.js": "text/javascript"
-        for name in ("ask", "state", "form", "part", "outlook", "jobs", "compare", "main")
-    },
-}
-"""Files of the page beside its HTML, and their types."""
-
-
 Result = TypeVar("Result")
 
 
@@ -76,23 +65,30 @@ class Server(NamedTuple):
     """Path below which its doors stand."""
     place: Place
     first: Document
-    """Document of a page that is opened for the first time."""
+    """Document of the command line, with which a page begins."""
     running: children.Running
     """What has a child."""
     threads: ThreadPoolExecutor
     """Threads of all else that takes its time."""
+    anew: bool = False
+    """True where the command line says what a page is about: what was kept of others is not it."""
     once: str | None = None
     """Word in the address that opens the page once, for a phone; None for this machine alone."""
 
 
 def new(
-    folder: Path, hosts: frozenset[str], first: Document, own: str | None, away: bool
+    folder: Path,
+    hosts: frozenset[str],
+    first: Document,
+    own: str | None,
+    away: bool,
+    anew: bool = False,
 ) -> Server:
     """Server with fresh secrets; `away` if other machines can reach it."""
     place = Place(folder / "uploads", own)
     once = secrets.token_urlsafe(9) if away else None
     return Server(folder, hosts, secrets.token_urlsafe(18), place, first, set(),
-                  ThreadPoolExecutor(THREADS), once)  # fmt: skip
+                  ThreadPoolExecutor(THREADS), anew, once)  # fmt: skip
 
 
 def application(server: Server) -> Any:
@@ -103,9 +99,7 @@ def application(server: Server) -> Any:
     }  # fmt: skip
     inner: list[Any] = [
         *(Route(f"/{name}", _door(server, door), methods=["POST"]) for name, door in doors.items()),
-        *(Route(f"/{name}", _asset) for name in ASSETS),
-        Route("/picture/{name}.svg", _door(server, _picture)),
-        Route("/", _page), Route("/viewer.js", _viewer),
+        Route("/picture/{name}.svg", _door(server, _picture)), *statics.routes(),
     ]  # fmt: skip
     word = (server.once or "").encode()
     used: list[bytes] = []
@@ -220,16 +214,17 @@ async def _start(server: Server, request: Request) -> Response:
 
 
 def _kept(server: Server) -> Any:
-    """Document that was kept; None for none, where its files are gone, and for another walker's
-    than that of the command line.
+    """Document that was kept; None for none, where its files are gone, and for another one than
+    that of the command line.
     """
     try:
         data = reading.content(server.folder / KEPT, MOST_KEPT, "a JSON file")
         kept = documents.json_of(data).get("document")
-        walker = documents.read(kept, server.place).walker
+        document = documents.read(kept, server.place)
     except WalkergenError:
         return None
-    return kept if server.place.own in (None, walker) else None
+    same = document[:3] == server.first[:3] and server.first.values == START
+    return kept if same or not server.anew else None
 
 
 async def _keep(server: Server, request: Request) -> Response:
@@ -376,22 +371,3 @@ async def _picture(server: Server, request: Request) -> Response:
         return _refused(["no such picture"], 404)
     text = await _worked(server, pictures.side_view, name)
     return Response(text, media_type="image/svg+xml")
-
-
-def _page(request: Request) -> Response:
-    return Response(_asset_bytes("app.html"), media_type="text/html; charset=utf-8")
-
-
-def _asset(request: Request) -> Response:
-    name = request.url.path.rpartition("/")[2]
-    return Response(_asset_bytes(name), media_type=f"{ASSETS[name]}; charset=utf-8")
-
-
-def _viewer(request: Request) -> Response:
-    return Response(viewer.script(), media_type="text/javascript; charset=utf-8")
-
-
-@cache
-def _asset_bytes(name: str) -> bytes:
-    """File that is shipped beside this module."""
-    return Path(__file__).with_name("assets").joinpath(name).read_bytes()

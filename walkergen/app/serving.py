@@ -18,10 +18,6 @@ from walkergen.app import server as servers
 from walkergen.app.document import Document
 from walkergen.errors import InputError
 from walkergen.files import templates
-from walkergen.files.config import read
-from walkergen.printing.printers import Printer
-from walkergen.scene import Scene
-from walkergen.walker.design import Design
 
 LOOPBACK = ("127.0.0.1", "localhost")
 
@@ -42,20 +38,18 @@ class _Ending(uvicorn.Server):
         await super().shutdown(sockets)
 
 
-def serve(
-    design: str, scene: str, printer: str, folder: Path, host: str, port: int, browser: bool
-) -> None:
-    """Serve pages until Ctrl-C. Raises InputError for files and addresses that are unusable."""
-    own = None if design in templates.names("walkers") else design
-    for name, kind, model in ((design, "walkers", Design), (scene, "scenes", Scene),
-                              (printer, "printers", Printer)):  # fmt: skip
-        read(templates.path_of(name, kind), model)
-    first = Document(design, scene, printer, servers.START)
+def serve(asked: Document, anew: bool, folder: Path, host: str, port: int, browser: bool) -> None:
+    """Serve pages on a sound document until Ctrl-C; `anew` where a command line asked for it.
+
+    Raises InputError for addresses that are unusable.
+    """
+    own = None if asked.walker in templates.names("walkers") else asked.walker
+    first = asked._replace(values=servers.START | dict(asked.values))
     away = _is_away(host)
     listening = _listening(host, port)
     port = listening.getsockname()[1]
     names = (host,) if away else (host, *LOOPBACK)
-    served = servers.new(folder, _hosts(names, port), first, own, away)
+    served = servers.new(folder, _hosts(names, port), first, own, away, anew)
     path = f"once/{served.once}" if served.once else f"{served.secret}/"
     address = f"http://{_bracketed(host)}:{port}/{path}"
     print(f"the page: {address}", flush=True)

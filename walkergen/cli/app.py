@@ -15,6 +15,7 @@ def app(
     design: opt.DesignName = opt.PAPER,
     scene: opt.SceneName = opt.SCENE,
     printer: opt.PrinterName = opt.PRINTER,
+    keys: opt.Values = None,
     port: Annotated[
         int,
         typer.Option("--port", metavar="N", min=0, max=65535, help="Port; 0: any that is free."),
@@ -36,6 +37,12 @@ def app(
     """
     from walkergen import cli
     from walkergen.app import serving
+    from walkergen.app.document import Document
+    from walkergen.cli import loading
 
-    serving.serve(design, scene, printer, FOLDER, host, port, browser)
+    inputs = loading.inputs(keys, "design scene printer")
+    inputs.design(design), inputs.scene(scene), inputs.printer(printer)
+    asked = Document(design, scene, printer, inputs.values)
+    anew = asked != Document(opt.PAPER, opt.SCENE, opt.PRINTER, {})
+    serving.serve(asked, anew, FOLDER, host, port, browser)
     cli.leave(0)  # what was being made for a page may take long, and nobody waits for it

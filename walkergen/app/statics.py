@@ -1,0 +1,44 @@
+"""The page itself: its HTML, its scripts and its style, the same for every walker."""
+
+from functools import cache
+from pathlib import Path
+
+from starlette.requests import Request
+from starlette.responses import Response
+from starlette.routing import Route
+
+from walkergen.files import viewer
+
+ASSETS = {
+    "app.css": "text/css",
+    **{
+        f"{name}.js": "text/javascript"
+        for name in ("ask", "state", "form", "part", "outlook", "jobs", "compare", "main")
+    },
+}
+"""Files of the page beside its HTML, and their types."""
+
+
+def routes() -> list[Route]:
+    """Routes to the page's files."""
+    scripts = [Route(f"/{name}", _asset) for name in ASSETS]
+    return [*scripts, Route("/", _page), Route("/viewer.js", _viewer)]
+
+
+def _page(request: Request) -> Response:
+    return Response(_asset_bytes("app.html"), media_type="text/html; charset=utf-8")
+
+
+def _asset(request: Request) -> Response:
+    name = request.url.path.rpartition("/")[2]
+    return Response(_asset_bytes(name), media_type=f"{ASSETS[name]}; charset=utf-8")
+
+
+def _viewer(request: Request) -> Response:
+    return Response(viewer.script(), media_type="text/javascript; charset=utf-8")
+
+
+@cache
+def _asset_bytes(name: str) -> bytes:
+    """File that is shipped beside this module."""
+    return Path(__file__).with_name("assets").joinpath(name).read_bytes()
