@@ -16,9 +16,11 @@ from pydantic import (
     Discriminator,
     Field,
     SerializeAsAny,
+    SerializerFunctionWrapHandler,
     Tag,
     ValidationInfo,
     field_validator,
+    model_serializer,
     model_validator,
 )
 
@@ -27,6 +29,7 @@ from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
 from walkergen.walker import buildable
 from walkergen.walker.body import Body, Size, located
+from walkergen.walker.caps import Cap
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 
@@ -115,7 +118,15 @@ class Design(Section):
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
+    cap: Cap = Cap()
     family: Family = Family()
+
+    @model_serializer(mode="wrap")
+    def _without_cap(self, dumped: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        data: dict[str, Any] = dumped(self)
+        if self.cap.kind == "none":  # nothing tells it from a design that knows of no caps
+            data.pop("cap", None)
+        return data
 
     @field_validator("leg_tilt_deg")
     @classmethod

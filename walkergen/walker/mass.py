@@ -135,15 +135,21 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
+def assemble(
+    design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | None = None
+) -> MassProperties:
     """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
-    The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
+    A cap belongs to the body, also to its weighed mass. The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
     leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
     the inertias with them: the shape is trusted, the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
-    top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
+    whole = weigh(body, density)
+    if cap is not None:
+        of_cap = weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
+        whole = together(whole, of_cap)
+    top = _rescaled(whole, design.weighed.body_mass_g)
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
     weighed_once = {key: weigh(mesh, density) for key, mesh in distinct.items()}
@@ -163,6 +169,17 @@ def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperti
     across = float(top.centre[2]) - 0.5 * design.size.depth
     loose = MassProperties(top.mass, top.inertia, tuple(placed), False, Spatial(across, top.tensor))
     return frozen(loose, [limb.braced for limb in limbs])
+
+
+def together(first: SolidMass, second: SolidMass) -> SolidMass:
+    """Mass properties of two solids that are fixed to each other, by the parallel axis theorem."""
+    mass = first.mass + second.mass
+    centre = (first.mass * first.centre + second.mass * second.centre) / mass
+    tensor = first.tensor + second.tensor
+    for part in (first, second):
+        off = part.centre - centre
+        tensor = tensor + part.mass * (off @ off * np.eye(3) - np.outer(off, off))
+    return SolidMass(mass, centre, tensor, first.volume + second.volume)
 
 
 def as_rigid(mass: MassProperties) -> MassProperties:

@@ -3,7 +3,7 @@
 Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
 unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
 and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
-ratios only.
+ratios only. A walker with a cap is weighed with it, as a part of its body.
 """
 
 import difflib
@@ -134,6 +134,9 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     """
     density = 1e-3 * design.material.density_g_cm3
     count, body = len(parts.legs), mass.weigh(parts.body, density).mass
+    if parts.cap is not None:
+        of_cap = design.cap.density(design.material.density_g_cm3)
+        body += mass.weigh(parts.cap, 1e-3 * of_cap).mass
     leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count
     grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:
