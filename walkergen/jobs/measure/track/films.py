@@ -10,7 +10,7 @@ import os
 import re
 import subprocess
 import tempfile
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from fractions import Fraction
 from itertools import count
@@ -77,9 +77,10 @@ class Clock(NamedTuple):
     """Time of the last frame as the film plays."""
 
 
-def require() -> None:
-    """Raise InputError when the packages of the extra `film` are not installed."""
-    missing = [name for module, name in NEEDED.items() if importlib.util.find_spec(module) is None]
+def require(needed: Mapping[str, str] | None = None) -> None:
+    """Raise InputError when packages of the extra `film` are not installed: NEEDED, or others."""
+    packages = NEEDED if needed is None else needed
+    missing = [name for module, name in packages.items() if importlib.util.find_spec(module) is None]
     if missing:
         raise InputError(
             f"track: {' and '.join(missing)} not installed: pip install 'walkergen[film]'"

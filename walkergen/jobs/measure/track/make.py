@@ -58,7 +58,12 @@ def check(options: Options) -> None:
     if options.heading not in heading.BY:
         ways = ", ".join(heading.BY)
         raise InputError(f"--heading {options.heading[:30]!r}: must be one of {ways}")
-    first, last = options.frames
+    check_frames(options.frames)
+
+
+def check_frames(frames: tuple[int, int | None]) -> None:
+    """Raise InputError for a last frame that does not come after the first."""
+    first, last = frames
     if first < 0 or (last is not None and last <= first):
         raise InputError(
             f"--frames {first}:{'' if last is None else last}: counts from 0, the first before the "
@@ -75,7 +80,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     films.require()
     check(options)
     film = films.about(path)
-    part = _part(film, options.region)
+    part = part_of(film, options.region)
     try:
         frames = _looked_at(film, part, options, progress)
         linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
@@ -101,7 +106,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     return tracks
 
 
-def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
+def part_of(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
     """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
     left, top, width, height = region or (0, 0, film.width, film.height)
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height

@@ -11,6 +11,7 @@ import numpy as np
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts
+from walkergen.jobs.measure.track.films import Clock
 from walkergen.jobs.measure.track.result import Tracked
 
 if TYPE_CHECKING:
@@ -127,15 +128,11 @@ def notes(tracked: Tracked) -> list[str]:
     error = " (its error is not known: give it as 0.05+-0.001)"
     if tracked.mm_per_px_se is not None:
         error = f" ± {words.number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
-    rate = f"{words.number(tracked.clock.fps, 4)} frames a second"
-    if not tracked.clock.regular:
-        steps = 1e3 * np.diff(tracked.clock.times)
-        intervals = words.span(steps.min(), steps.max(), 3)
-        rate += f" in the mean, {intervals} ms apart by the film's times"
     lines = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
-        f"{words.number(tracked.mm_per_px, 4)} mm a pixel{error}; {rate}."
+        f"{words.number(tracked.mm_per_px, 4)} mm a pixel{error}; "
+        f"{rate(tracked.clock)}."
     ]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
@@ -146,6 +143,16 @@ def notes(tracked: Tracked) -> list[str]:
     if math.isnan(tracked.shake.rms):
         lines.append("Nothing that stands still tells whether the camera shakes.")
     return lines
+
+
+def rate(clock: Clock) -> str:
+    """Rate of frames in words, and how far apart they are where that changes."""
+    told = f"{words.number(clock.fps, 4)} frames a second"
+    if clock.regular:
+        return told
+    steps = 1e3 * np.diff(clock.times)
+    intervals = words.span(steps.min(), steps.max(), 3)
+    return f"{told} in the mean, {intervals} ms apart by the film's times"
 
 
 def warnings(tracked: Tracked) -> list[str]:
