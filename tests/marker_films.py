@@ -14,7 +14,7 @@ import numpy as np
 from walkergen.walker import caps
 from walkergen.walker.caps import Cap
 
-GRAIN = 3
+GRAIN = 2
 TEXELS = 10
 """Texels along a cell of a marker."""
 BODY = (28.0, 8.0)
@@ -89,7 +89,7 @@ def picture(walkers, camera, light, hand=None, seed=0):
     import cv2
 
     fine = (GRAIN * camera.wide, GRAIN * camera.high)
-    whole = np.zeros(fine[::-1])
+    whole = np.zeros(fine[::-1], np.float32)
     for exposure in walkers:
         canvas = np.full(fine[::-1], light.ground, np.float32)
         for cells, x, y, heading in exposure:

@@ -118,6 +118,14 @@ def white(number: int) -> npt.NDArray[np.bool_]:
     return np.pad(bits.reshape(CELLS, CELLS), BORDER)
 
 
+def symmetric() -> set[int]:
+    """Numbers of markers that are their own mirror images: a mirror shows them turned, no more."""
+    return {
+        number for number in range(len(CODES) // 4)
+        if any((np.rot90(white(number)[:, ::-1], turn) == white(number)).all() for turn in range(4))
+    }  # fmt: skip
+
+
 def black(cap: Cap, overlap: float = 0.0) -> list[Array]:
     """Rectangles, corners of shape (4, 2), whose union is the black of a cap, mm.
 

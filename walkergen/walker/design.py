@@ -124,7 +124,7 @@ class Design(Section):
     @model_serializer(mode="wrap")
     def _without_cap(self, dumped: SerializerFunctionWrapHandler) -> dict[str, Any]:
         data: dict[str, Any] = dumped(self)
-        if self.cap.kind == "none":  # nothing tells it from a design that knows of no caps
+        if self.cap == Cap():  # nothing tells it from a design that knows of no caps
             data.pop("cap", None)
         return data
 

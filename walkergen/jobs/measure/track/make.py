@@ -36,6 +36,9 @@ Films that are drawn err by less."""
 STILL = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
+SMALLEST = 8
+"""Smallest width and height of what is looked at, pixels."""
+
 LEAST, LARGEST = 1e-6, 1e9
 
 
@@ -108,12 +111,17 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
 
 def part_of(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
     """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    if region is None and min(film.width, film.height) < SMALLEST:
+        raise InputError(
+            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x "
+            f"{SMALLEST}: film larger"
+        )
     left, top, width, height = region or (0, 0, film.width, film.height)
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
-    if width < 8 or height < 8 or not inside:
+    if min(width, height) < SMALLEST or not inside:
         raise InputError(
             f"--region {left},{top},{width},{height}: left, top, width, height in pixels must lie "
-            f"within the {film.width} x {film.height} of {film.path}, and be 8 or more wide"
+            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more wide"
         )
     return left, top, left + width, top + height
 

@@ -3,8 +3,8 @@
 Reads markers frame by frame, and finds the plane in which they are squares of their size.
 """
 
-from collections import defaultdict
-from collections.abc import Mapping
+from collections import Counter, defaultdict
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -19,6 +19,7 @@ from walkergen.jobs.measure.track.heading import unwrapped
 from walkergen.jobs.measure.track.linking import PART, SHORTEST
 from walkergen.jobs.measure.track.markers import NEEDED, SMALLEST, Reader, Sighted
 from walkergen.jobs.measure.track.plane import Plane
+from walkergen.walker import caps
 
 Array = npt.NDArray[np.float64]
 Whole = npt.NDArray[np.int64]
@@ -78,6 +79,8 @@ class LeftOut(NamedTuple):
     """Frames of numbers that were read too rarely."""
     bent: int
     """Sightings that are no squares in the plane of the others."""
+    mirrored: Sequence[int]
+    """Numbers of markers that are printed mirrored."""
 
 
 class Marked(NamedTuple):
@@ -136,10 +139,21 @@ def find(path: Path, wish: Wish, progress: Progress) -> Marked:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
 
 
+class _Read(NamedTuple):
+    """What was read in a film, frame by frame."""
+
+    seen: list[Sighted]
+    clock: Clock
+    picture: Grey
+    """First of the frames."""
+    mirrored: list[int]
+    """Numbers that are read in the mirror."""
+
+
 def _found(
     film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress
 ) -> Marked:
-    seen, clock, picture = _read(film, part, wish, progress)
+    seen, clock, picture, mirrored = _read(film, part, wish, progress)
     first = wish.frames[0]
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
     tracks, twice, rare = _sorted(seen, first)
@@ -158,15 +172,15 @@ def _found(
                 unwrapped(pose.headings[good]),
             ))  # fmt: skip
     return Marked(
-        film, wish, flat, tuple(walkers), LeftOut(twice, rare, bent), len(seen),
+        film, wish, flat, tuple(walkers), LeftOut(twice, rare, bent, mirrored), len(seen),
         np.array(empty, np.int64), clock, picture, part,
     )  # fmt: skip
 
 
 def _read(
     film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress
-) -> tuple[list[Sighted], Clock, Grey]:
-    """Markers of all frames, their times, and the first picture. Raises InputError."""
+) -> _Read:
+    """Markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     first, last = wish.frames
     total = max((round(film.seconds * (film.fps or 0.0)) if last is None else last) - first, 1)
@@ -186,23 +200,30 @@ def _read(
                 "needed"
             )
         clock = films.clock(film, reel.stamps, wish.fps)
-    if not any(len(sighted.numbers) for sighted in seen):
-        raise InputError(_none(reader, samples, len(seen)))
-    return seen, clock, samples[0]
+    upright = {number for sighted in seen for number in sighted.numbers.tolist()}
+    mirrored = [number for number in _mirrored(reader, samples) if number not in upright]
+    if not upright or (mirrored and upright <= caps.symmetric()):
+        raise InputError(_none(mirrored, len(seen)))
+    return _Read(seen, clock, samples[0], mirrored)
 
 
-def _none(reader: Reader, samples: list[Grey], count: int) -> str:
+def _mirrored(reader: Reader, samples: list[Grey]) -> list[int]:
+    """Numbers of markers that are read in the mirror image of most of some frames."""
+    images = (np.ascontiguousarray(grey[:, ::-1]) for grey in samples)
+    counts = Counter(number for image in images for number in reader.read(image).numbers.tolist())
+    return sorted(number for number, count in counts.items() if count > 0.5 * len(samples))
+
+
+def _none(mirrored: list[int], count: int) -> str:
     """Reason why no marker was read."""
-    mirrored = [reader.read(np.ascontiguousarray(grey[:, ::-1])).numbers for grey in samples]
-    if any(len(numbers) for numbers in mirrored):
+    if mirrored:
         return (
             "the film is mirrored: markers are read in its mirror image only; mirror it back: "
             "ffmpeg -i FILM -vf hflip RIGHT.mp4"
         )
     return (
-        f"no marker is read in {count} frames: they are those of walkergen's caps (OpenCV's ArUco, "
-        f"4x4, numbers 0 to 99), black with a white rim, at least {SMALLEST:g} pixels wide, sharp "
-        "and from above; walkers without caps: leave --markers out and give --length"
+        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} pixels "
+        "wide or more, sharp, in a white rim; of walkers without: leave --markers out"
     )
 
 

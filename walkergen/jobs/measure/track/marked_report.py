@@ -13,14 +13,14 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts, marked
 from walkergen.jobs.measure.track.marked import Marked, Walker, Wish
-from walkergen.jobs.measure.track.report import COLUMNS, LOST, PICTURE, TRACKS, rate
+from walkergen.jobs.measure.track.report import COLUMNS, LOST, PICTURE, TRACKS, broken_off, rate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-EDGES = 0.15
+EDGES = 0.2
 """Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
-scale. Films that are drawn err by less than half of that (docs/measuring.md)."""
+scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
 
 CROOKED = 0.7
 """Distance of corners from those of squares that is worth a warning, pixels."""
@@ -158,7 +158,7 @@ def notes(found: Marked) -> list[str]:
     size = f"{words.number(wish.marker_mm, 4)} mm"
     if wish.marker_se_mm is not None:
         size += f" ± {words.number(wish.marker_se_mm, 2)}"
-    pixels = words.span(*_sides(found), 3)
+    pixels = " to ".join(dict.fromkeys(words.number(side, 3) for side in _sides(found)))
     lines = [
         f"Markers {size} wide, black frame included (--marker-mm), {pixels} pixels in the picture: "
         f"{words.number(flat.mm_per_px, 4)} mm a pixel in its middle ± "
@@ -177,18 +177,20 @@ def notes(found: Marked) -> list[str]:
 
 def warnings(found: Marked, walkers: list[Row]) -> list[str]:
     """What went wrong, each with its size."""
-    lines, out = [], found.left_out
+    out, lines = found.left_out, broken_off(found.film, found.clock, found.wish.frames)
     for number, count in out.twice.items():
         lines.append(
             f"marker {number} is seen at two places at once in {count} of {found.looked} frames, "
             "and left out: print each number once"
         )
+    for number in out.mirrored:
+        lines.append(f"marker {number} is read in the mirror only, and left out: print it anew")
     if out.rare:
         counts = ", ".join(f"{number} in {count}" for number, count in list(out.rare.items())[:10])
         lines.append(f"read too rarely to be walkers, and left out: marker {counts} frames")
     if out.bent:
         lines.append(
-            f"{out.bent} sightings left out: no squares in the plane of the others (a cap that "
+            f"{out.bent} sighting{'' if out.bent == 1 else 's'} left out: no squares in the plane of the others (a cap that "
             "leans, or is half covered)"
         )
     lines += _gaps(found)
@@ -251,6 +253,6 @@ def facts(found: Marked, walkers: list[Row]) -> dict[str, Any]:
         "frames_looked_at": found.looked, "frames_without_markers": len(found.empty),
         "seen_twice_frames": {str(key): count for key, count in out.twice.items()},
         "seen_rarely_frames": {str(key): count for key, count in out.rare.items()},
-        "sightings_left_out": out.bent,
+        "sightings_left_out": out.bent, "mirrored": list(out.mirrored),
         "tracks": [row._asdict() for row in walkers],
     }  # fmt: skip

@@ -30,9 +30,9 @@ SMOOTH_PX = 0.5
 OFF, LEAST_OFF = 5.0, 0.5
 """Residual of a marker over the median one, and in pixels, beyond which it is misread or bent."""
 
-SPREAD = 1.0
-"""Standard deviation of a change of scale, from the middle of the picture to its edge, that is
-taken before a film is seen: it holds perspective where one marker stands in one place."""
+PRIOR_PX = 0.1
+"""Distance of one corner that counts as much as perspective of 1, which is a scale that has no end
+at the picture's edge: it holds what one marker in one place leaves open."""
 
 ALIKE = 25.0
 """Number of sightings that err alike: of one marker in neighbouring frames."""
@@ -109,7 +109,7 @@ def fit(corners: Array, side: float, width: int, height: int) -> Plane:
 
     def residuals(terms: Array) -> Array:
         off, sizes = _off_square(_mapped(terms, points), points, side)
-        return np.append((half * off / sizes[:, None, None]).ravel(), terms[3:] / SPREAD)
+        return np.append((half * off / sizes[:, None, None]).ravel(), PRIOR_PX * terms[3:])
 
     found = least_squares(
         residuals, [start, 0.0, start, 0.0, 0.0], loss="soft_l1", f_scale=SMOOTH_PX,

@@ -11,7 +11,7 @@ import numpy as np
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts
-from walkergen.jobs.measure.track.films import Clock
+from walkergen.jobs.measure.track.films import Clock, Film
 from walkergen.jobs.measure.track.result import Tracked
 
 if TYPE_CHECKING:
@@ -162,10 +162,7 @@ def warnings(tracked: Tracked) -> list[str]:
         tracked.looked,
         [walker.seen for walker in tracked.walkers],
     )
-    lines = []
-    end, announced = tracked.clock.played_s, tracked.film.seconds
-    if tracked.options.frames[1] is None and end < READ * announced - LEAST_S:
-        lines.append(f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read")
+    lines = broken_off(tracked.film, tracked.clock, tracked.options.frames)
     if linked.empty:
         lines.append(f"nothing was found in {linked.empty} of {count} frames")
     if linked.merged:
@@ -197,6 +194,14 @@ def warnings(tracked: Tracked) -> list[str]:
             "picture, leave it out with --frames"
         )
     return lines
+
+
+def broken_off(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
+    """Warning of a film that ends before it should, when it was read to its end."""
+    end, announced = clock.played_s, film.seconds
+    if frames[1] is not None or end >= READ * announced - LEAST_S:
+        return []
+    return [f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read"]
 
 
 def _camera(tracked: Tracked) -> list[str]:
