@@ -219,8 +219,9 @@ def errors(found, ways, fps=60.0):
     off = np.angle(np.exp(1j * (headings - turn - true[:, 2])))
     others = truth[frames][..., :2] - truth[frames, numbers][:, None, :2]
     way = np.linalg.norm(others - (fitted - there)[:, None], axis=-1)
+    place = float(np.sqrt(np.mean((fitted - there) ** 2)))
     return Errors(
-        len(frames) / truth[..., 0].size, scale - 1.0, float(np.sqrt(np.mean((fitted - there) ** 2))),
+        len(frames) / truth[..., 0].size, float(scale) - 1.0, place,
         float(np.degrees(np.sqrt(np.mean(off**2)))), float(np.degrees(np.abs(off).max())),
         int((way.argmin(axis=1) != numbers).sum()),
     )  # fmt: skip

@@ -52,11 +52,10 @@ def track(
     ] = "motion",
     markers: Annotated[
         str | None,
-        typer.Option(metavar="KIND", help="Walkers bear markers, as caps of `plate --caps`: aruco."),
+        typer.Option(metavar="KIND", help="Markers that walkers bear, by `plate --caps`: aruco."),
     ] = None,
     marker_mm: Annotated[
-        str | None,
-        typer.Option(metavar="MM", help="Side of the markers, mm, as 7.2 or 7.2±0.05."),
+        str | None, typer.Option(metavar="MM", help="Side of the markers, mm, as 7.2 or 7.2±0.05.")
     ] = None,
     out: opt.Out = None,
     json: opt.AsJson = False,

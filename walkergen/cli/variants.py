@@ -63,12 +63,16 @@ def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
 
     Raises InputError for markers of another kind.
     """
+    from walkergen.files.assignments import changed
+
     if markers is None:
         return list(members)
     if markers not in MARKERS:
         raise InputError(f"--caps {markers[:30]!r}: must be {' or '.join(MARKERS)}")
     return [
-        design.variant(**{"cap.kind": "engraved"}) if design.cap.kind == "none" else design
+        changed(design, {"cap.kind": "engraved"}, design.name)
+        if design.cap.kind == "none"
+        else design
         for design in members
     ]
 

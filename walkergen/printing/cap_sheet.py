@@ -41,9 +41,7 @@ def pages(markers: Sequence[Cap]) -> list[Figure]:
 
 
 @figures.style({})
-def _page(
-    sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]
-) -> Figure:
+def _page(sheet: Sequence[Cap], number: int, count: int, grid: tuple[float, int]) -> Figure:
     """One page; `grid` is the side of a tile, mm, and the number of tiles in a row."""
     width, height = PAGE_MM
     side, across = grid
@@ -89,7 +87,8 @@ def _tile(axes: Axes, cap: Cap, place: tuple[float, float]) -> None:
     axes.add_patch(Polygon(turned(caps.outline(cap)), fill=False, edgecolor="0.6", linewidth=0.2))
     for cell in caps.black(cap):
         (left, bottom), (right, top) = turned(cell).min(axis=0), turned(cell).max(axis=0)
-        axes.add_patch(Rectangle((left, bottom), right - left, top - bottom, color="black", linewidth=0.0))
+        size = (right - left, top - bottom)
+        axes.add_patch(Rectangle((left, bottom), *size, color="black", linewidth=0.0))
 
 
 def pdf(drawn: Sequence[Figure]) -> bytes:

@@ -91,7 +91,9 @@ def files(capped: Sequence[Capped], printers: Sequence[Printer]) -> Iterator[tup
         yield f"caps_{number}.png", data
     printed = [entry.cap for entry in capped if entry.cap.kind != "paper"]
     meshes = [caps.mesh(cap) for cap in printed]
-    parts = [Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes)]
+    parts = [
+        Part.of(f"cap_{cap.number:02d}", tile) for cap, tile in zip(printed, meshes, strict=True)
+    ]
     for printer in printers if printed else ():
         for number, plate in enumerate(packing.pack(parts, printer), start=1):
             name = f"caps_{printer.name}_{number}"

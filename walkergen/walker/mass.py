@@ -140,9 +140,10 @@ def assemble(
 ) -> MassProperties:
     """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
-    A cap belongs to the body, also to its weighed mass. The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
-    leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
-    the inertias with them: the shape is trusted, the density is not.
+    The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
+    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
+    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
+    the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     whole = weigh(body, density)

@@ -274,9 +274,7 @@ def mass_of(design: Design) -> MassProperties:
     return _weighed(design, top, legs, _cap(design, top))
 
 
-def _weighed(
-    design: Design, body: Mesh, legs: Sequence[Mesh], cap: Mesh | None
-) -> MassProperties:
+def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
     mass = assemble(design, body, legs, cap)
     if not design.pair:
         stance.check(design.limbs, mass)

@@ -79,8 +79,8 @@ class Clock(NamedTuple):
 
 def require(needed: Mapping[str, str] | None = None) -> None:
     """Raise InputError when packages of the extra `film` are not installed: NEEDED, or others."""
-    packages = NEEDED if needed is None else needed
-    missing = [name for module, name in packages.items() if importlib.util.find_spec(module) is None]
+    packages = (NEEDED if needed is None else needed).items()
+    missing = [name for module, name in packages if importlib.util.find_spec(module) is None]
     if missing:
         raise InputError(
             f"track: {' and '.join(missing)} not installed: pip install 'walkergen[film]'"

@@ -69,9 +69,7 @@ def of(walker: Seen, by: By) -> Headed:
         why = f"it ran less than {MOVED:g} of its length" if by == "motion" else "marks disagree"
         return _unknown(walker, f"{why}, so that front and back are alike")
     front = "the mark" if by == "mark" else "the way it runs"
-    return Headed(
-        unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames"
-    )
+    return Headed(unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
 
 
 def _unknown(walker: Seen, why: str) -> Headed:

@@ -121,7 +121,8 @@ def part_of(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, 
     if min(width, height) < SMALLEST or not inside:
         raise InputError(
             f"--region {left},{top},{width},{height}: left, top, width, height in pixels must lie "
-            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more wide"
+            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more "
+            "wide"
         )
     return left, top, left + width, top + height
 

@@ -150,9 +150,7 @@ class _Read(NamedTuple):
     """Numbers that are read in the mirror."""
 
 
-def _found(
-    film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress
-) -> Marked:
+def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress) -> Marked:
     seen, clock, picture, mirrored = _read(film, part, wish, progress)
     first = wish.frames[0]
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
@@ -177,9 +175,7 @@ def _found(
     )  # fmt: skip
 
 
-def _read(
-    film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress
-) -> _Read:
+def _read(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Progress) -> _Read:
     """Markers of all frames. Raises InputError."""
     left, top, right, bottom = part
     first, last = wish.frames
@@ -192,7 +188,7 @@ def _read(
             sighted = reader.read(grey)
             if len(seen) % max(1, total // LOOKED_AT) == 0 and len(samples) < LOOKED_AT:
                 samples.append(grey)
-            seen.append(sighted._replace(corners=sighted.corners + (left, top)))
+            seen.append(sighted._replace(corners=sighted.corners + np.array([left, top])))
             progress("frames", len(seen), max(total, len(seen)))
         if len(seen) < 2:
             raise InputError(
@@ -222,52 +218,61 @@ def _none(mirrored: list[int], count: int) -> str:
             "ffmpeg -i FILM -vf hflip RIGHT.mp4"
         )
     return (
-        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} pixels "
-        "wide or more, sharp, in a white rim; of walkers without: leave --markers out"
+        f"no marker (ArUco, 4x4, 0 to 99) is read in {count} frames: it must be {SMALLEST:g} "
+        "pixels wide or more, sharp, in a white rim; of walkers without: leave --markers out"
     )
 
 
-def _sorted(
-    seen: list[Sighted], first: int
-) -> tuple[dict[int, tuple[Whole, Array]], dict[int, int], dict[int, int]]:
-    """Frames and corners by number; frames of numbers read twice, and of those read too rarely.
+class _Sorted(NamedTuple):
+    """Markers of a film by their numbers."""
 
-    Raises InputError when nothing is left.
-    """
+    tracks: dict[int, tuple[Whole, Array]]
+    """Frames, ascending, and corners of those that are walkers'."""
+    twice: dict[int, int]
+    """Frames in which a number was read at two places, of those left out for it."""
+    rare: dict[int, int]
+    """Frames of those that were read too rarely."""
+
+
+def _sorted(seen: list[Sighted], first: int) -> _Sorted:
+    """Markers of frames from the first on by their numbers. Raises InputError for no walker."""
     frames: dict[int, list[int]] = defaultdict(list)
     corners: dict[int, list[Array]] = defaultdict(list)
-    double: dict[int, int] = defaultdict(int)
+    double: Counter[int] = Counter()
     for at, sighted in enumerate(seen, first):
-        own, counts = np.unique(sighted.numbers, return_counts=True)
-        for number, count in zip(own.tolist(), counts.tolist(), strict=True):
-            if count > 1:  # which of them is the walker's cannot be told
-                double[number] += 1
-                continue
-            frames[number].append(at)
-            corners[number].append(sighted.corners[sighted.numbers == number][0])
-    twice = {
-        number: count for number, count in sorted(double.items())
-        if count > TWICE * (count + len(frames[number]))
-    }  # fmt: skip
+        counts = Counter(sighted.numbers.tolist())
+        # Which of two is the walker's cannot be told
+        double.update(number for number, count in counts.items() if count > 1)
+        for number, square in zip(sighted.numbers.tolist(), sighted.corners, strict=True):
+            if counts[number] == 1:
+                frames[number].append(at)
+                corners[number].append(square)
     least = max(SHORTEST, PART * len(seen))
-    rare = {
-        number: len(own) for number, own in sorted(frames.items())
-        if number not in twice and 0 < len(own) < least
+    twice = {
+        number: double[number] for number in sorted(double)
+        if double[number] > TWICE * (double[number] + len(frames[number]))
     }  # fmt: skip
+    once = {number: frames[number] for number in sorted(frames) if number not in twice}
     tracks = {
         number: (np.array(own, np.int64), np.array(corners[number]))
-        for number, own in sorted(frames.items()) if len(own) >= least and number not in twice
+        for number, own in once.items() if len(own) >= least
     }  # fmt: skip
-    if not tracks and twice:
-        raise InputError(
-            f"marker {', '.join(map(str, twice))} is seen at two places at once, in "
-            f"{max(twice.values())} of {len(seen)} frames, and no other is left: print each number "
+    rare = {number: len(own) for number, own in once.items() if 0 < len(own) < least}
+    if not tracks:
+        raise InputError(_no_walker(twice, rare, least, len(seen)))
+    return _Sorted(tracks, twice, rare)
+
+
+def _no_walker(twice: Mapping[int, int], rare: Mapping[int, int], least: float, count: int) -> str:
+    """Reason why no marker that was read is a walker's."""
+    if twice:
+        return (
+            f"marker {', '.join(map(str, list(twice)[:10]))} is seen at two places at once, in "
+            f"{max(twice.values())} of {count} frames, and no other is left: print each number "
             "once, or cover what mirrors it"
         )
-    if not tracks:
-        counts = ", ".join(f"{number} in {count}" for number, count in list(rare.items())[:10])
-        raise InputError(
-            f"no marker is read in {least:.3g} of {len(seen)} frames ({counts}): give more light, "
-            "shorter exposure or larger markers"
-        )
-    return tracks, twice, rare
+    counts = ", ".join(f"{number} in {own}" for number, own in list(rare.items())[:10])
+    return (
+        f"no marker is read in {least:.3g} of {count} frames ({counts}): give more light, shorter "
+        "exposure or larger markers"
+    )

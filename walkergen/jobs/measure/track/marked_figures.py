@@ -49,6 +49,6 @@ def _draw(axes: Axes, walker: Walker, colour: str) -> None:
             arrowprops={"arrowstyle": "-|>", "color": colour, "lw": 1.2},
         )  # fmt: skip
     axes.text(
-        *middles[0], str(walker.number), color="black", fontsize=9, weight="bold", ha="center",
-        va="center", path_effects=HALO,
+        middles[0, 0], middles[0, 1], str(walker.number), color="black", fontsize=9, weight="bold",
+        ha="center", va="center", path_effects=HALO,
     )  # fmt: skip

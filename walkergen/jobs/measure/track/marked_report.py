@@ -190,8 +190,8 @@ def warnings(found: Marked, walkers: list[Row]) -> list[str]:
         lines.append(f"read too rarely to be walkers, and left out: marker {counts} frames")
     if out.bent:
         lines.append(
-            f"{out.bent} sighting{'' if out.bent == 1 else 's'} left out: no squares in the plane of the others (a cap that "
-            "leans, or is half covered)"
+            f"{out.bent} sighting{'' if out.bent == 1 else 's'} left out: no squares in the plane "
+            "of the others (a cap that leans, or is half covered)"
         )
     lines += _gaps(found)
     for row in walkers:

@@ -140,4 +140,5 @@ def _meeting(normal: Array, point: Array) -> Array:
     before = np.roll(normal, 1, axis=1)
     lines = np.stack([before, normal], axis=2)
     far = np.einsum("nsk,nsk->ns", normal, point)
-    return np.linalg.solve(lines, np.stack([np.roll(far, 1, axis=1), far], axis=-1)[..., None])[..., 0]
+    both = np.stack([np.roll(far, 1, axis=1), far], axis=-1)
+    return np.asarray(np.linalg.solve(lines, both[..., None])[..., 0])

@@ -46,7 +46,7 @@ class Plane(NamedTuple):
     half: float
     """Half of its longer side, pixels."""
     terms: Array
-    """Scales along x, of y into x, and along y, mm per half; changes with x and y of perspective."""
+    """Scales along x, of y into x, and along y, mm per half; perspective along x and y."""
     residual_px: float
     """Root mean square distance of corners from those of squares, along an axis, pixels."""
     errors: Array
@@ -75,7 +75,7 @@ class Plane(NamedTuple):
         return math.degrees(math.acos(min(1.0, float(small / large))))
 
     def scales(self, pixels: Array) -> Array:
-        """Millimetres per pixel at places in the picture, shape (n, 2): the mean over directions."""
+        """Millimetres per pixel at places in the picture, shape (n, 2), mean over directions."""
         near = 1.0 + self._centred(pixels) @ self.terms[3:]
         return np.asarray(self.mm_per_px / np.abs(near) ** 1.5)
 
@@ -150,7 +150,7 @@ def _mapped(terms: Array, points: Array) -> Array:
 
 
 def _off_square(mapped: Array, points: Array, side: float) -> tuple[Array, Array]:
-    """Ways of corners from those of the nearest square, and lengths in the plane over the picture's.
+    """Ways of corners from those of the nearest square; lengths in the plane over the picture's.
 
     Both `mapped` and `points` are of shape (n, 4, 2).
     """
