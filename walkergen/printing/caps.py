@@ -41,10 +41,14 @@ def numbered(designs: Sequence[Design], items: Sequence[str]) -> list[Capped]:
     `items` are their names, copy by copy. Raises InputError for more than the dictionary has, and
     for caps that `track` could not read in one film.
     """
-    bearers = [(d, item) for d, item in zip(designs, items, strict=True) if d.cap.kind != "none"]
+    bearers = [
+        (design, item, design.cap)
+        for design, item in zip(designs, items, strict=True)
+        if design.cap is not None
+    ]
     capped: list[Capped] = []
-    for offset, (design, item) in enumerate(bearers):
-        own, first = design.cap, bearers[0][0].cap
+    for offset, (design, item, own) in enumerate(bearers):
+        first = bearers[0][2]
         number = first.number + offset
         if (own.dictionary, own.marker_mm) != (first.dictionary, first.marker_mm):
             raise InputError(

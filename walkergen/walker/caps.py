@@ -59,7 +59,7 @@ HELD = 0.4
 class Cap(Section):
     """Settings of the cap that shows a walker's number to a camera above it."""
 
-    kind: Literal["none", "engraved", "raised", "paper"] = "none"
+    kind: Literal["engraved", "raised", "paper"] = "engraved"
     dictionary: Dictionary = "4x4_50"
     number: Annotated[int, Field(ge=0, le=99)] = 0
     """Number of the marker; on plates that of the first copy, from which the others count."""
@@ -102,7 +102,7 @@ class Cap(Section):
     @property
     def thickness(self) -> float:
         """Thickness of the tile, mm, without raised cells."""
-        return THICKNESS.get(self.kind, 1.0) if self.thickness_mm is None else self.thickness_mm
+        return THICKNESS[self.kind] if self.thickness_mm is None else self.thickness_mm
 
     def density(self, material_g_cm3: float) -> float:
         """Density of the cap, g/cm^3: paper's, or that of the walker's material; ink has no mass.

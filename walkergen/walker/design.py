@@ -9,6 +9,7 @@ paper's object.
 
 import math
 from collections.abc import Iterable, Mapping
+from operator import not_
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -16,11 +17,9 @@ from pydantic import (
     Discriminator,
     Field,
     SerializeAsAny,
-    SerializerFunctionWrapHandler,
     Tag,
     ValidationInfo,
     field_validator,
-    model_serializer,
     model_validator,
 )
 
@@ -118,15 +117,9 @@ class Design(Section):
     material: Material = Material()
     weighed: Weighed = Weighed()
     marks: Marks = Marks()
-    cap: Cap = Cap()
+    cap: Cap | None = Field(default=None, exclude_if=not_)
+    """Cap with a marker. None: none, and its data are as if there were no such key."""
     family: Family = Family()
-
-    @model_serializer(mode="wrap")
-    def _without_cap(self, dumped: SerializerFunctionWrapHandler) -> dict[str, Any]:
-        data: dict[str, Any] = dumped(self)
-        if self.cap == Cap():  # nothing tells it from a design that knows of no caps
-            data.pop("cap", None)
-        return data
 
     @field_validator("leg_tilt_deg")
     @classmethod

@@ -147,9 +147,9 @@ def assemble(
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
     whole = weigh(body, density)
-    if cap is not None:
+    if cap is not None and design.cap is not None:
         of_cap = weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
-        whole = together(whole, of_cap)
+        whole = together([whole, of_cap])
     top = _rescaled(whole, design.weighed.body_mass_g)
     O = top.centre[:2]  # noqa: E741  (the paper's name)
     distinct = {id(mesh): mesh for mesh in legs}  # equal legs share theirs
@@ -172,15 +172,16 @@ def assemble(
     return frozen(loose, [limb.braced for limb in limbs])
 
 
-def together(first: SolidMass, second: SolidMass) -> SolidMass:
-    """Mass properties of two solids that are fixed to each other, by the parallel axis theorem."""
-    mass = first.mass + second.mass
-    centre = (first.mass * first.centre + second.mass * second.centre) / mass
-    tensor = first.tensor + second.tensor
-    for part in (first, second):
-        off = part.centre - centre
-        tensor = tensor + part.mass * (off @ off * np.eye(3) - np.outer(off, off))
-    return SolidMass(mass, centre, tensor, first.volume + second.volume)
+def together(solids: Sequence[SolidMass]) -> SolidMass:
+    """Mass properties of several solids as one rigid body, by Steiner's theorem."""
+    masses = np.array([solid.mass for solid in solids])
+    centres = np.array([solid.centre for solid in solids])
+    centre = masses @ centres / masses.sum()
+    tensor = np.zeros((3, 3))
+    for solid, arm in zip(solids, centres - centre, strict=True):
+        tensor += solid.tensor + solid.mass * (arm @ arm * np.eye(3) - np.outer(arm, arm))
+    volume = sum(solid.volume for solid in solids)
+    return SolidMass(float(masses.sum()), centre, tensor, float(volume))
 
 
 def as_rigid(mass: MassProperties) -> MassProperties:

@@ -78,8 +78,7 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
 
 def _cap(design: Design, body: Mesh) -> Mesh | None:
     """Cap on a body; None without. Raises GeometryError."""
-    none = design.cap.kind == "none"
-    return None if none else caps.on_body(design.cap, body, design.size.depth)
+    return None if design.cap is None else caps.on_body(design.cap, body, design.size.depth)
 
 
 def _printed(design: Design, foot_segments: int) -> Solids:

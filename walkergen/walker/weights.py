@@ -134,7 +134,7 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     """
     density = 1e-3 * design.material.density_g_cm3
     count, body = len(parts.legs), mass.weigh(parts.body, density).mass
-    if parts.cap is not None:
+    if parts.cap is not None and design.cap is not None:
         of_cap = design.cap.density(design.material.density_g_cm3)
         body += mass.weigh(parts.cap, 1e-3 * of_cap).mass
     leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count

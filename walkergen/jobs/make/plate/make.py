@@ -198,7 +198,7 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
 
 def _number(design: Design, number: int) -> dict[str, int]:
     """Keys that give a copy its number: on its body, and on its cap if it has one."""
-    own = {} if design.cap.kind == "none" else {"cap.number": number}
+    own = {} if design.cap is None else {"cap.number": number}
     return {"marks.serial": number, **own}
 
 
