@@ -7,8 +7,10 @@ from walkergen.errors import InputError
 PACKAGES = {
     "cluster": {"distributed": "dask"},
     "drawings": {"ezdxf": "ezdxf"},
-    "film": {"imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"},
-}
+    "film": {
+        "cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"
+    },
+}  # fmt: skip
 """Modules of each extra, with the names of their packages."""
 
 

@@ -3,10 +3,13 @@
 import os
 from pathlib import Path
 
+from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.measure.track import make
+from walkergen.jobs.measure.track import make, marked, marked_report
+from walkergen.jobs.measure.track.marked import Wish
+from walkergen.jobs.measure.track.marked_report import MarkedReport
 from walkergen.jobs.measure.track.report import TrackReport
 from walkergen.jobs.measure.track.result import Options
 
@@ -17,18 +20,22 @@ def track(
     fps: float | None = None, frames: tuple[int, int | None] = (0, None),
     region: tuple[int, int, int, int] | None = None, walkers: str | None = None,
     threshold: float | None = None, width: float | None = None, heading: str = "motion",
+    markers: str | None = None, marker_mm: float | str | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
-) -> TrackReport:  # fmt: skip
+) -> TrackReport | MarkedReport:  # fmt: skip
     """Track walkers in a film from above; give `mm_per_px`, or the `length` of a walker in mm.
 
     Either may bear its standard error, as "0.05±0.001", which then goes with every length.
     `fps` is the rate at which it was filmed, if it plays slower; `frames` the first and the one
     after the last; `region` left, top, width and height, `width` a walker's, pixels; `walkers`
-    "dark" or "light"; `heading` by "motion" or "mark". Tracks and picture are written into the
-    `folder`, by default out/NAME/track; `analyse` takes what this returns. Needs the extra film.
-    Raises InputError.
+    "dark" or "light"; `heading` by "motion" or "mark". With `markers` "aruco" the caps' markers,
+    `marker_mm` wide (7.2), tell all but `fps`, `frames` and `region`. Tracks and picture are
+    written into the `folder`, by default out/NAME/track; `analyse` takes what this returns. Needs
+    the extra film. Raises InputError.
     """
     path = Path(film)
+    target = output.results(path, None, "track") if folder is None else Path(folder)
+    tell = progress or silent
     scale, scale_se = measured(mm_per_px, "mm_per_px")
     long, long_se = measured(length, "length")
     wish = Options(
@@ -36,5 +43,13 @@ def track(
         frames=frames, region=region, walkers=walkers, threshold=threshold,
         width_px=width, heading=heading,
     )  # fmt: skip
-    target = output.results(path, None, "track") if folder is None else Path(folder)
-    return make.track(path, wish, target, progress or silent)
+    side, side_se = measured(marker_mm, "marker_mm")
+    if markers is None and side is None:
+        return make.track(path, wish, target, tell)
+    marked.check_kind(markers or "", "markers=")
+    if wish != Options(fps=fps, frames=frames, region=region):
+        raise InputError(
+            "markers: tell it: leave mm_per_px, length, walkers, threshold, width and heading out"
+        )
+    own = Wish(Wish().marker_mm if side is None else side, side_se, fps, frames, region)
+    return marked_report.track(path, own, target, tell)

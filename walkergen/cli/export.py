@@ -5,7 +5,7 @@ from typing import Annotated
 
 import typer
 
-from walkergen.cli import loading, show
+from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.cli.layout import names_of
 from walkergen.errors import InputError
@@ -22,6 +22,7 @@ def export(
     tilt: opt.Tilt = None,
     legs: opt.LegKinds = None,
     formats: Annotated[str, typer.Option("--format", metavar="FORMAT", help=HELP)] = "stl",
+    caps: opt.Caps = None,
     scene: Annotated[
         str | None,
         typer.Option(
@@ -50,7 +51,7 @@ def export(
     inputs = loading.inputs(keys, "design scene" if moving else "design")
     ground = inputs.scene(scene or opt.SCENE) if moving else None
     chosen = inputs.design(design)
-    members = inputs.members(chosen, tilt, legs, whole=False)
+    members = variants.capped(inputs.members(chosen, tilt, legs, whole=False), caps)
     folder = out or Path("out") / chosen.name
     with show.progress(chosen.name, wanted=not quiet) as progress:
         report = exports.make(members, wanted, folder, progress, ground)

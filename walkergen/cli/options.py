@@ -115,6 +115,14 @@ Copies = Annotated[
         help="Copies of each walker, 1 by default: 8, or by tilt: 10:20,15:40.",
     ),
 ]
+Caps = Annotated[
+    str | None,
+    typer.Option(
+        "--caps",
+        metavar="MARKERS",
+        help="Caps to glue on, with markers that `track --markers` reads: aruco.",
+    ),
+]
 MaxParts = Annotated[
     int,
     typer.Option(

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from walkergen.cli import loading, show
+from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
 
@@ -53,6 +53,7 @@ def plate(
             help="Engrave a number into each copy, counted over all from FIRST.",
         ),
     ] = None,
+    caps: opt.Caps = None,
     printers: Annotated[
         str, typer.Option("--printer", metavar="PRINTER", help="Printers: templates or TOML files.")
     ] = opt.PRINTER,
@@ -87,7 +88,7 @@ def plate(
     inputs = loading.inputs(keys, "design printer")
     if calibration:
         beside = {"--copies": copies, "--orders": orders, "--how-many": how_many or None,
-                  "--serial": serial}  # fmt: skip
+                  "--serial": serial, "--caps": caps}  # fmt: skip
         _refuse("--calibration makes a plate of its own", beside)
         walker = inputs.one(opt.PAPER if design is None else design, _one_tilt(tilt), legs)
         machines = inputs.printers(printers)
@@ -110,6 +111,7 @@ def plate(
         chosen = inputs.design(opt.PAPER if design is None else design)
         members, counts = inputs.batch(chosen, tilt, legs, copies, whole=False)
         name = chosen.name
+    members = variants.capped(members, caps)
     machines = inputs.printers(printers)
     if how_many:
         show.report(plates.how_many(members, machines, max_parts), json, quiet=False)
@@ -140,8 +142,6 @@ def _calibrate(order: "Order", folder: Path, json: bool, quiet: bool) -> None:
 
 def _one_tilt(text: str | None) -> float | None:
     """Tilt of the one walker of a calibration plate. Raises InputError for several."""
-    from walkergen.cli import variants
-
     if text is None:
         return None
     tilts = variants.parse_tilts(text)

@@ -1,5 +1,6 @@
 """The command `track`."""
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated
 
@@ -49,6 +50,13 @@ def track(
             metavar="BY", help="Front by motion (the way it runs) or mark (a spot on it)."
         ),
     ] = "motion",
+    markers: Annotated[
+        str | None,
+        typer.Option(metavar="KIND", help="Markers that walkers bear, by `plate --caps`: aruco."),
+    ] = None,
+    marker_mm: Annotated[
+        str | None, typer.Option(metavar="MM", help="Side of the markers, mm, as 7.2 or 7.2±0.05.")
+    ] = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -56,13 +64,23 @@ def track(
     """Track walkers in a film from above: tracks.csv for analyse, and a picture to check.
 
     The walkers are of one size, on a ground of another brightness, seen straight from above. Give
-    the scale by --mm-per-px or --length. Needs the extra film: pip install 'walkergen[film]'.
+    the scale by --mm-per-px or --length. With --markers they bear caps, whose markers tell number,
+    place and heading, scale and tilt of the camera. Needs the extra film: pip install
+    'walkergen[film]'.
     """
     from walkergen.files import output
     from walkergen.files.measured import measured
     from walkergen.jobs.measure.track import make
     from walkergen.jobs.measure.track.result import Options
 
+    if markers is not None:
+        beside = {"--mm-per-px": mm_per_px, "--length": length, "--walkers": walkers,
+                  "--threshold": threshold, "--width": width,
+                  "--heading": None if heading == "motion" else heading}  # fmt: skip
+        _refuse(f"--markers {markers[:30]} tells it", beside)
+        _by_markers(film, markers, marker_mm, fps, frames, region, out, json, quiet)
+        return
+    _refuse("--markers is not given", {"--marker-mm": marker_mm})
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
     long, long_se = measured(length, "--length")
     options = Options(
@@ -74,6 +92,34 @@ def track(
     with show.progress("track", wanted=not quiet) as progress:
         result = make.track(film, options, folder, progress)
     show.report(result, json, quiet)
+
+
+def _by_markers(
+    film: Path, markers: str, marker_mm: str | None, fps: float | None, frames: str,
+    region: str | None, out: Path | None, json: bool, quiet: bool,
+) -> None:  # fmt: skip
+    """Track by markers, and print what was found."""
+    from walkergen.files import output
+    from walkergen.files.measured import measured
+    from walkergen.jobs.measure.track import marked, marked_report
+
+    marked.check_kind(markers, "--markers ")
+    side, side_se = measured(marker_mm, "--marker-mm")
+    wish = marked.Wish(
+        marked.Wish().marker_mm if side is None else side, side_se, fps, _frames(frames),
+        None if region is None else _region(region),
+    )  # fmt: skip
+    folder = output.results(film, out, "track")
+    with show.progress("track", wanted=not quiet) as progress:
+        result = marked_report.track(film, wish, folder, progress)
+    show.report(result, json, quiet)
+
+
+def _refuse(why: str, flags: Mapping[str, object]) -> None:
+    """Raise InputError for the first option that is given."""
+    for option, value in flags.items():
+        if value is not None:
+            raise InputError(f"{why}: leave {option} out")
 
 
 def _frames(text: str) -> tuple[int, int | None]:

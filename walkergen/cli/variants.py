@@ -6,11 +6,16 @@ from walkergen.errors import InputError
 from walkergen.files import words
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from walkergen.walker.design import Design
     from walkergen.walker.limbs import Kind
 
 MOST_TILTS = 1000
 MOST_COPIES = 5000
+
+MARKERS = ("aruco",)
+"""Markers that caps may bear: OpenCV's ArUco."""
 
 
 def one_of(design: "Design", tilt: float | None, legs: str | None) -> "Design":
@@ -51,6 +56,23 @@ def batch_of(
         legs = design.kind
     members = design.members(quotas, parse_kinds(legs) if legs is not None else None)
     return members, [quotas[member.tilt_deg] for member in members]
+
+
+def capped(members: "Sequence[Design]", markers: str | None) -> "list[Design]":
+    """Walkers with caps of the markers that --caps asks for, where they have none yet.
+
+    Raises InputError for markers of another kind.
+    """
+    from walkergen.files.assignments import changed
+
+    if markers is None:
+        return list(members)
+    if markers not in MARKERS:
+        raise InputError(f"--caps {markers[:30]!r}: must be {' or '.join(MARKERS)}")
+    return [
+        changed(design, {"cap.kind": "engraved"}, design.name) if design.cap is None else design
+        for design in members
+    ]
 
 
 def _count(word: str, text: str) -> int:

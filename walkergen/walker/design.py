@@ -28,6 +28,7 @@ from walkergen.files.assignments import changed
 from walkergen.files.config import Name, Section
 from walkergen.walker import buildable, payload
 from walkergen.walker.body import Body, Size, located
+from walkergen.walker.caps import Cap
 from walkergen.walker.limbs import KINDS, MOST_LEGS, Kind, Leg, Legs, Limb, Tilt, limb_of, pair_of
 from walkergen.walker.marks import Marks, lettered, problems, word
 from walkergen.walker.payload import Battery, Motor, Part, Pockets
@@ -129,6 +130,8 @@ class Design(Section):
     battery: Battery | None = Field(default=None, exclude_if=not_)
     pockets: Pockets | None = Field(default=None, exclude_if=not_)
     """Pockets of motor and battery. None: `fit`, the usual ones."""
+    cap: Cap | None = Field(default=None, exclude_if=not_)
+    """Cap with a marker. None: none, and its data are as if there were no such key."""
     family: Family = Family()
 
     @field_validator("leg_tilt_deg")

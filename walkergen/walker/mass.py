@@ -136,15 +136,22 @@ def weigh(mesh: Mesh, density: float) -> SolidMass:
     return SolidMass(density * volume, origin + centre, tensor, volume)
 
 
-def assemble(design: "Design", body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
+def assemble(
+    design: "Design", body: Mesh, legs: Sequence[Mesh], cap: Mesh | None = None
+) -> MassProperties:
     """Mass properties of a walker from the meshes of its body and of its legs outside the body.
 
     The body's mesh lies in the design's frame, a leg's has its anchor at the origin; a braced
-    leg's mesh includes its brace. Weighed masses in the design override the meshes' and rescale
-    the inertias with them: the shape is trusted, the density is not.
+    leg's mesh includes its brace. A cap belongs to the body. Weighed masses in the design override
+    the meshes', the body's with its cap, and rescale the inertias with them: the shape is trusted,
+    the density is not.
     """
     density, limbs = 1e-3 * design.material.density_g_cm3, design.limbs
-    top = _rescaled(weigh(body, density), design.weighed.body_mass_g)
+    whole = weigh(body, density)
+    if cap is not None and design.cap is not None:
+        of_cap = weigh(cap, 1e-3 * design.cap.density(design.material.density_g_cm3))
+        whole = together([whole, of_cap])
+    top = _rescaled(whole, design.weighed.body_mass_g)
     if design.parts:
         top = together([top, *carried(design)])
     O = top.centre[:2]  # noqa: E741  (the paper's name)

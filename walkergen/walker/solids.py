@@ -18,7 +18,7 @@ from walkergen.shapes import joining, modeller
 from walkergen.shapes.extrusion import NARROWEST_WINDOW as NARROWEST_WINDOW
 from walkergen.shapes.extrusion import Engraving, extruded
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import landing, marks, profiles, stance
+from walkergen.walker import caps, landing, marks, profiles, stance
 from walkergen.walker.design import Design
 from walkergen.walker.limbs import Limb
 from walkergen.walker.mass import MassProperties, assemble
@@ -44,6 +44,17 @@ class Solids(NamedTuple):
     legs: tuple[Mesh, ...]
     """Each leg outside the body, with its brace if it has one, in the order of `Design.limbs`; its
     anchor at the origin of x and y, z from 0 to its width."""
+    cap: Mesh | None = None
+    """Cap on the body, in the design's frame, which prints apart; None without."""
+
+    @property
+    def seen(self) -> Mesh:
+        """Walker with its cap, as it runs; not one closed body."""
+        if self.cap is None:
+            return self.walker
+        triangles = [self.walker.triangles, self.cap.triangles + len(self.walker.vertices)]
+        vertices = [self.walker.vertices, self.cap.vertices]
+        return Mesh(np.concatenate(vertices), np.concatenate(triangles))
 
 
 class Outline(NamedTuple):
@@ -59,10 +70,16 @@ def build(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Solids:
     """Build a walker's solids.
 
     Raises SolidError when the modeller's result is not sound, GeometryError for a leg that does not
-    meet the body, and for pockets that do not go into it.
+    meet the body, for pockets that do not go into it, and for a cap that it does not hold.
     """
     solid = _solid(design, foot_segments)
-    return _with_pockets(design, solid, foot_segments) if design.parts else solid
+    solid = _with_pockets(design, solid, foot_segments) if design.parts else solid
+    return solid._replace(cap=_cap(design, solid.body))
+
+
+def _cap(design: Design, body: Mesh) -> Mesh | None:
+    """Cap on a body; None without. Raises GeometryError."""
+    return None if design.cap is None else caps.on_body(design.cap, body, design.size.depth)
 
 
 def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
@@ -84,7 +101,7 @@ def _with_pockets(design: Design, solid: Solids, foot_segments: int) -> Solids:
 
 
 def _solid(design: Design, foot_segments: int) -> Solids:
-    """Solids of a walker without pockets."""
+    """Solids of a walker without pockets and cap."""
     if design.body.shape.whole is not None:
         return _cut(design.body.shape.whole, design)
     if not design.body.plain:
@@ -259,7 +276,7 @@ def outline(design: Design, foot_segments: int = FOOT_SEGMENTS) -> Outline:
 
 def weigh(design: Design, solids: Solids) -> MassProperties:
     """Mass properties of a walker from its solids. Raises GeometryError when it cannot stand."""
-    return _weighed(design, solids.body, solids.legs)
+    return _weighed(design, solids.body, solids.legs, solids.cap)
 
 
 def mass_of(design: Design) -> MassProperties:
@@ -271,11 +288,12 @@ def mass_of(design: Design) -> MassProperties:
         return weigh(design, build(design))
     digits = Engraving(_engraved(design), design.marks.depth_mm)
     top = extruded([_body_profile(design)], design.size.depth, 0, digits)
-    return _weighed(design, top, _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS)))
+    legs = _legs(design.limbs, _sections(design.limbs, FOOT_SEGMENTS))
+    return _weighed(design, top, legs, _cap(design, top))
 
 
-def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh]) -> MassProperties:
-    mass = assemble(design, body, legs)
+def _weighed(design: Design, body: Mesh, legs: Sequence[Mesh], cap: Mesh | None) -> MassProperties:
+    mass = assemble(design, body, legs, cap)
     if not design.pair:
         stance.check(design.limbs, mass)
     return mass

@@ -21,7 +21,7 @@ def html(design: "Design") -> str:
     rows, shown = list(_rows(design)), ""
     try:
         built = solids.build(design)
-        shown = viewer.frame([part_of(design, built.walker)], design.name)
+        shown = viewer.frame([part_of(design, built.seen)], design.name)
         mass = solids.weigh(design, built)
         rows.append(("mass (g)", f"{float(mass.total):.4g}"))
     except WalkergenError as error:

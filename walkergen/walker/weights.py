@@ -3,7 +3,8 @@
 Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
 unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
 and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
-ratios only. They are of the printed part; what it carries has rows of its own, with grams only.
+ratios only. They are of the printed part, with its cap; what it carries has rows of its own, with grams
+only.
 """
 
 import difflib
@@ -145,6 +146,9 @@ def applied(design: Design, parts: Solids, weighed: Weighings, name: str) -> Des
     """
     density = 1e-3 * design.material.density_g_cm3
     count, body = len(parts.legs), mass.weigh(parts.body, density).mass
+    if parts.cap is not None and design.cap is not None:
+        of_cap = design.cap.density(design.material.density_g_cm3)
+        body += mass.weigh(parts.cap, 1e-3 * of_cap).mass
     leg = sum(mass.weigh(mesh, density).mass for mesh in parts.legs) / count
     grams, body_g, leg_g = (None if weighing is None else weighing.mean for weighing in weighed)
     if grams is not None and body_g is not None and leg_g is not None:

@@ -8,10 +8,11 @@ from walkergen.files import output
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
-from walkergen.printing import export, profile
+from walkergen.printing import caps, export, profile
 from walkergen.scene import Scene
 from walkergen.shapes.mesh import Mesh
 from walkergen.shapes.outlines import Polygon
+from walkergen.walker import caps as tiles
 from walkergen.walker import names, solids
 from walkergen.walker.design import Design
 
@@ -33,10 +34,13 @@ def make(
 ) -> Report:  # fmt: skip
     """Write every member in every format (of FORMATS) as folder/FORMAT/NAME.FORMAT.
 
-    MJCF, of walkers in a scene, is folder/mjcf/NAME.xml with its STL files beside it. Raises
-    InputError, before anything is written, for the drawing of a walker that has none, and for a
-    scene that MJCF cannot hold.
+    MJCF, of walkers in a scene, is folder/mjcf/NAME.xml with its STL files beside it. Caps, which
+    are printed apart, are folder/FORMAT/NAME_cap07.FORMAT in the formats of meshes, and on a sheet
+    in folder/caps. Raises InputError, before anything is written, for the drawing of a walker that
+    has none, and for a scene that MJCF cannot hold.
     """
+    capped = caps.numbered(members, [names.part(design) for design in members])
+    of_caps = list(caps.files(capped, [])) if capped else []
     models = [_model(design, scene) if MJCF in formats else [] for design in members]
     drawings = [
         profile.drawing_of(design) if any(form in profile.FORMATS for form in formats) else []
@@ -53,10 +57,20 @@ def make(
                     target.write(f"{form}/{file}", data)
                     written.append(folder / form / file)
             progress(name, number + 1, len(members))
+        for entry in capped:
+            name = f"{entry.item}_cap{entry.cap.number:02d}"
+            for form in sorted(SOLID.keys() & set(formats)) if entry.cap.kind != "paper" else ():
+                file = f"{form}/{name}.{form}"
+                target.write(file, SOLID[form](tiles.mesh(entry.cap), name))
+                written.append(folder / file)
+        for file, data in of_caps:
+            target.write(f"caps/{file}", data)
+            written.append(folder / "caps" / file)
     paths = [str(path) for path in written]
     return Report(
-        name="export", title="Exported walkers", tables=[], facts={"files": paths}, files=written
-    )
+        name="export", title="Exported walkers", tables=[], facts={"files": paths}, files=written,
+        lines=caps.advice(capped) if capped else [],
+    )  # fmt: skip
 
 
 def _single(form: str, name: str, mesh: Mesh, drawing: Sequence[Polygon]) -> tuple[str, bytes]:

@@ -87,7 +87,7 @@ def _meshes(
     """Meshes by name: the body's from C, those of free legs from their anchors, others from C."""
     O, half = walker.centre, 0.5 * design.size.depth  # noqa: E741  (the paper's name)
     middle = np.array([*from_centre(design, mass, np.zeros(2)), -half]) + O
-    yield "body", _turned(built.body, middle)
+    yield "body", _turned(built._replace(walker=built.body).seen, middle)
     for name, limb, leg, mesh in zip(
         names.legs(design), design.limbs, mass.legs, built.legs, strict=True
     ):

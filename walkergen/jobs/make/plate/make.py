@@ -10,7 +10,8 @@ from walkergen.files.assignments import changed
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report, Table
-from walkergen.printing import checks, packing, plates, sheet
+from walkergen.printing import caps, checks, packing, plates, sheet
+from walkergen.printing.caps import Capped
 from walkergen.printing.checks import Finding
 from walkergen.printing.plates import Place
 from walkergen.printing.printers import Printer
@@ -100,12 +101,16 @@ def make(
         plates.arrange(members, built, copies, printer, order.max_plates, order.max_parts)
         for printer in order.printers
     ]
-    findings = checks.by_printer([(one.printer.name, one.findings) for one in layouts])
+    capped = _capped(layouts[0])
+    findings = checks.by_printer([
+        (one.printer.name, [*one.findings, *caps.findings(capped, one.printer)]) for one in layouts
+    ])  # fmt: skip
     tell(findings)
     checks.refuse(findings, order.strict)
     steps = sum(
         plates.COMMON_FILES + len(layout.plates) * (1 + order.pictures) + 1 for layout in layouts
     )
+    of_caps = list(caps.files(capped, order.printers)) if capped else []
     paths: list[Path] = []
     for layout in layouts:
         # A manifest a printer, so that plates for one do not sweep away those for another.
@@ -117,12 +122,29 @@ def make(
             target.finish(_facts(layout))
             paths.append(target.path / target.manifest)
             progress(target.manifest, len(paths), steps)
+    if of_caps:
+        with Folder(folder / "caps", "caps.json") as target:
+            for name, data in of_caps:
+                target.write(name, data)
+                paths.append(target.path / name)
+            target.finish({"caps": [entry.cap.model_dump(mode="json") for entry in capped]})
+            paths.append(target.path / target.manifest)
     rows = [row for layout in layouts for row in plates.places(layout)]
-    return _report(order, rows, [*paths, *_write_forms(order.members, rows, folder)])
+    paths += _write_forms(order.members, rows, folder)
+    return _report(order, rows, paths, caps.advice(capped) if capped else [])
 
 
-def _report(order: Order, rows: Sequence[Place], files: Sequence[Path]) -> PlateReport:
-    """Report of what lies on which plate, and of how to read the marks."""
+def _capped(layout: plates.Layout) -> list[Capped]:
+    """Caps of all copies in the order of the map. Raises InputError."""
+    placed = [placement for plate in layout.plates for placement in plate.placements]
+    items = [packing.item_name(layout.parts[place.part], place.copy) for place in placed]
+    return caps.numbered([layout.members[place.part] for place in placed], items)
+
+
+def _report(
+    order: Order, rows: Sequence[Place], files: Sequence[Path], of_caps: Sequence[str]
+) -> PlateReport:
+    """Report of what lies on which plate, of how to read the marks, and of caps."""
     columns = [
         report.text("printer", "printer"), report.text("plate", "plate"),
         report.text("copies", "copies"), report.text("walker", "name"),
@@ -139,6 +161,7 @@ def _report(order: Order, rows: Sequence[Place], files: Sequence[Path]) -> Plate
     if order.serial is not None:
         last = order.serial + sum(order.copies) - 1
         lines.append(f"copies bear numbers {order.serial} to {last}, last in each mark")
+    lines += of_caps
     return PlateReport(
         name="plates", title="Plates", lines=lines, places=rows, files=files,
         tables=[Table("plates", list(_loads(rows)), (), columns)],
@@ -167,10 +190,16 @@ def numbered(order: Order) -> tuple[Sequence[Design], Sequence[int]]:
     every = [design for design, count in zip(order.members, order.copies, strict=True)
             for _ in range(count)]  # fmt: skip
     members = [
-        changed(design, {"marks.serial": number}, design.name)
+        changed(design, _number(design, number), design.name)
         for number, design in enumerate(every, start=order.serial)
     ]
     return members, [1] * len(members)
+
+
+def _number(design: Design, number: int) -> dict[str, int]:
+    """Keys that give a copy its number: on its body, and on its cap if it has one."""
+    own = {} if design.cap is None else {"cap.number": number}
+    return {"marks.serial": number, **own}
 
 
 def _facts(layout: plates.Layout) -> dict[str, Any]:

@@ -1,6 +1,9 @@
 """Picture to check a film's tracks by: what was found, where it went, when it was seen."""
 
+from collections.abc import Sequence
+
 import numpy as np
+import numpy.typing as npt
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
@@ -49,7 +52,7 @@ def check_figure(tracked: Tracked) -> Figure:
         "(dotted), last seen (dashed)",
         fontsize=10,
     )
-    _when(lower, tracked, shown)
+    when(lower, [walker.seen.frames for walker in tracked.walkers], first, tracked.looked)
     return figure
 
 
@@ -93,19 +96,24 @@ def _rim(axis: float, length: float, width: float, is_round: bool) -> Array:
     return np.asarray((0.5 * unit * (length, width)) @ np.array([[c, -s], [s, c]]))
 
 
-def _when(axes: Axes, tracked: Tracked, shown: int) -> None:
-    """Draw the frames in which each walker was seen, a row each."""
-    for number, walker in enumerate(tracked.walkers[:shown]):
-        frames = walker.seen.frames
-        cuts = np.flatnonzero(np.diff(frames) > 1) + 1
-        parts = [(int(run[0]), int(run[-1] - run[0] + 1)) for run in np.split(frames, cuts)]
-        axes.broken_barh(parts, (number - 0.35, 0.7), color=COLOURS[number % len(COLOURS)])
+def when(
+    axes: Axes, frames: Sequence[npt.NDArray[np.int64]], first: int, looked: int,
+    numbers: Sequence[int] | None = None,
+) -> None:  # fmt: skip
+    """Draw the frames in which each walker was seen, a row each, of `looked` from `first` on.
+
+    Walkers are numbered from 0 unless they bear `numbers`.
+    """
+    called, shown = numbers or range(len(frames)), min(len(frames), MOST_ROWS)
+    for row, seen in enumerate(frames[:shown]):
+        cuts = np.flatnonzero(np.diff(seen) > 1) + 1
+        parts = [(int(run[0]), int(run[-1] - run[0] + 1)) for run in np.split(seen, cuts)]
+        axes.broken_barh(parts, (row - 0.35, 0.7), color=COLOURS[row % len(COLOURS)])
     axes.set_ylim(shown - 0.4, -0.6)
-    axes.set_yticks(range(shown), [str(number) for number in range(shown)], fontsize=8)
-    first = tracked.options.frames[0]
-    axes.set_xlim(first, first + tracked.looked)
+    axes.set_yticks(range(shown), [str(number) for number in called[:shown]], fontsize=8)
+    axes.set_xlim(first, first + looked)
     axes.set_xlabel("frame")
     axes.set_ylabel("walker")
-    more = f" (first {shown} of {len(tracked.walkers)})" if shown < len(tracked.walkers) else ""
+    more = f" (first {shown} of {len(frames)})" if shown < len(frames) else ""
     axes.set_title(f"frames in which each was seen{more}; gaps are lost", fontsize=9)
     axes.spines[["top", "right"]].set_visible(False)

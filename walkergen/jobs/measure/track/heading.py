@@ -53,7 +53,7 @@ def of(walker: Seen, by: By) -> Headed:
         return _unknown(walker, "no mark was seen")
     if elongation < LONG and by == "mark":
         how = f"the mark, seen in {seen.sum()} of {len(seen)} frames"
-        return Headed(_unwrapped(np.where(seen, mark, np.nan)), how)
+        return Headed(unwrapped(np.where(seen, mark, np.nan)), how)
     if elongation < LONG:
         return _unknown(
             walker, f"{elongation:.2f} times as long as wide: mark the front, --heading mark"
@@ -69,9 +69,7 @@ def of(walker: Seen, by: By) -> Headed:
         why = f"it ran less than {MOVED:g} of its length" if by == "motion" else "marks disagree"
         return _unknown(walker, f"{why}, so that front and back are alike")
     front = "the mark" if by == "mark" else "the way it runs"
-    return Headed(
-        _unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames"
-    )
+    return Headed(unwrapped(theta), f"the long axis and {front}, in {headed} of {len(axis)} frames")
 
 
 def _unknown(walker: Seen, why: str) -> Headed:
@@ -99,7 +97,7 @@ def _ran(axis: Array, walker: Seen, part: slice) -> float:
     return run if abs(run) > MOVED * float(np.median(walker.blobs.length)) else 0.0
 
 
-def _unwrapped(theta: Array) -> Array:
+def unwrapped(theta: Array) -> Array:
     """Angles with whole turns counted, each from the one before that is known."""
     unwrapped, certain = theta.copy(), ~np.isnan(theta)
     unwrapped[certain] = np.unwrap(theta[certain])

@@ -36,6 +36,9 @@ Films that are drawn err by less."""
 STILL = 0.02
 """Way from frame to frame, pixels, below which nothing moves but by the film's compression."""
 
+SMALLEST = 8
+"""Smallest width and height of what is looked at, pixels."""
+
 LEAST, LARGEST = 1e-6, 1e9
 
 
@@ -58,7 +61,12 @@ def check(options: Options) -> None:
     if options.heading not in heading.BY:
         ways = ", ".join(heading.BY)
         raise InputError(f"--heading {options.heading[:30]!r}: must be one of {ways}")
-    first, last = options.frames
+    check_frames(options.frames)
+
+
+def check_frames(frames: tuple[int, int | None]) -> None:
+    """Raise InputError for a last frame that does not come after the first."""
+    first, last = frames
     if first < 0 or (last is not None and last <= first):
         raise InputError(
             f"--frames {first}:{'' if last is None else last}: counts from 0, the first before the "
@@ -75,7 +83,7 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     films.require()
     check(options)
     film = films.about(path)
-    part = _part(film, options.region)
+    part = part_of(film, options.region)
     try:
         frames = _looked_at(film, part, options, progress)
         linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
@@ -101,14 +109,20 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     return tracks
 
 
-def _part(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
+def part_of(film: Film, region: tuple[int, int, int, int] | None) -> tuple[int, int, int, int]:
     """Left, top, right and bottom of what is looked at, pixels. Raises InputError."""
+    if region is None and min(film.width, film.height) < SMALLEST:
+        raise InputError(
+            f"{film.path}: {film.width} x {film.height} pixels a frame: at least {SMALLEST} x "
+            f"{SMALLEST}: film larger"
+        )
     left, top, width, height = region or (0, 0, film.width, film.height)
     inside = left >= 0 and top >= 0 and left + width <= film.width and top + height <= film.height
-    if width < 8 or height < 8 or not inside:
+    if min(width, height) < SMALLEST or not inside:
         raise InputError(
             f"--region {left},{top},{width},{height}: left, top, width, height in pixels must lie "
-            f"within the {film.width} x {film.height} of {film.path}, and be 8 or more wide"
+            f"within the {film.width} x {film.height} of {film.path}, and be {SMALLEST} or more "
+            "wide"
         )
     return left, top, left + width, top + height
 

@@ -11,6 +11,7 @@ import numpy as np
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts
+from walkergen.jobs.measure.track.films import Clock, Film
 from walkergen.jobs.measure.track.result import Tracked
 
 if TYPE_CHECKING:
@@ -127,15 +128,11 @@ def notes(tracked: Tracked) -> list[str]:
     error = " (its error is not known: give it as 0.05+-0.001)"
     if tracked.mm_per_px_se is not None:
         error = f" ± {words.number(100.0 * tracked.mm_per_px_se / tracked.mm_per_px, 2)} %"
-    rate = f"{words.number(tracked.clock.fps, 4)} frames a second"
-    if not tracked.clock.regular:
-        steps = 1e3 * np.diff(tracked.clock.times)
-        intervals = words.span(steps.min(), steps.max(), 3)
-        rate += f" in the mean, {intervals} ms apart by the film's times"
     lines = [
         f"Walkers {side} than the ground by more than {words.number(look.threshold)} of 255 steps, "
         f"{linked.length:.1f} pixels long and {look.width:.0f} wide, area {linked.area:.0f}; "
-        f"{words.number(tracked.mm_per_px, 4)} mm a pixel{error}; {rate}."
+        f"{words.number(tracked.mm_per_px, 4)} mm a pixel{error}; "
+        f"{rate(tracked.clock)}."
     ]
     if not math.isnan(tracked.jitter_mm):
         lines.append(
@@ -148,6 +145,16 @@ def notes(tracked: Tracked) -> list[str]:
     return lines
 
 
+def rate(clock: Clock) -> str:
+    """Rate of frames in words, and how far apart they are where that changes."""
+    told = f"{words.number(clock.fps, 4)} frames a second"
+    if clock.regular:
+        return told
+    steps = 1e3 * np.diff(clock.times)
+    intervals = words.span(steps.min(), steps.max(), 3)
+    return f"{told} in the mean, {intervals} ms apart by the film's times"
+
+
 def warnings(tracked: Tracked) -> list[str]:
     """What went wrong, each with the number of frames."""
     linked, count, seen = (
@@ -155,10 +162,7 @@ def warnings(tracked: Tracked) -> list[str]:
         tracked.looked,
         [walker.seen for walker in tracked.walkers],
     )
-    lines = []
-    end, announced = tracked.clock.played_s, tracked.film.seconds
-    if tracked.options.frames[1] is None and end < READ * announced - LEAST_S:
-        lines.append(f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read")
+    lines = broken_off(tracked.film, tracked.clock, tracked.options.frames)
     if linked.empty:
         lines.append(f"nothing was found in {linked.empty} of {count} frames")
     if linked.merged:
@@ -190,6 +194,14 @@ def warnings(tracked: Tracked) -> list[str]:
             "picture, leave it out with --frames"
         )
     return lines
+
+
+def broken_off(film: Film, clock: Clock, frames: tuple[int, int | None]) -> list[str]:
+    """Warning of a film that ends before it should, when it was read to its end."""
+    end, announced = clock.played_s, film.seconds
+    if frames[1] is not None or end >= READ * announced - LEAST_S:
+        return []
+    return [f"the film breaks off: {end:.3g} s of {announced:.3g} s could be read"]
 
 
 def _camera(tracked: Tracked) -> list[str]:
