@@ -63,7 +63,8 @@ class Doors:
 
     def __init__(self, folder: Path, away: bool = False, own: str | None = None) -> None:
         self.folder = folder / "out" / "app"
-        first = Document(*(PAPER[key] for key in ("walker", "scene", "printer")), servers.START)
+        walker = own or PAPER["walker"]
+        first = Document(walker, PAPER["scene"], PAPER["printer"], servers.START)
         self.server = servers.new(self.folder, frozenset([HOST]), first, own, away, own is not None)
         self.app = servers.application(self.server)
 

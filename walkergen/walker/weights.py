@@ -3,8 +3,8 @@
 Columns: part, and any of grams (the whole walker), body_g (the body alone), leg_g (one leg, of
 unlike legs their mean; braced: with its brace). Two of them give the third. Grams alone scale body
 and legs alike: the masses follow the balance, but not the predicted speed, which depends on their
-ratios only. They are of the printed part, with its cap; what it carries has rows of its own, with grams
-only.
+ratios only. They are of the printed part, with its cap; what it carries has rows of its own, with
+grams only.
 """
 
 import difflib
