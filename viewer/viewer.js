@@ -118,6 +118,7 @@ export function create(canvas, parts) {
   let seenSize = 1; // of the part for which the camera's distance was chosen
   let labels = []; // of lengths: element and place in the part
   let edgesLater = 0;
+  let waiting = 0; // for the next frame
 
   // Fit plate, light and camera to boxes of this size; what stood in the view goes on being seen.
   function fit(whole) {
@@ -140,7 +141,13 @@ export function create(canvas, parts) {
     }
   }
 
+  // Once a frame, however much has changed since the last.
   function draw() {
+    waiting ||= requestAnimationFrame(render);
+  }
+
+  function render() {
+    waiting = 0;
     const distance = camera.position.distanceTo(controls.target);
     [scene.fog.near, scene.fog.far] = [distance, distance + PLATE * size.x * 0.75];
     renderer.render(scene, camera);
