@@ -91,7 +91,7 @@ def groups(document: Document) -> list[Group]:
 
 def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
     """Group of a table, after those of the tables in it."""
-    own, inner = [], []
+    own, inner, absent = [], [], []
     idle = section.idle if isinstance(section, Body) else ()
     for name, field in type(section).model_fields.items():
         value, heading = getattr(section, name), f"{title}: {name}"
@@ -105,13 +105,16 @@ def _tables(section: Section, prefix: str, title: str) -> Iterator[Group]:
             for number, entry in enumerate(value, start=1):
                 inner.append((entry, f"{prefix}{name}[{number}].", f"{heading} {number}", None))
         elif table:
-            yield Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table)))
+            absent.append(
+                Group(heading.replace("_", " "), [], (f"{prefix}{name}", _smallest(table)))
+            )
         else:
             control = _control(f"{prefix}{name}", field, value, _notes(type(section)).get(name, ""))
             own += [control] if control else []
     for entry, place, heading, key in inner:
         for group in _tables(entry, place, heading.replace("_", " ")):
             yield group._replace(optional=key) if key else group
+    yield from absent
     if own:
         yield Group(title, own)
 
