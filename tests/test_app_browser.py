@@ -5,7 +5,7 @@ import shutil
 import zipfile
 
 import pytest
-from app_pages import Page, chromium, needs_browser, walkergen
+from browsed import Page, chromium, needs_browser, walkergen
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys

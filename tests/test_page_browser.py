@@ -12,14 +12,12 @@ from pathlib import Path
 import matplotlib.image
 import numpy as np
 import pytest
+from browsed import BROWSER, DRIVER, WANTED, chromium
 from report_folder import add, folder_of, written
-from selenium import webdriver
 from selenium.webdriver.common.action_chains import ActionChains
 from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
-WANTED = "no chromium and chromedriver: apt-get install chromium chromium-driver"
-BROWSER, DRIVER = shutil.which("chromium"), shutil.which("chromedriver")
 TILTS = (0.0, 10.0, 35.0)
 
 pytestmark = [
@@ -30,20 +28,9 @@ pytestmark = [
 
 
 def browser_at(page, profile, *more):
-    """A headless browser that has loaded a page from its file and logs console and network."""
-    if not (BROWSER and DRIVER):
-        pytest.fail(WANTED)
-    options = webdriver.ChromeOptions()
-    options.binary_location = BROWSER
-    for flag in (
-        "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
-        "--no-first-run", "--disable-background-networking", "--disable-component-update",
-        "--disable-sync", "--window-size=1280,1500", f"--user-data-dir={profile}",
-        *(more or ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")),
-    ):  # fmt: skip
-        options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
-    browser = webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
+    """A headless browser that has loaded a page from its file."""
+    browser = chromium(profile, *more)
+    browser.set_window_size(1280, 1500)
     browser.get(page.as_uri())
     return browser
 

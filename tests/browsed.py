@@ -1,4 +1,4 @@
-"""The page of `walkergen app` in a real browser, by what a person does with it."""
+"""Pages in a real browser, and the page of `walkergen app` by what a person does with it."""
 
 import os
 import re
@@ -20,8 +20,8 @@ PATIENCE_S = 180.0
 """Longest wait; a search takes 35 s on an idle machine, all else some seconds."""
 
 
-def chromium(profile):
-    """A headless browser that logs its console."""
+def chromium(profile, *more):
+    """A headless browser that logs console and network; `more`: its flags for drawing."""
     if not (BROWSER and DRIVER):
         pytest.fail(WANTED)
     options = webdriver.ChromeOptions()
@@ -30,10 +30,10 @@ def chromium(profile):
         "--headless", "--no-sandbox", "--disable-dev-shm-usage", "--disable-quic",
         "--no-first-run", "--disable-background-networking", "--disable-component-update",
         "--disable-sync", "--window-size=1280,1000", f"--user-data-dir={profile}",
-        "--use-angle=swiftshader", "--enable-unsafe-swiftshader",
+        *(more or ("--use-angle=swiftshader", "--enable-unsafe-swiftshader")),
     ):  # fmt: skip
         options.add_argument(flag)
-    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL", "performance": "ALL"})
     return webdriver.Chrome(options, webdriver.ChromeService(DRIVER))
 
 
