@@ -8,6 +8,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.patheffects import withStroke
 
+from walkergen.jobs.measure.track.films import Grey
 from walkergen.jobs.measure.track.heading import LONG, Array
 from walkergen.jobs.measure.track.result import Tracked, Walker
 
@@ -26,26 +27,9 @@ MOST_ROWS = 40
 
 def check_figure(tracked: Tracked) -> Figure:
     """Draw the first frame with what was found in it, all tracks, and when each was seen."""
-    left, top, right, bottom = tracked.part
-    tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
-    shown = min(len(tracked.walkers), MOST_ROWS)
-    low = 0.9 + 0.16 * shown
-    figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
-    axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
-    axes.imshow(
-        tracked.picture,
-        cmap="gray",
-        vmin=0,
-        vmax=255,
-        extent=(left, right, bottom, top),
-        alpha=0.75,
-    )
+    figure, axes, lower = sheet(tracked.part, tracked.picture, len(tracked.walkers))
     for number, walker in enumerate(tracked.walkers):
         _draw(axes, tracked, walker, number)
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, top)
-    axes.set_xlabel("x (pixels)")
-    axes.set_ylabel("y (pixels)")
     first = tracked.options.frames[0]
     axes.set_title(
         f"{tracked.film.path.name}, frame {first}: walkers there (solid), first seen later "
@@ -54,6 +38,24 @@ def check_figure(tracked: Tracked) -> Figure:
     )
     when(lower, [walker.seen.frames for walker in tracked.walkers], first, tracked.looked)
     return figure
+
+
+def sheet(part: tuple[int, int, int, int], picture: Grey, count: int) -> tuple[Figure, Axes, Axes]:
+    """Figure with a part (left, top, right, bottom; pixels) of a film's first frame and, below it,
+    room for when each of so many walkers was seen.
+    """
+    left, top, right, bottom = part
+    tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
+    low = 0.9 + 0.16 * min(count, MOST_ROWS)
+    figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
+    axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
+    extent = (left, right, bottom, top)
+    axes.imshow(picture, cmap="gray", vmin=0, vmax=255, extent=extent, alpha=0.75)
+    axes.set_xlim(left, right)  # what is drawn later changes no limits
+    axes.set_ylim(bottom, top)
+    axes.set_xlabel("x (pixels)")
+    axes.set_ylabel("y (pixels)")
+    return figure, axes, lower
 
 
 def _draw(axes: Axes, tracked: Tracked, walker: Walker, number: int) -> None:

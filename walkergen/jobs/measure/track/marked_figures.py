@@ -4,25 +4,15 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from walkergen.jobs.measure.track.figures import COLOURS, HALO, MOST_ROWS, TALLEST, WIDE, when
+from walkergen.jobs.measure.track.figures import COLOURS, HALO, sheet, when
 from walkergen.jobs.measure.track.marked import Marked, Walker
 
 
 def check_figure(found: Marked) -> Figure:
     """Draw the first frame with all tracks, markers and fronts, and when each marker was read."""
-    left, top, right, bottom = found.part
-    tall = min(WIDE * (bottom - top) / (right - left), TALLEST)
-    low = 0.9 + 0.16 * min(len(found.walkers), MOST_ROWS)
-    figure = Figure(figsize=(WIDE, tall + low + 0.5), layout="constrained")
-    axes, lower = figure.subplots(2, 1, height_ratios=(tall, low))
-    extent = (left, right, bottom, top)
-    axes.imshow(found.picture, cmap="gray", vmin=0, vmax=255, extent=extent, alpha=0.75)
+    figure, axes, lower = sheet(found.part, found.picture, len(found.walkers))
     for at, walker in enumerate(found.walkers):
         _draw(axes, walker, COLOURS[at % len(COLOURS)])
-    axes.set_xlim(left, right)
-    axes.set_ylim(bottom, top)
-    axes.set_xlabel("x (pixels)")
-    axes.set_ylabel("y (pixels)")
     first = found.wish.frames[0]
     axes.set_title(
         f"{found.film.path.name}, frame {first}: markers where first (solid) and last read "
