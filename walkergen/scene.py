@@ -5,11 +5,13 @@ from typing import Annotated, Any, ClassVar, Literal, NamedTuple
 
 from pydantic import Field, model_validator
 
+from walkergen import dish
 from walkergen.drive import AT_REST as AT_REST
 from walkergen.drive import GRAVITY as GRAVITY
 from walkergen.drive import Drive as Drive
 from walkergen.drive import Positive
 from walkergen.drive import at_rest as at_rest
+from walkergen.errors import InputError
 from walkergen.files.assignments import changed
 from walkergen.files.config import Fraction, Name, Section
 
@@ -124,6 +126,37 @@ class Arena(Section):
         return self
 
 
+class Crowd(Section):
+    """Many walkers in a dish: how many, where, and how their bodies meet."""
+
+    count: Annotated[int, Field(ge=1, le=100_000)] | None = None
+    """Walkers. None: as many as `packing` says, or 10."""
+    packing: Annotated[float, Field(gt=0, le=0.9)] | None = None
+    """Area of their outlines over that of the dish."""
+    arena_mm: str = "disc:120"
+    """The dish: disc:DIAMETER, ring:OUTER,INNER, rectangle:LENGTHxWIDTH or periodic:SIDE, mm."""
+    restitution: Annotated[float, Field(ge=LEAST_LABEL, le=1)] = 0.5
+    friction: Annotated[float, Field(ge=0, le=1e6)] = 0.3
+    """Restitution and friction of body on body; those of the walls are the arena's."""
+    stiffness_n_per_m: Annotated[float, Field(ge=1e2, le=1e8)] | None = None
+    """Stiffness of a corner that meets a side face. None: that of a printed corner."""
+
+    @model_validator(mode="after")
+    def _consistent(self) -> "Crowd":
+        if self.count is not None and self.packing is not None:
+            raise ValueError("count and packing each say how many: keep one of them")
+        try:
+            dish.parse(self.arena_mm, "arena_mm")
+        except InputError as error:
+            raise ValueError(str(error)) from None
+        return self
+
+    @property
+    def dish(self) -> dish.Dish:
+        """The ground, parsed."""
+        return dish.parse(self.arena_mm, "crowd.arena_mm")
+
+
 class LegModel(Section):
     """Treatment of the legs by the simulator (docs/physics.md sections 5 and 7)."""
 
@@ -233,6 +266,7 @@ class Scene(Section):
     prediction: Prediction = Prediction()
     plate: Plate = Plate()
     arena: Arena = Arena()
+    crowd: Crowd = Crowd()
     legs: LegModel = LegModel()
     feet: Feet = Feet()
     tether: Tether = Tether()
