@@ -1,0 +1,32 @@
+"""Result of one run of a crowd: where every walker was, and what its contacts took."""
+
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+
+
+class CrowdRun(NamedTuple):
+    """One run of N walkers, F frames at a fixed rate after the discarded start."""
+
+    number: int
+    outcomes: tuple[str, ...]
+    """How it ended for each walker: values of `run.Outcome`."""
+    kinds: tuple[str, ...]
+    """Name of each walker's design, length N."""
+    times: Array
+    """Times since the record began, s, shape (F,)."""
+    poses: Array
+    """Places x, y (mm), heading, height (mm), pitch and roll (rad) as a trajectory of one walker
+    shows them, shape (F, N, 6); in a periodic square x and y are not wrapped."""
+    touches: int
+    """Times that two walkers, or a walker and a wall, began to touch."""
+    deepest: float
+    """Deepest give of a contact, mm."""
+    energy_error: float
+    """Energy that nothing accounts for, over the energy exchanged."""
+    losses: dict[str, float]
+    """Energies that contacts between bodies took: "normal", "friction", g mm^2/s^2."""
+    cpu_s: float
