@@ -9,7 +9,7 @@ import functools
 import hashlib
 import os
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any, TypeVar
 
@@ -122,3 +122,12 @@ def entry(function: F, *arguments: Any) -> F:
         return function
     code: F = function.outer.compile(tuple(numba.typeof(argument) for argument in arguments))
     return code
+
+
+def listed(items: Iterable[Any]) -> Any:
+    """List of tuples of one type, for kernels; a plain one where the compiler is off."""
+    if numba.config.DISABLE_JIT:
+        return list(items)
+    from numba.typed import List
+
+    return List(items)

@@ -96,11 +96,18 @@ def dropped(plan: Plan, number: int) -> tuple[Plan, Array]:
 
     The walker drops from 0.5 to 1.5 amplitudes at a random phase, pitch and, in space, roll.
     """
-    rng = np.random.default_rng([plan.scene.run.seed, number])
+    return drop(plan, np.random.default_rng([plan.scene.run.seed, number]))
+
+
+def drop(
+    plan: Plan, rng: np.random.Generator, common_phase: float | None = None
+) -> tuple[Plan, Array]:
+    """Plan and state as in `dropped`, drawn by `rng`; with others on one plate at their phase."""
     low, high = (0.5, -1.0, 0.0, -1.0), (1.5, 1.0, 2.0 * np.pi, 1.0)
     clearance, pitch, phase, roll = rng.uniform(low, high)
     plan = plan.drawn(rng)
     height = plan.shaken.amplitude * clearance
+    phase = phase if common_phase is None else common_phase
     return plan, plan.start(height, FIRST_TURN * pitch, phase, FIRST_TURN * roll)
 
 

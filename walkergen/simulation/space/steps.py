@@ -337,8 +337,8 @@ def _folded(walker, state):
 
 
 @lean
-def _advance(world, state, work, duration, tally):
-    """Advance as `advance` does, without allocating anything."""
+def advance_in(world, state, work, duration, tally):
+    """Advance as `advance` does, in a work space that is there: without allocating anything."""
     walker, sums, step = world.walker, tally.sums, world.options.step
     begin, t = sums[record.ELAPSED], 0.0
     gentle = strongest_throw(world) < across(world.acting)
@@ -384,4 +384,4 @@ def _advance(world, state, work, duration, tally):
 @kernel
 def advance(world, state, duration, tally):
     """Advance `state` in place by `duration` seconds, fill `tally`, return a status of `world`."""
-    return _advance(world, state, work_for(world.walker, state), duration, tally)
+    return advance_in(world, state, work_for(world.walker, state), duration, tally)

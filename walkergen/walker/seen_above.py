@@ -1,0 +1,66 @@
+"""Walkers seen from above: the outline of the body, x forward and y to the left.
+
+A body's z axis points to the right of the run, so that y = -z. Legs, and a cap that hangs over, are
+not part of it: walkers of one height meet with their bodies.
+"""
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.shapes.outlines import area
+from walkergen.walker import landing, solids
+from walkergen.walker.design import Design
+from walkergen.walker.mass import MassProperties, from_centre
+
+if TYPE_CHECKING:
+    import shapely
+
+Array = npt.NDArray[np.float64]
+
+MOVED = 0.01
+"""Distance between an outline and its simplification at most, mm: below what a printer resolves."""
+
+
+def contours(design: Design) -> tuple[Array, ...]:
+    """Contours of the body, from the middle of its box, shape (n, 2) each, mm: outer ones
+    counter-clockwise, then holes clockwise.
+
+    Of a body in side view its rectangle, of a mesh its projection.
+    """
+    shape, half = design.body.shape, 0.5 * np.array([design.size.length, design.size.depth])
+    if shape.side is not None:
+        return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
+    if shape.mesh is None:
+        return shape.plan
+    turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
+    rings = [np.add(ring, (0.0, half[1])) for ring in turned_up.project().to_polygons()]
+    return tuple(sorted(rings, key=lambda ring: area(ring) < 0.0))
+
+
+def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array]:
+    """Outer contours of the body from O, whose place a trajectory shows, counter-clockwise, mm.
+
+    Shape (n, 2) each, the last point not repeated; no point moves farther than `MOVED`. A mass that
+    is known saves its making. Raises GeometryError for a body that cannot be made.
+    """
+    import shapely
+
+    mass = solids.mass_of(design) if mass is None else mass
+    shift = from_centre(design, mass, np.zeros((1, 2)))[0, 0], 0.0
+    outer = [ring for ring in contours(design) if area(ring) > 0.0]
+    simple = [shapely.polygons(ring).simplify(MOVED, preserve_topology=True) for ring in outer]
+    return [np.add(_ring(polygon), shift) for polygon in simple]
+
+
+def area_of(outline: Sequence[Array]) -> float:
+    """Area within an outline's contours, mm^2, which do not overlap."""
+    return float(sum(area(contour) for contour in outline))
+
+
+def _ring(polygon: "shapely.Polygon") -> Array:
+    """Points of a polygon's exterior, counter-clockwise, the first not repeated."""
+    points = np.asarray(polygon.exterior.coords, dtype=np.float64)[:-1]
+    return points if area(points) > 0.0 else points[::-1]
