@@ -9,7 +9,7 @@ import numpy.typing as npt
 from walkergen.dish import Dish
 from walkergen.simulation.crowd.shape import Shape, common_heights
 from walkergen.simulation.record import Tally
-from walkergen.simulation.space.state import Array, Work
+from walkergen.simulation.space.state import Array, Work, work_for
 from walkergen.simulation.world import State, World
 
 DISC, RING, RECTANGLE, PERIODIC, ENDLESS = range(5)
@@ -17,10 +17,10 @@ DISC, RING, RECTANGLE, PERIODIC, ENDLESS = range(5)
 
 NUMBERS = {"disc": DISC, "ring": RING, "rectangle": RECTANGLE, "periodic": PERIODIC}
 
-X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, SPIN = range(8)
+X, Z, COS, SIN, LEAN_X, LEAN_Z, SPEED, LIFTED = range(8)
 """Columns of `Crowd.planar`: what a body shows from above. Place of C with the legs' give (mm),
 cosine and sine of the heading, displacement by a millimetre of height as it leans, largest speed
-of a point (mm/s), and, unused by gaps, its turning rate (rad/s)."""
+of a point (mm/s); and the vertical velocity of the plate, and walls, at that time (mm/s)."""
 
 TOUCHES, DEEPEST, WORK, STORED, LOST, RUBBED, LATE = range(7)
 """Rows of `Crowd.book`: touches begun; deepest give (mm); of the contacts between bodies and walls
@@ -35,6 +35,32 @@ class Mover(NamedTuple):
     state: State
     work: Work
     tally: Tally
+
+
+class Free(NamedTuple):
+    """What pushes change, and what they need to know: arrays over walkers, the same memory as the
+    movers' own. Those of n coordinates of legs have room for the most that a walker has.
+    """
+
+    state: Array
+    """States, shape (N, s)."""
+    sums: Array
+    """`Tally.sums`, shape (N, 14)."""
+    R: Array
+    """Body axes -> world, shape (N, 3, 3)."""
+    now: Array
+    """Velocities of C and turning rates, body axes, shape (N, 6)."""
+    coordinates: npt.NDArray[np.int64]
+    """Coordinates of the legs, shape (N,)."""
+    inverse_mass: Array
+    """Shape (N,)."""
+    inverse_inertia: Array
+    """Shape (N, 3, 3)."""
+    shift: Array
+    lock: Array
+    """As of `space.state.Walker`, shape (N, 3, n)."""
+    hinge_mobility: Array
+    """Shape (N, n, n)."""
 
 
 class Bodies(NamedTuple):
@@ -88,6 +114,7 @@ class Crowd(NamedTuple):
 
     movers: Any
     """Typed list of `Mover`, length N."""
+    free: Free
     bodies: Bodies
     ground: Ground
     law: Law
@@ -121,3 +148,29 @@ def ground_of(dish: Dish | None) -> Ground:
         return Ground(ENDLESS, 0.0, 0.0, 0.0)
     inner = dish.sizes[1] if len(dish.sizes) > 1 else 0.0
     return Ground(NUMBERS[dish.kind], 0.5 * dish.sizes[0], 0.5 * inner, dish.period)
+
+
+def movers_of(
+    worlds: Sequence[World], states: Sequence[State], tallies: Sequence[Tally]
+) -> tuple[list[Mover], Free]:
+    """Movers of walkers, and the arrays over all of them that they share."""
+    count = len(worlds)
+    most = max(len(world.walker.stiffness) for world in worlds)
+    free = Free(
+        np.zeros((count, max(map(len, states)))), np.zeros((count, 14)),
+        np.zeros((count, 3, 3)), np.zeros((count, 6)), np.zeros(count, np.int64),
+        np.zeros(count), np.zeros((count, 3, 3)), np.zeros((count, 3, most)),
+        np.zeros((count, 3, most)), np.zeros((count, most, most)),
+    )  # fmt: skip
+    movers = []
+    for i, (world, state, tally) in enumerate(zip(worlds, states, tallies, strict=True)):
+        walker, n = world.walker, len(world.walker.stiffness)
+        free.state[i, : len(state)], free.sums[i] = state, tally.sums
+        free.coordinates[i], free.inverse_mass[i] = n, walker.inverse_mass[0]
+        free.inverse_inertia[i] = walker.inverse_inertia
+        free.shift[i, :, :n], free.lock[i, :, :n] = walker.shift, walker.lock
+        free.hinge_mobility[i, :n, :n] = walker.hinge_mobility
+        work = work_for(walker, state)._replace(R=free.R[i], now=free.now[i])
+        own = free.state[i, : len(state)]
+        movers.append(Mover(world, own, work, tally._replace(sums=free.sums[i])))
+    return movers, free

@@ -17,6 +17,7 @@ from walkergen.numerics.kernels import inlined, kernel, lean
 from walkergen.simulation import record
 from walkergen.simulation.crowd.bodies import (
     DEEPEST,
+    LIFTED,
     LOST,
     PERIODIC,
     RECTANGLE,
@@ -28,112 +29,126 @@ from walkergen.simulation.crowd.bodies import (
     Z,
 )
 from walkergen.simulation.crowd.gaps import closest, image, inward, outward
-from walkergen.simulation.space.pose import place, plate_velocity
 from walkergen.simulation.space.state import C_X, C_Y, C_Z, LEGS, QUIET, V_X, W_X
 from walkergen.simulation.world import OK
 
 
 @lean
-def _seen_from(state, work, x, y, z):
-    """Point of the world in body axes from C."""
-    R = work.R
-    d_x, d_y, d_z = x - state[C_X], y - state[C_Y], z - state[C_Z]
+def _seen_from(free, i, x, y, z):
+    """Point of the world in the body axes of walker i, from C."""
+    R, state = free.R, free.state
+    d_x, d_y, d_z = x - state[i, C_X], y - state[i, C_Y], z - state[i, C_Z]
     return (
-        R[0, 0] * d_x + R[1, 0] * d_y + R[2, 0] * d_z,
-        R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z,
-        R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z,
+        R[i, 0, 0] * d_x + R[i, 1, 0] * d_y + R[i, 2, 0] * d_z,
+        R[i, 0, 1] * d_x + R[i, 1, 1] * d_y + R[i, 2, 1] * d_z,
+        R[i, 0, 2] * d_x + R[i, 1, 2] * d_y + R[i, 2, 2] * d_z,
     )
 
 
 @lean
-def _height(state, work, b_x, b_z, y):
-    """Height in the world of a body's point (body axes from C)."""
-    R = work.R
-    return state[C_Y] + R[1, 0] * b_x + R[1, 1] * y + R[1, 2] * b_z
+def _height(free, i, b_x, b_z, y):
+    """Height in the world of a point of body i (body axes from C)."""
+    R = free.R
+    return free.state[i, C_Y] + R[i, 1, 0] * b_x + R[i, 1, 1] * y + R[i, 1, 2] * b_z
 
 
 @lean
-def _velocity(walker, state, work, a_x, a_y, a_z):
-    """Velocity in the world of a point of the body, mm/s."""
-    R, now, n, shift = work.R, work.now, len(walker.stiffness), walker.shift
-    v_x = now[0] + now[4] * a_z - now[5] * a_y
-    v_y = now[1] + now[5] * a_x - now[3] * a_z
-    v_z = now[2] + now[3] * a_y - now[4] * a_x
+def _velocity(free, i, a_x, a_y, a_z):
+    """Velocity in the world of a point of body i, mm/s."""
+    R, now, n, shift = free.R, free.now, free.coordinates[i], free.shift
+    v_x = now[i, 0] + now[i, 4] * a_z - now[i, 5] * a_y
+    v_y = now[i, 1] + now[i, 5] * a_x - now[i, 3] * a_z
+    v_z = now[i, 2] + now[i, 3] * a_y - now[i, 4] * a_x
     for j in range(n):
-        rate = state[LEGS + n + j]
-        v_x, v_y, v_z = v_x - shift[0, j] * rate, v_y - shift[1, j] * rate, v_z - shift[2, j] * rate
+        rate = free.state[i, LEGS + n + j]
+        v_x -= shift[i, 0, j] * rate
+        v_y -= shift[i, 1, j] * rate
+        v_z -= shift[i, 2, j] * rate
     return (
-        R[0, 0] * v_x + R[0, 1] * v_y + R[0, 2] * v_z,
-        R[1, 0] * v_x + R[1, 1] * v_y + R[1, 2] * v_z,
-        R[2, 0] * v_x + R[2, 1] * v_y + R[2, 2] * v_z,
+        R[i, 0, 0] * v_x + R[i, 0, 1] * v_y + R[i, 0, 2] * v_z,
+        R[i, 1, 0] * v_x + R[i, 1, 1] * v_y + R[i, 1, 2] * v_z,
+        R[i, 2, 0] * v_x + R[i, 2, 1] * v_y + R[i, 2, 2] * v_z,
     )
 
 
 @lean
-def _mobility(walker, work, a_x, a_y, a_z, d_x, d_y, d_z):
-    """Inverse mass (1/g) of a point of the body along a direction of the world, legs locked."""
-    R, inverse = work.R, walker.inverse_inertia
-    b_x = R[0, 0] * d_x + R[1, 0] * d_y + R[2, 0] * d_z
-    b_y = R[0, 1] * d_x + R[1, 1] * d_y + R[2, 1] * d_z
-    b_z = R[0, 2] * d_x + R[1, 2] * d_y + R[2, 2] * d_z
-    t = (a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x)
-    total = walker.inverse_mass[0]
-    for i in range(3):
-        for j in range(3):
-            total += t[i] * inverse[i, j] * t[j]
-    return total
+def _turned_by(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
+    """Vector f of the world in body axes, and its moment at a point of body i."""
+    R = free.R
+    b_x = R[i, 0, 0] * f_x + R[i, 1, 0] * f_y + R[i, 2, 0] * f_z
+    b_y = R[i, 0, 1] * f_x + R[i, 1, 1] * f_y + R[i, 2, 1] * f_z
+    b_z = R[i, 0, 2] * f_x + R[i, 1, 2] * f_y + R[i, 2, 2] * f_z
+    return b_x, b_y, b_z, a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
 
 
 @lean
-def _push(world, state, work, tally, a_x, a_y, a_z, f_x, f_y, f_z):
-    """Give an impulse (world, g mm/s) to a point of the body (body axes), and book its work."""
-    walker, R = world.walker, work.R
-    n, shift, lock, inverse = (
-        len(walker.stiffness),
-        walker.shift,
-        walker.lock,
-        (walker.inverse_inertia),
+def _mobility(free, i, a_x, a_y, a_z, d_x, d_y, d_z):
+    """Inverse mass (1/g) of a point of body i along a direction of the world, legs locked."""
+    _, _, _, t_x, t_y, t_z = _turned_by(free, i, a_x, a_y, a_z, d_x, d_y, d_z)
+    I = free.inverse_inertia  # noqa: E741
+    return free.inverse_mass[i] + (
+        t_x * (I[i, 0, 0] * t_x + I[i, 0, 1] * t_y + I[i, 0, 2] * t_z)
+        + t_y * (I[i, 1, 0] * t_x + I[i, 1, 1] * t_y + I[i, 1, 2] * t_z)
+        + t_z * (I[i, 2, 0] * t_x + I[i, 2, 1] * t_y + I[i, 2, 2] * t_z)
     )
-    u_x, u_y, u_z = _velocity(walker, state, work, a_x, a_y, a_z)
-    b_x = R[0, 0] * f_x + R[1, 0] * f_y + R[2, 0] * f_z
-    b_y = R[0, 1] * f_x + R[1, 1] * f_y + R[2, 1] * f_z
-    b_z = R[0, 2] * f_x + R[1, 2] * f_y + R[2, 2] * f_z
-    t_x, t_y, t_z = a_y * b_z - a_z * b_y, a_z * b_x - a_x * b_z, a_x * b_y - a_y * b_x
-    state[V_X] += walker.inverse_mass[0] * f_x
-    state[V_X + 1] += walker.inverse_mass[1] * f_y
-    state[V_X + 2] += walker.inverse_mass[2] * f_z
-    for i in range(3):
-        state[W_X + i] += inverse[i, 0] * t_x + inverse[i, 1] * t_y + inverse[i, 2] * t_z
+
+
+@lean
+def _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z):
+    """Give an impulse (world, g mm/s) to a point of body i (body axes), and book its work.
+
+    Returns the point's velocity then. Legs are left behind as far as their joints let them.
+    """
+    state, now, n, m = free.state, free.now, free.coordinates[i], free.inverse_mass[i]
+    shift, lock, I = free.shift, free.lock, free.inverse_inertia  # noqa: E741
+    u_x, u_y, u_z = _velocity(free, i, a_x, a_y, a_z)
+    b_x, b_y, b_z, t_x, t_y, t_z = _turned_by(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
+    state[i, V_X] += m * f_x
+    state[i, V_X + 1] += m * f_y
+    state[i, V_X + 2] += m * f_z
+    now[i, 0] += m * b_x
+    now[i, 1] += m * b_y
+    now[i, 2] += m * b_z
+    for row in range(3):
+        gained = I[i, row, 0] * t_x + I[i, row, 1] * t_y + I[i, row, 2] * t_z
+        state[i, W_X + row] += gained
+        now[i, 3 + row] += gained
     for j in range(n):
-        left = shift[0, j] * b_x + shift[1, j] * b_y + shift[2, j] * b_z
-        left += lock[0, j] * t_x + lock[1, j] * t_y + lock[2, j] * t_z
-        for i in range(n):
-            state[LEGS + n + i] -= walker.hinge_mobility[i, j] * left
-    state[QUIET] = 0.0
-    place(world, state, work)
-    v_x, v_y, v_z = _velocity(walker, state, work, a_x, a_y, a_z)
-    work_done = 0.5 * (f_x * (u_x + v_x) + f_y * (u_y + v_y) + f_z * (u_z + v_z))
-    tally.sums[record.PLATE_WORK] += work_done
+        left = shift[i, 0, j] * b_x + shift[i, 1, j] * b_y + shift[i, 2, j] * b_z
+        left += lock[i, 0, j] * t_x + lock[i, 1, j] * t_y + lock[i, 2, j] * t_z
+        for k in range(n):
+            slower = free.hinge_mobility[i, k, j] * left
+            state[i, LEGS + n + k] -= slower
+            for row in range(3):
+                now[i, 3 + row] += lock[i, row, k] * slower
+    state[i, QUIET] = 0.0
+    v_x, v_y, v_z = _velocity(free, i, a_x, a_y, a_z)
+    done = 0.5 * (f_x * (u_x + v_x) + f_y * (u_y + v_y) + f_z * (u_z + v_z))
+    free.sums[i, record.PLATE_WORK] += done
     return v_x, v_y, v_z
 
 
 @inlined
-def _touched_share(depth, u, tick):
-    """Share of a tick's impulse by the time in which a corner touches.
+def _spring_impulse(stiffness, depth, speed, tick):
+    """Impulse of a spring (g mm/s) in the tick about now, during which it may touch or part.
 
-    A corner that comes on at u < 0 touches since depth / u; one that goes parts after as much.
+    It has touched for depth / speed, or will for as long: what of the tick, and of the half tick
+    beyond, that leaves it, it pushes as its depth then is.
     """
-    inside = depth / max(abs(u), 1e-300)
-    return 0.5 * (min(inside, tick) + tick) / tick
+    if depth >= speed * tick:
+        return stiffness * depth * tick
+    inside = depth / speed + 0.5 * tick
+    return 0.5 * stiffness * speed * inside * inside
 
 
 @inlined
 def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
     """Impulse (g mm/s) along the normal in a tick, and the one of a spring that keeps nothing."""
-    whole = stiffness * depth * tick * _touched_share(depth, u, tick)
-    if u >= 0.0:
-        return kept * whole, whole
+    whole = _spring_impulse(stiffness, depth, abs(u), tick)
     after = u + mobility * whole
+    if u >= 0.0:
+        whole = _spring_impulse(stiffness, depth, u + kept * mobility * whole, tick)
+        return kept * whole, whole
     if after <= 0.0:
         return whole, whole
     stopped = -u / (after - u)
@@ -147,26 +162,24 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
     The touch is at (x, z) of the plane in i's image, its normal (n_x, n_z) points from j to i; on i
     it is the point (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes.
     """
-    law, book, wall = crowd.law, crowd.book, j < 0
-    mover = crowd.movers[i]
-    free_i, free_j = crowd.status[i] == OK, not wall and crowd.status[j] == OK
-    other = crowd.movers[i if wall else j]
-    y = _height(mover.state, mover.work, b_x, b_z, y_i)
+    law, book, free, wall = crowd.law, crowd.book, crowd.free, j < 0
+    moves_i, moves_j = crowd.status[i] == OK, not wall and crowd.status[j] == OK
+    y = _height(free, i, b_x, b_z, y_i)
     x_j, z_j = x, z
     if not wall:
-        y = 0.5 * (y + _height(other.state, other.work, c_x, c_z, y_j))
+        y = 0.5 * (y + _height(free, j, c_x, c_z, y_j))
         x_j = crowd.planar[j, X] + image(crowd.ground, x - crowd.planar[j, X])
         z_j = crowd.planar[j, Z] + image(crowd.ground, z - crowd.planar[j, Z])
-    a_x, a_y, a_z = _seen_from(mover.state, mover.work, x, y, z)
-    d_x, d_y, d_z = _seen_from(other.state, other.work, x_j, y, z_j)
+    a_x, a_y, a_z = _seen_from(free, i, x, y, z)
+    d_x, d_y, d_z = _seen_from(free, max(j, 0), x_j, y, z_j)
     u_x, u_y, u_z = 0.0, 0.0, 0.0
-    if free_i:
-        u_x, u_y, u_z = _velocity(mover.world.walker, mover.state, mover.work, a_x, a_y, a_z)
+    if moves_i:
+        u_x, u_y, u_z = _velocity(free, i, a_x, a_y, a_z)
     v_x, v_y, v_z = 0.0, 0.0, 0.0
     if wall:
-        v_y = plate_velocity(mover.world, mover.state)
-    elif free_j:
-        v_x, v_y, v_z = _velocity(other.world.walker, other.state, other.work, d_x, d_y, d_z)
+        v_y = crowd.planar[i, LIFTED]
+    elif moves_j:
+        v_x, v_y, v_z = _velocity(free, j, d_x, d_y, d_z)
     u_x, u_y, u_z = u_x - v_x, u_y - v_y, u_z - v_z
     u_n = u_x * n_x + u_z * n_z
     t_x, t_y, t_z = u_x - u_n * n_x, u_y, u_z - u_n * n_z
@@ -174,14 +187,12 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
     if slip > 0.0:
         t_x, t_y, t_z = t_x / slip, t_y / slip, t_z / slip
     along, across = 0.0, 0.0
-    if free_i:
-        walker, work = mover.world.walker, mover.work
-        along += _mobility(walker, work, a_x, a_y, a_z, n_x, 0.0, n_z)
-        across += _mobility(walker, work, a_x, a_y, a_z, t_x, t_y, t_z)
-    if free_j:
-        walker, work = other.world.walker, other.work
-        along += _mobility(walker, work, d_x, d_y, d_z, n_x, 0.0, n_z)
-        across += _mobility(walker, work, d_x, d_y, d_z, t_x, t_y, t_z)
+    if moves_i:
+        along += _mobility(free, i, a_x, a_y, a_z, n_x, 0.0, n_z)
+        across += _mobility(free, i, a_x, a_y, a_z, t_x, t_y, t_z)
+    if moves_j:
+        along += _mobility(free, j, d_x, d_y, d_z, n_x, 0.0, n_z)
+        across += _mobility(free, j, d_x, d_y, d_z, t_x, t_y, t_z)
     if along == 0.0:
         return
     row = 1 if wall else 0
@@ -189,14 +200,10 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
     rub = min(law.friction[row] * push, slip / across)
     f_x, f_y, f_z = push * n_x - rub * t_x, -rub * t_y, push * n_z - rub * t_z
     w_x, w_y, w_z = 0.0, 0.0, 0.0
-    if free_i:
-        w_x, w_y, w_z = _push(
-            mover.world, mover.state, mover.work, mover.tally, a_x, a_y, a_z, f_x, f_y, f_z
-        )
-    if free_j:
-        v_x, v_y, v_z = _push(
-            other.world, other.state, other.work, other.tally, d_x, d_y, d_z, -f_x, -f_y, -f_z
-        )
+    if moves_i:
+        w_x, w_y, w_z = _push(free, i, a_x, a_y, a_z, f_x, f_y, f_z)
+    if moves_j:
+        v_x, v_y, v_z = _push(free, j, d_x, d_y, d_z, -f_x, -f_y, -f_z)
     w_x, w_y, w_z = w_x - v_x, w_y - v_y, w_z - v_z
     w_n = w_x * n_x + w_z * n_z
     rubbed = t_x * (u_x + w_x) + t_y * (u_y + w_y) + t_z * (u_z + w_z)
@@ -205,12 +212,39 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
     book[RUBBED] += 0.5 * rub * rubbed
 
 
+FLUSH = 0.05
+"""Distance of two corners along their faces, mm, within which these faces end together."""
+
+
+@inlined
+def _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
+    """True where the touch of a corner of body i with the point (c_x, c_z) of body j is that of
+    another corner too, which counts it.
+
+    Corner on corner is found from either side: the `first` counts it, if each is the other's
+    closest point; else a face is closer to one of them. Faces that end together, turned a little
+    against each other, have a corner on either face: the `first` side's counts.
+    """
+    if is_corner and not first:
+        return True
+    bodies, planar = crowd.bodies, crowd.planar
+    own, other = bodies.kind[i], bodies.kind[j]
+    e_x, e_z = bodies.corners[end, 0], bodies.corners[end, 1]
+    if not is_corner and (first or math.hypot(c_x - e_x, c_z - e_z) > FLUSH):
+        return False
+    x, z = outward(planar, j, bodies.heights[other, own, layer], e_x, e_z)
+    x = planar[i, X] + image(crowd.ground, x - planar[i, X])
+    z = planar[i, Z] + image(crowd.ground, z - planar[i, Z])
+    q_x, q_z = inward(planar, i, bodies.heights[own, other, layer], x, z)
+    _, _, _, at_corner, _ = closest(bodies, own, q_x, q_z)
+    return not at_corner
+
+
 @inlined
 def _corners_of(crowd, i, j, layer, first, pushes):
     """Meet the corners of body i with body j at one end of their edges; returns how many touch.
 
-    With `pushes` they push; else their energy is stored in the book. Corner on corner is found from
-    either side: only the `first` side counts it.
+    With `pushes` they push; else their energy is stored in the book.
     """
     bodies, planar, law, count = crowd.bodies, crowd.planar, crowd.law, 0
     own, other = bodies.kind[i], bodies.kind[j]
@@ -224,9 +258,11 @@ def _corners_of(crowd, i, j, layer, first, pushes):
         q_x, q_z = inward(planar, j, y_j, x + s_x, z + s_z)
         if math.sqrt(q_x * q_x + q_z * q_z) - bodies.reach[other] > r:
             continue
-        distance, c_x, c_z, is_corner = closest(bodies, other, q_x, q_z)
+        distance, c_x, c_z, is_corner, end = closest(bodies, other, q_x, q_z)
         depth = r + r_j - distance
-        if depth <= 0.0 or (is_corner and not first) or distance == 0.0:
+        if depth <= 0.0 or distance == 0.0:
+            continue
+        if _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
             continue
         count += 1
         crowd.book[DEEPEST] = max(crowd.book[DEEPEST], depth)
@@ -297,7 +333,7 @@ def meet_wall(crowd, i, pushes):
                 )  # fmt: skip
         if ground.kind == RING:
             q_x, q_z = inward(crowd.planar, i, y, 0.0, 0.0)
-            distance, b_x, b_z, _ = closest(bodies, kind, q_x, q_z)
+            distance, b_x, b_z, _, _ = closest(bodies, kind, q_x, q_z)
             x, z = outward(crowd.planar, i, y, b_x, b_z)
             size = max(math.sqrt(x * x + z * z), 1e-300)
             count += _at_wall(

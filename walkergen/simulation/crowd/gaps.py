@@ -30,10 +30,10 @@ def image(ground, d):
 
 @inlined
 def closest(bodies, kind, x, z):
-    """Point of a kind's core closest to (x, z), all in its own frame: distance and point, and
-    whether it is a corner.
+    """Point of a kind's core closest to (x, z), all in its own frame: distance, point, whether it
+    is a corner, and the number of that corner, or of the closer end of the edge.
     """
-    least, c_x, c_z, is_corner = FAR, 0.0, 0.0, False
+    least, c_x, c_z, is_corner, end = FAR * FAR, 0.0, 0.0, False, 0
     for e in range(bodies.first_edge[kind], bodies.first_edge[kind + 1]):
         a, b = bodies.edges[e, 0], bodies.edges[e, 1]
         a_x, a_z = bodies.corners[a, 0], bodies.corners[a, 1]
@@ -46,7 +46,8 @@ def closest(bodies, kind, x, z):
         distance = (x - p_x) ** 2 + (z - p_z) ** 2
         if distance < least:
             least, c_x, c_z, is_corner = distance, p_x, p_z, t == 0.0 or t == 1.0
-    return math.sqrt(least), c_x, c_z, is_corner
+            end = a if t < 0.5 else b
+    return math.sqrt(least), c_x, c_z, is_corner, end
 
 
 @inlined
@@ -101,7 +102,7 @@ def one_sided(bodies, ground, planar, i, j, layer, cutoff):
         b_x, b_z = inward(planar, j, height_j, x, z)
         distance = math.sqrt(b_x * b_x + b_z * b_z) - reach
         if distance - both < cutoff:
-            distance, _, _, _ = closest(bodies, other, b_x, b_z)
+            distance, _, _, _, _ = closest(bodies, other, b_x, b_z)
         least = min(least, distance - both)
     return least
 
@@ -135,6 +136,6 @@ def wall_gap(bodies, ground, planar, i):
             least = min(least, gap - bodies.radius[kind])
         if ground.kind == RING:
             b_x, b_z = inward(planar, i, height, 0.0, 0.0)
-            distance, _, _, _ = closest(bodies, kind, b_x, b_z)
+            distance, _, _, _, _ = closest(bodies, kind, b_x, b_z)
             least = min(least, distance - bodies.radius[kind] - ground.inner)
     return least

@@ -124,16 +124,16 @@ def simulate(
     """
     started, run = time.thread_time(), plan.scene.run
     walkers = let_go(plan, number)
-    crowd = gathered(plan, walkers, [record.new() for _ in walkers])
+    crowd = gathered(plan, walkers)
     advance(crowd, run.discard_seconds, 1 if len(walkers) == 1 else 0, stopped)
     tallies = [record.new(len(COLUMNS), run.seconds, 1.0 / rate_hz) for _ in walkers]
-    crowd = gathered(plan, walkers, tallies, before=crowd)
-    energies, held = _energies(plan, walkers), float(steps.stored(crowd))
+    crowd = recorded(plan, crowd, tallies)
+    energies, held = _energies(plan, crowd), float(steps.stored(crowd))
     done = advance(crowd, run.seconds, 0, stopped, progress)
-    gained = _energies(plan, walkers) - energies
+    gained = _energies(plan, crowd) - energies
     balanced = [
-        record.energy_error(tally.sums, change, before)
-        for tally, change, before in zip(tallies, gained, energies, strict=True)
+        record.energy_error(sums, change, before)
+        for sums, change, before in zip(crowd.free.sums, gained, energies, strict=True)
     ]
     frames = min(int(tally.samples.cursor[0]) for tally in tallies)
     rows = np.array([tally.samples.rows[:frames] for tally in tallies])
@@ -178,28 +178,34 @@ def _put(world: World, state: State, x: float, y: float, heading: float) -> None
     place(world, state, work_for(world.walker, state))
 
 
-def gathered(
-    plan: CrowdPlan,
-    walkers: Sequence[tuple[World, State]],
-    tallies: Sequence[record.Tally],
-    before: bodies.Crowd | None = None,
+def gathered(plan: CrowdPlan, walkers: Sequence[tuple[World, State]]) -> bodies.Crowd:
+    """Crowd of walkers in these states, which nothing records."""
+    worlds, states = zip(*walkers, strict=True)
+    return _crowd(plan, worlds, states, [record.new() for _ in walkers])
+
+
+def recorded(
+    plan: CrowdPlan, before: bodies.Crowd, tallies: Sequence[record.Tally]
 ) -> bodies.Crowd:
-    """Crowd of walkers with a new record, after what was `before`."""
-    count = len(walkers)
-    movers = kernels.listed(
-        bodies.Mover(world, state, work_for(world.walker, state), tally)
-        for (world, state), tally in zip(walkers, tallies, strict=True)
-    )
-    crowd = bodies.Crowd(
-        movers, bodies.bodies_of(plan.kinds, plan.shapes), plan.ground, plan.law,
-        np.zeros((count, 8)), np.full(count, OK), np.zeros((count, count), np.uint8), np.zeros(7),
-        np.zeros(1),
-    )  # fmt: skip
-    if before is not None:
-        crowd.status[:] = before.status
-        crowd.touching[:] = before.touching
-        crowd.planar[:] = before.planar
+    """The same crowd with these records, which begin now."""
+    worlds = [mover.world for mover in before.movers]
+    crowd = _crowd(plan, worlds, [mover.state for mover in before.movers], tallies)
+    crowd.status[:] = before.status
+    crowd.touching[:] = before.touching
     return crowd
+
+
+def _crowd(
+    plan: CrowdPlan, worlds: Sequence[World], states: Sequence[State],
+    tallies: Sequence[record.Tally],
+) -> bodies.Crowd:  # fmt: skip
+    count = len(worlds)
+    movers, free = bodies.movers_of(worlds, states, tallies)
+    return bodies.Crowd(
+        kernels.listed(movers), free, bodies.bodies_of(plan.kinds, plan.shapes), plan.ground,
+        plan.law, np.zeros((count, 8)), np.full(count, OK), np.zeros((count, count), np.uint8),
+        np.zeros(7), np.zeros(1),
+    )  # fmt: skip
 
 
 def advance(
@@ -233,12 +239,12 @@ def advance(
     return done
 
 
-def _energies(plan: CrowdPlan, walkers: Sequence[tuple[World, State]]) -> Array:
+def _energies(plan: CrowdPlan, crowd: bodies.Crowd) -> Array:
     """Energy of each walker without that of its contacts with others, g mm^2/s^2."""
     return np.array(
         [
-            plan.plans[kind].model.energy(world, state)
-            for kind, (world, state) in zip(plan.kinds, walkers, strict=True)
+            plan.plans[kind].model.energy(mover.world, mover.state)
+            for kind, mover in zip(plan.kinds, crowd.movers, strict=True)
         ]
     )
 

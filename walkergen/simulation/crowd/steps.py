@@ -17,6 +17,7 @@ from walkergen.simulation.crowd.bodies import (
     LATE,
     LEAN_X,
     LEAN_Z,
+    LIFTED,
     PERIODIC,
     SIN,
     SPEED,
@@ -27,7 +28,7 @@ from walkergen.simulation.crowd.bodies import (
 )
 from walkergen.simulation.crowd.contacts import meet, meet_wall
 from walkergen.simulation.crowd.gaps import FAR, apart, gap_of, wall_gap
-from walkergen.simulation.space.pose import place
+from walkergen.simulation.space.pose import place, plate_velocity
 from walkergen.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X
 from walkergen.simulation.space.steps import advance_in
 from walkergen.simulation.world import OK
@@ -44,7 +45,9 @@ NEAR = 64.0
 def _move(crowd, i, t):
     """Move walker i by t seconds, as it moves alone, and note what it shows from above."""
     mover = crowd.movers[i]
-    if crowd.status[i] == OK and t > 0.0:
+    if t == 0.0:
+        place(mover.world, mover.state, mover.work)
+    elif crowd.status[i] == OK:
         crowd.status[i] = advance_in(mover.world, mover.state, mover.work, t, mover.tally)
     _show(crowd, i, mover)
 
@@ -63,6 +66,7 @@ def _show(crowd, i, mover):
     planar[i, Z] = state[C_Z] + R[2, 0] * o_x + R[2, 1] * o_y + R[2, 2] * o_z
     planar[i, COS], planar[i, SIN] = math.cos(state[HEADING]), -math.sin(state[HEADING])
     planar[i, LEAN_X], planar[i, LEAN_Z] = R[0, 1], R[2, 1]
+    planar[i, LIFTED] = plate_velocity(mover.world, state)
     if crowd.status[i] != OK:
         planar[i, SPEED] = 0.0
         return
@@ -192,9 +196,7 @@ def advance(crowd, pairs, duration):
     safe, safe_wall, until = np.empty(len(pairs)), np.empty(n), np.empty(n, np.int64)
     full = law.tick * 2.0**LEVELS
     for i in range(n):
-        mover = crowd.movers[i]
-        place(mover.world, mover.state, mover.work)
-        _show(crowd, i, mover)
+        _move(crowd, i, 0.0)
     while passed < duration:
         left, levels, tick = duration - passed, LEVELS, law.tick
         if left < full:
