@@ -17,7 +17,7 @@ from walkergen.simulation.space.state import V_X, V_Z, W_X
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
-TICKS = 0.01
+TICKS = 0.02
 """Relative error of a collision's energy by the length of its ticks."""
 
 

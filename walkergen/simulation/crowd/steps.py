@@ -7,6 +7,7 @@ same time. What a walker does depends on no order of work but that of the pairs 
 """
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
@@ -29,16 +30,40 @@ from walkergen.simulation.crowd.bodies import (
 from walkergen.simulation.crowd.contacts import meet, meet_wall
 from walkergen.simulation.crowd.gaps import FAR, apart, gap_of, wall_gap
 from walkergen.simulation.space.pose import place, plate_velocity
-from walkergen.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X
+from walkergen.simulation.space.state import C_X, C_Z, HEADING, LEGS, V_X, Array
 from walkergen.simulation.space.steps import advance_in
 from walkergen.simulation.world import OK
 
 LEVELS = 8
-"""A round is 2^LEVELS ticks, about two milliseconds."""
+"""A round is 2^LEVELS ticks, about ten milliseconds."""
+
+
+class Plans(NamedTuple):
+    """When what has to be looked at again, in ticks of a round, for p pairs and N walkers."""
+
+    safe: Array
+    """Until then a pair cannot touch, shape (p,)."""
+    seen: Array
+    """Gap (mm) of a pair when it was last looked at, and that time, shape (p, 2)."""
+    safe_wall: Array
+    seen_wall: Array
+    """The same of walkers and walls, shapes (N,), (N, 2)."""
+    until: Array
+    """Time to which a walker has moved, shape (N,)."""
+    allowed: Array
+    """Largest n of the 2^n ticks that it may move now, shape (N,)."""
 
 
 NEAR = 64.0
 """Ticks at their speed within which the gap of two bodies is worth more than a lower bound."""
+
+
+RECENT = 8.0
+"""Ticks after which the rate at which a gap closed says nothing of how it closes now."""
+
+
+IN_A_TICK = 0.25
+"""Part of a landing's change of velocity in the few ticks after a gap was seen."""
 
 
 @kernel
@@ -101,16 +126,35 @@ def _note(crowd, row, column, count, gap, reachable):
 
 
 @inlined
-def _pair(crowd, i, j, tick):
-    """Meet walkers i and j: ticks that pass before they can touch, 1 where they do."""
+def _reachable(crowd, fastest, margin, gap, past, ticks):
+    """Distance (mm) by which a gap may close in a tick.
+
+    At most what the `fastest` points of both sides can (mm/s). A gap seen a few `ticks` ago, when
+    it was `past`, closes as it has, or faster by half and by a part of what a whole landing adds,
+    the `margin` (mm/s).
+    """
+    tick = crowd.tick[0]
+    if 0.0 < ticks <= RECENT:
+        rate = (past - gap) / (ticks * tick)
+        return tick * min(fastest, max(1.5 * rate, 0.0) + IN_A_TICK * margin)
+    return tick * fastest
+
+
+@inlined
+def _pair(crowd, i, j, seen, now):
+    """Meet walkers i and j: ticks that pass before they can touch, 1 where they do.
+
+    `seen`: their gap when it was last looked at, and that time in ticks, shape (2,).
+    """
     if crowd.status[i] != OK and crowd.status[j] != OK:
         return FAR
-    closing = crowd.planar[i, SPEED] + crowd.planar[j, SPEED]
-    reachable = closing * tick
-    gap = gap_of(crowd.bodies, crowd.ground, crowd.planar, i, j, NEAR * reachable)
+    fastest = crowd.planar[i, SPEED] + crowd.planar[j, SPEED]
+    cutoff = NEAR * fastest * crowd.tick[0]
+    gap = gap_of(crowd.bodies, crowd.ground, crowd.planar, i, j, cutoff)
+    reachable = _reachable(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
+    seen[0], seen[1] = gap, now
     if gap >= reachable:
-        if crowd.touching[i, j] == 1:
-            crowd.touching[i, j] = 0
+        crowd.touching[i, j] = 0
         return gap / reachable
     count = meet(crowd, i, j, True) if gap < 0.0 else 0
     _note(crowd, i, j, count, gap, reachable)
@@ -118,12 +162,14 @@ def _pair(crowd, i, j, tick):
 
 
 @inlined
-def _wall(crowd, i, tick):
+def _wall(crowd, i, seen, now):
     """Meet walker i with the walls: ticks that pass before it can touch one, 1 where it does."""
-    reachable = crowd.planar[i, SPEED] * tick
-    gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
     if crowd.status[i] != OK:
         return FAR
+    gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
+    fastest = crowd.planar[i, SPEED]
+    reachable = _reachable(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
+    seen[0], seen[1] = gap, now
     if gap >= reachable:
         crowd.touching[i, i] = 0
         return gap / reachable
@@ -148,14 +194,13 @@ def _neighbours(crowd, span, pairs):
 
 
 @kernel
-def _round(crowd, pairs, count, safe, safe_wall, until, levels, tick):
+def _round(crowd, pairs, count, plans, levels):
     """Move the crowd by 2^levels ticks, in which the first `count` of `pairs` may touch."""
-    n, ticks = len(crowd.status), 1 << levels
-    allowed = np.empty(n, np.int64)
-    for p in range(count):
-        safe[p] = 0.0
-    for i in range(n):
-        until[i], safe_wall[i] = 0, 0.0
+    n, ticks, tick = len(crowd.status), 1 << levels, crowd.tick[0]
+    safe, seen, safe_wall, seen_wall = plans.safe, plans.seen, plans.safe_wall, plans.seen_wall
+    until, allowed = plans.until, plans.allowed
+    safe[:count], safe_wall[:], until[:] = 0.0, 0.0, 0
+    seen[:count, 1] = seen_wall[:, 1] = -FAR
     for now in range(ticks):
         most = levels
         if now > 0:
@@ -165,17 +210,15 @@ def _round(crowd, pairs, count, safe, safe_wall, until, levels, tick):
         for i in range(n):
             if until[i] != now:
                 continue
-            allowed[i] = most
-            if safe_wall[i] < now + 2.0**most:
-                if safe_wall[i] <= now + 1.0:
-                    safe_wall[i] = now + _wall(crowd, i, tick)
-                allowed[i] = _level_of(safe_wall[i] - now, most)
+            if safe_wall[i] <= now + 1.0:
+                safe_wall[i] = now + _wall(crowd, i, seen_wall[i], now)
+            allowed[i] = _level_of(safe_wall[i] - now, most)
         for p in range(count):
             i, j = pairs[p, 0], pairs[p, 1]
             if until[i] != now or until[j] != now:
                 continue
             if safe[p] <= now + 1.0:
-                safe[p] = now + _pair(crowd, i, j, tick)
+                safe[p] = now + _pair(crowd, i, j, seen[p], now)
             free = _level_of(safe[p] - now, most)
             allowed[i], allowed[j] = min(allowed[i], free), min(allowed[j], free)
         for i in range(n):
@@ -193,7 +236,10 @@ def advance(crowd, pairs, duration):
     if n == 1 and crowd.ground.kind >= PERIODIC:
         _move(crowd, 0, duration)
         return duration
-    safe, safe_wall, until = np.empty(len(pairs)), np.empty(n), np.empty(n, np.int64)
+    plans = Plans(
+        np.empty(len(pairs)), np.empty((len(pairs), 2)), np.empty(n), np.empty((n, 2)),
+        np.empty(n, np.int64), np.empty(n, np.int64),
+    )  # fmt: skip
     full = law.tick * 2.0**LEVELS
     for i in range(n):
         _move(crowd, i, 0.0)
@@ -207,7 +253,7 @@ def advance(crowd, pairs, duration):
         count = _neighbours(crowd, tick * 2.0**levels, pairs)
         if count < 0:
             return passed
-        _round(crowd, pairs, count, safe, safe_wall, until, levels, tick)
+        _round(crowd, pairs, count, plans, levels)
         passed = passed + full if left > full else duration
     return passed
 

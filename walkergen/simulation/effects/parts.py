@@ -44,5 +44,12 @@ def _number(case: Case) -> str:
 
 
 def neighbours(case: Case) -> Effect:
-    """Verdict on other walkers: not built yet."""
-    return Effect("neighbours", False, 0.0, "other walkers", "one walker alone", "")
+    """Verdict on other walkers: bodies of a crowd meet, legs never, which its number judges."""
+    size, beyond = case.design.size, 0.0
+    for limb in case.design.limbs:
+        ahead = abs(limb.anchor[0] - limb.length * math.sin(limb.tilt)) - 0.5 * size.length
+        aside = abs(limb.across) + 0.5 * limb.width - 0.5 * size.depth
+        beyond = max(beyond, ahead, aside)
+    meaning = "how far feet stick out of the body's box, over its length: legs would touch above 0"
+    reason = "one walker alone; `walkergen crowd` lets bodies meet, not legs"
+    return Effect("neighbours", False, beyond / size.length, meaning, reason, "")
