@@ -62,8 +62,9 @@ RECENT = 8.0
 """Ticks after which the rate at which a gap closed says nothing of how it closes now."""
 
 
-IN_A_TICK = 0.25
-"""Part of a landing's change of velocity in the few ticks after a gap was seen."""
+FORESEEN, IN_A_TICK = 2.0, 0.25
+"""Ticks for which a gap's rate says how it goes on, and the part of a landing's change of velocity
+that falls into them."""
 
 
 @kernel
@@ -115,29 +116,31 @@ def _level_of(ticks, most):
 
 
 @inlined
-def _note(crowd, row, column, count, gap, reachable):
+def _note(crowd, row, column, count, late):
     """Book whether a pair touches, and whether it was found deeper than a tick explains."""
     touches = 1 if count > 0 else 0
     if touches == 1 and crowd.touching[row, column] == 0:
         crowd.book[TOUCHES] += 1.0
-        if -gap > reachable:
+        if late:
             crowd.book[LATE] += 1.0
     crowd.touching[row, column] = touches
 
 
 @inlined
-def _reachable(crowd, fastest, margin, gap, past, ticks):
-    """Distance (mm) by which a gap may close in a tick.
+def _ticks_apart(crowd, fastest, margin, gap, past, ticks):
+    """Ticks for which a gap (mm) stays open, below 1 where it may close in the next.
 
-    At most what the `fastest` points of both sides can (mm/s). A gap seen a few `ticks` ago, when
-    it was `past`, closes as it has, or faster by half and by a part of what a whole landing adds,
-    the `margin` (mm/s).
+    It closes at most as the `fastest` points of both sides can (mm/s). One that was `past` a few
+    `ticks` ago closes as it has, or faster by half and by a part of what a landing adds, the
+    `margin` (mm/s): for FORESEEN ticks.
     """
     tick = crowd.tick[0]
-    if 0.0 < ticks <= RECENT:
-        rate = (past - gap) / (ticks * tick)
-        return tick * min(fastest, max(1.5 * rate, 0.0) + IN_A_TICK * margin)
-    return tick * fastest
+    sure = gap / (tick * fastest)
+    if sure >= FORESEEN or ticks > RECENT:
+        return sure
+    rate = (past - gap) / (ticks * tick)
+    likely = gap / (tick * (max(1.5 * rate, 0.0) + IN_A_TICK * margin))
+    return max(sure, min(likely, FORESEEN))
 
 
 @inlined
@@ -151,14 +154,11 @@ def _pair(crowd, i, j, seen, now):
     fastest = crowd.planar[i, SPEED] + crowd.planar[j, SPEED]
     cutoff = NEAR * fastest * crowd.tick[0]
     gap = gap_of(crowd.bodies, crowd.ground, crowd.planar, i, j, cutoff)
-    reachable = _reachable(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
+    ticks = _ticks_apart(crowd, fastest, 2.0 * crowd.law.margin, gap, seen[0], now - seen[1])
     seen[0], seen[1] = gap, now
-    if gap >= reachable:
-        crowd.touching[i, j] = 0
-        return gap / reachable
     count = meet(crowd, i, j, True) if gap < 0.0 else 0
-    _note(crowd, i, j, count, gap, reachable)
-    return 1.0
+    _note(crowd, i, j, count, -gap > fastest * crowd.tick[0])
+    return max(ticks, 1.0)
 
 
 @inlined
@@ -168,14 +168,11 @@ def _wall(crowd, i, seen, now):
         return FAR
     gap = wall_gap(crowd.bodies, crowd.ground, crowd.planar, i)
     fastest = crowd.planar[i, SPEED]
-    reachable = _reachable(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
+    ticks = _ticks_apart(crowd, fastest, crowd.law.margin, gap, seen[0], now - seen[1])
     seen[0], seen[1] = gap, now
-    if gap >= reachable:
-        crowd.touching[i, i] = 0
-        return gap / reachable
     count = meet_wall(crowd, i, True) if gap < 0.0 else 0
-    _note(crowd, i, i, count, gap, reachable)
-    return 1.0
+    _note(crowd, i, i, count, -gap > fastest * crowd.tick[0])
+    return max(ticks, 1.0)
 
 
 @kernel
