@@ -191,7 +191,7 @@ def recorded(
     """The same crowd with these records, which begin now."""
     worlds = [mover.world for mover in before.movers]
     crowd = _crowd(plan, worlds, [mover.state for mover in before.movers], tallies)
-    crowd.status[:] = before.status
+    crowd.planar[:], crowd.status[:] = before.planar, before.status
     crowd.touching[:] = before.touching
     return crowd
 
