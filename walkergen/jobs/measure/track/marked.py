@@ -77,8 +77,8 @@ class LeftOut(NamedTuple):
     """Frames in which a number was read at two places, by the number that is left out for it."""
     rare: Mapping[int, int]
     """Frames of numbers that were read too rarely."""
-    bent: int
-    """Sightings that are no squares in the plane of the others."""
+    bent: Mapping[int, int]
+    """Sightings that are no squares in the plane of the others, by number."""
     mirrored: Sequence[int]
     """Numbers of markers that are printed mirrored."""
 
@@ -158,12 +158,13 @@ def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Pr
     side = wish.marker_mm
     flat = plane.fit(np.concatenate([corners for _, corners in tracks.values()]), side,
                      film.width, film.height)  # fmt: skip
-    walkers, bent = [], 0
+    walkers, bent = list[Walker](), dict[int, int]()
     poses = {number: plane.pose(flat, corners, side) for number, (_, corners) in tracks.items()}
     sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
     for number, (frames, corners) in tracks.items():
         pose, (good, sound) = poses[number], np.split(sound, [len(frames)])
-        bent += int((~good).sum())
+        if not good.all():
+            bent[number] = int((~good).sum())
         if good.any():
             walkers.append(Walker(
                 number, frames[good], corners[good], pose.places[good],
