@@ -1,11 +1,13 @@
 """What goes wrong in a film with markers, each with its size: what is missing, twice or bent."""
 
+import math
 from collections.abc import Iterator, Mapping
 from typing import NamedTuple
 
 import numpy as np
 
 from walkergen.jobs.measure.track.marked import Marked, Walker
+from walkergen.jobs.measure.track.plane import ALIKE
 from walkergen.jobs.measure.track.report import LOST, broken_off
 
 CROOKED = 0.7
@@ -20,6 +22,9 @@ ASKEW = 45.0
 INSIDE = 3.0
 """Sides of a marker between its middle and the edge of what is looked at, beyond which it has not
 come in, or gone, over that edge."""
+
+BENT, SURE = 0.005, 3.0
+"""Change of the size of markers by a lens that is worth a warning, and how many of its errors."""
 
 NAMED = 10
 """Most numbers that are named."""
@@ -64,6 +69,14 @@ def of(found: Marked) -> list[str]:
     lines += _gaps(found)
     lines += _lost(found)
     lines += _between(found)
+    bend = of_lens(found)
+    if abs(bend.share) > max(BENT, SURE * bend.error):
+        size = "smaller" if bend.share < 0.0 else "larger"
+        lines.append(
+            f"markers are {100.0 * abs(bend.share):.2g} % {size} {bend.away_px:.0f} pixels from "
+            "the picture's middle than in it, and so are all lengths there: the lens bends: "
+            "calibrate it, and give --lens"
+        )
     if flat.residual_px > CROOKED:
         lines.append(
             f"corners lie {flat.residual_px:.2g} pixels off those of squares: a lens that "
@@ -75,6 +88,35 @@ def of(found: Marked) -> list[str]:
             "deg"
         )
     return lines
+
+
+class Bend(NamedTuple):
+    """Size of markers at the place farthest from the picture's middle, against that in it."""
+
+    share: float
+    """Change of their sides in the plane, as a share; negative where they are smaller."""
+    error: float
+    away_px: float
+
+
+def of_lens(found: Marked) -> Bend:
+    """Change of markers' sizes with the square of the way from the middle: a lens that bends.
+
+    Perspective changes them in a line, which the plane undoes.
+    """
+    corners = np.concatenate([walker.straight for walker in found.walkers])
+    sides = found.plane.to_mm(corners)
+    size = np.log(np.hypot(*np.moveaxis(sides - np.roll(sides, 1, axis=1), -1, 0)).mean(axis=1))
+    away = np.linalg.norm(corners.mean(axis=1) - found.plane.middle, axis=1)
+    square = (away / found.plane.half) ** 2
+    terms = np.column_stack([np.ones_like(square), square])
+    fitted, _, rank, _ = np.linalg.lstsq(terms, size)
+    if rank < 2 or len(size) <= ALIKE:
+        return Bend(0.0, math.inf, float(away.max()))
+    variance = ALIKE * float(np.mean((size - terms @ fitted) ** 2))
+    error = math.sqrt(variance * float(np.linalg.pinv(terms.T @ terms)[1, 1]))
+    reach = float(square.max())
+    return Bend(math.expm1(float(fitted[1]) * reach), error * reach, float(away.max()))
 
 
 def missing(found: Marked) -> list[Missing]:

@@ -13,7 +13,7 @@ from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts, marked, marked_doubts
 from walkergen.jobs.measure.track.marked import Marked, Walker, Wish
-from walkergen.jobs.measure.track.report import COLUMNS, PICTURE, TRACKS, rate
+from walkergen.jobs.measure.track.report import COLUMNS, PICTURE, TRACKS, known_lens, rate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -174,7 +174,7 @@ def _sides(found: Marked) -> tuple[float, float]:
 def _scale_change(found: Marked) -> float:
     """Share by which lengths differ between the places that walkers reach."""
     scales = np.concatenate([
-        found.plane.scales(walker.corners.mean(axis=1)) for walker in found.walkers
+        found.plane.scales(walker.straight.mean(axis=1)) for walker in found.walkers
     ])  # fmt: skip
     return float(scales.max() / scales.min() - 1.0)
 
@@ -183,7 +183,8 @@ def facts(found: Marked, walkers: list[Row]) -> dict[str, Any]:
     """Everything but warnings for JSON and the manifest, with units in the names."""
     flat, out, noise = found.plane, found.left_out, jitter_mm(found)
     return {
-        "film": found.film.path.name, "markers": "aruco", **found.wish._asdict(),
+        "film": found.film.path.name, "markers": "aruco",
+        **found.wish._asdict(), "lens": known_lens(found.wish.lens),
         "film_fps": found.clock.fps, "regular_rate": found.clock.regular,
         "mm_per_px": flat.mm_per_px, "mm_per_px_se": flat.mm_per_px * scale_error(found),
         "tilt_deg": flat.tilt_deg, "scale_change_share": _scale_change(found),
