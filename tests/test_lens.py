@@ -1,7 +1,10 @@
 """Lenses that bend: what a calibration undoes, what is told without one, and what is no lens."""
 
 import json
+import re
+from pathlib import Path
 
+import cv2
 import marker_films as films
 import numpy as np
 import pytest
@@ -179,3 +182,53 @@ def test_opencv_s_own_objects_are_read_and_the_command_takes_them(tmp_path, monk
     assert "none.mp4: cannot be read as a film" in str(done.exception)
     words = ("track", "none.mp4", "--markers", "aruco", "--lens", "c.json")
     assert "c.json" in str(CliRunner().invoke(command_line, words).exception)
+
+
+def boards(camera, count=15):
+    """Pictures of a checkerboard of 9 x 6 inner corners, 10 mm apart, in poses up to the edges."""
+    rng = np.random.default_rng(2)
+    squares = np.indices((7, 10)).sum(axis=0) % 2 == 0
+    texels = np.kron(np.pad(~squares, 1, constant_values=True), np.full((40, 40), 215)) + 20
+    source = np.array([(-20, -20), (100, -20), (100, 70), (-20, 70)], float)
+    ends = np.array([(0, 0), (480, 0), (480, 360), (0, 360)], np.float32) - 0.5
+    matrix = np.array([
+        (camera.focal, 0, 0.5 * (camera.wide - 1)), (0, camera.focal, 0.5 * (camera.high - 1)),
+        (0, 0, 1.0),
+    ])  # fmt: skip
+    pictures = []
+    while len(pictures) < count:
+        turn, middle = rng.uniform(-0.5, 0.5, 3), rng.uniform((-50, -35, 0), (50, 35, 40))
+        solid, _ = cv2.Rodrigues(turn)
+        shift = middle + np.array([0.0, 0.0, 190.0]) - solid @ (40.0, 25.0, 0.0)
+        places = np.column_stack([source, np.zeros(4)]) @ solid.T + shift
+        corners = (places[:, :2] / places[:, 2:] * camera.focal + matrix[:2, 2]).astype(np.float32)
+        fine = cv2.getPerspectiveTransform(ends, 2.0 * corners + 0.5)
+        size = 2 * camera.wide, 2 * camera.high
+        view = cv2.warpPerspective(texels.astype(np.uint8), fine, size, borderValue=128)
+        small = cv2.resize(view, (camera.wide, camera.high), interpolation=cv2.INTER_AREA)
+        pictures.append(small)
+    return pictures
+
+
+@pytest.mark.slow
+@pytest.mark.programs
+def test_the_calibration_of_the_docs_finds_a_hidden_lens(tmp_path, monkeypatch, capsys):
+    """Its lines, run on a drawn film of a checkerboard, give the lens that drew it."""
+    monkeypatch.chdir(tmp_path)
+    shown = [films.bent(one, NEAR, -0.1) for one in boards(NEAR) for _ in range(10)]
+    films.write(tmp_path / "board.mp4", shown)
+    text = (Path(__file__).parent.parent / "docs" / "measuring.md").read_text(encoding="utf-8")
+    (lines,) = re.findall(r"```python\n(import cv2.*?)```", text, re.DOTALL)
+    exec(lines, {})
+    print(capsys.readouterr().out)
+    found, true = (
+        lens.read(tmp_path / "lens.json"),
+        lens.read(write(tmp_path / "l", of(NEAR, -0.1))),
+    )
+    grid = np.stack(np.meshgrid([5.0, 160.0, 320.0, 480.0, 635.0], [5.0, 240.0, 475.0]), axis=-1)
+    ways = [own.straight(grid) for own in (found, true)]
+    # a calibration may shift, turn and scale all of a picture: compare what is no affine map
+    flat = np.column_stack([ways[0].reshape(-1, 2), np.ones(grid[..., 0].size)])
+    fitted, _, _, _ = np.linalg.lstsq(flat, ways[1].reshape(-1, 2))
+    off = np.abs(flat @ fitted - ways[1].reshape(-1, 2)).max()
+    assert off < 0.5  # pixels, of 14 that the lens shifts the corners by
