@@ -143,6 +143,26 @@ def _paste(canvas, levels, camera, x, y, heading):
     view += inside * (drawn / np.maximum(inside, 1e-6) - view)
 
 
+def bent(picture, camera, k1):
+    """Frame as a lens with radial distortion `k1` sees it: x (1 + k1 r^2) in place of x.
+
+    k1 < 0 is a barrel. The cubic is solved by Newton's method, not by OpenCV.
+    """
+    import cv2
+
+    row, column = np.mgrid[: camera.high, : camera.wide] + 0.5
+    x, y = (column - 0.5 * camera.wide) / camera.focal, (row - 0.5 * camera.high) / camera.focal
+    seen = np.maximum(np.hypot(x, y), 1e-12)
+    true = seen.copy()
+    for _ in range(30):
+        true -= (true * (1.0 + k1 * true**2) - seen) / (1.0 + 3.0 * k1 * true**2)
+    maps = (
+        (true / seen * x * camera.focal + 0.5 * camera.wide - 0.5).astype(np.float32),
+        (true / seen * y * camera.focal + 0.5 * camera.high - 0.5).astype(np.float32),
+    )
+    return cv2.remap(picture, *maps, cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
+
+
 def circles(count=5, speed=60.0, spacing=31.0):
     """Ways of walkers on circles beside one another: places and headings, (count, 3), of a time."""
     number = np.arange(count)

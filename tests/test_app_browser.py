@@ -4,6 +4,7 @@ import shlex
 import shutil
 import zipfile
 
+import numpy as np
 import pytest
 from browsed import Page, chromium, needs_browser, walkergen
 from selenium.webdriver.common.action_chains import ActionChains
@@ -353,3 +354,31 @@ def test_on_a_plane_a_run_tells_how_the_walker_turns(page):
     page.click("#run")
     page.until(lambda: "rad/s" in page.text("#ran"))
     made_again(page, *page.take("stl"))
+
+
+SHOWN = """
+const canvas = document.querySelector('#canvas');
+const copy = Object.assign(document.createElement('canvas'), {width: 64, height: 48});
+const paper = copy.getContext('2d');
+paper.drawImage(canvas, 0, 0, 64, 48);
+return [...paper.getImageData(0, 0, 64, 48).data].filter((_, k) => k % 4 === 0);
+"""
+"""Red of the pixels of the 3D view as it is at that moment."""
+
+
+def test_a_page_in_the_dark_prints_its_view_in_light_colours(page):
+    """A copy of the view in light colours stands in its place as long as the page prints."""
+    media = [{"name": "prefers-color-scheme", "value": "dark"}]
+    page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": media})
+    try:
+        page.open()
+        before, printed, after = (
+            page.browser.execute_script(f"dispatchEvent(new Event('{event}')); {SHOWN}")
+            for event in ("resize", "beforeprint", "afterprint")
+        )
+        assert np.median(printed) > 240
+        assert np.median(after) < 60
+        assert np.median(before) < 60
+        assert len(set(printed)) > 10  # the part is on it
+    finally:
+        page.browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"features": []})

@@ -393,6 +393,7 @@ LONG = SIZES + "strip_1,free_length_mm,50,0.5,,,\n"
         ("walker,slides_deg,0.23,0.02,,,", "is it a friction?"),
         ("block,slides_deg,14,1,,5,", "leave it blank"),
         ("walker,flight_s,0.04,0.002,,,", "needs at_mm"),
+        ("block,filmed_deg,20,1,,,", "needs the column tracks"),
         ("strip_1,deflection_mm,5,0.5,5,1,48", "reading less unloaded_mm = 0"),
         (LONG + "strip_1,deflection_mm,30,0.5,0,1,48", "hang less"),
         (LONG + "strip_1,deflection_mm,3,0.5,0,1,58", "beyond the strip"),

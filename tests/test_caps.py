@@ -7,11 +7,13 @@ from pathlib import Path
 import cv2
 import numpy as np
 import pytest
+import shapely
 from PIL import Image
 from typer.testing import CliRunner
 
 from walkergen.cli import command_line
 from walkergen.errors import GeometryError, InputError
+from walkergen.jobs.make.family import preview
 from walkergen.printing import cap_sheet
 from walkergen.shapes.mesh import Mesh
 from walkergen.walker import caps, mass, solids, weights
@@ -249,3 +251,21 @@ def test_cells_finer_than_lines_are_told(run):
     done = run("plate", "--caps", "aruco", "--set", "cap.marker_mm=3")
     assert done.exit_code == 0
     assert "cells of the caps may close up" in done.output
+
+
+@pytest.mark.parametrize("kind", ["engraved", "paper"])
+def test_pictures_of_families_show_caps_where_they_are(kind):
+    """Against the mesh of the cap, and the marker's black cells by their area."""
+    design = capped(kind, number=5)
+    part = preview.Part(design, solids.build(design).walker)
+    tile, squares = part.cap
+    whole = solids.build(design).cap.vertices
+    assert tile.min(axis=0) == pytest.approx(whole.min(axis=0), abs=1e-9)
+    assert tile.max(axis=0) == pytest.approx(whole.max(axis=0), abs=1e-9)
+    area = shapely.union_all([shapely.Polygon(square[:, [0, 2]]) for square in squares]).area
+    cells = int((~caps.white(5)).sum())
+    assert area == pytest.approx(cells * design.cap.cell**2, rel=1e-6)
+    bare = preview.Part(Design(), solids.build(Design()).walker)
+    assert bare.cap is None
+    shown, without = (preview.preview_figure([one], "it").axes[0] for one in (part, bare))
+    assert len(shown.collections) == len(without.collections) + 1

@@ -285,7 +285,7 @@ def told(path, tmp_path):
     [
         ([0, 0, 1], [1], "marker 0 is seen at two places at once in 20 of 20 frames, and left out"),
         ([0, -1, 2], [0, 2], "marker 1 is read in the mirror only, and left out: print it anew"),
-        ([0, None, 2], [0, 2], ""),
+        ([0, None, 2], [0, 2], "marker 1: read in none of 20 frames, and numbers around are: half"),
     ],
     ids=["twice", "mirrored", "half covered"],
 )
@@ -300,6 +300,41 @@ def test_markers_that_are_no_walker_s_are_left_out(tmp_path, textures, left, wor
     assert words in told(path, tmp_path)
 
 
+@pytest.mark.parametrize(
+    ("covered", "words"),
+    [
+        (range(8, 14), "walker 1 is lost in 6 of 20 frames (30 %); in 6 of them others are read"),
+        (range(7), "walker 1 is lost in 7 of 20 frames (35 %); in 7 of them others are read"),
+        (range(20, 20), ""),
+    ],
+    ids=["in the middle", "at first", "never"],
+)
+def test_a_marker_that_is_half_covered_for_a_while_is_told_by_number_and_share(
+    tmp_path, covered, words
+):
+    ways = films.circles(3)
+    bare = [films.texture(number) for number in range(3)]
+    half = [bare[0], films.texture(1, covered=True), bare[2]]
+    pictures, hidden = (films.draw(ways, 20, textures=cells) for cells in (bare, half))
+    for frame in covered:
+        pictures[frame] = hidden[frame]
+    told_of = told(films.write(tmp_path / "half.mp4", pictures), tmp_path)
+    assert words in told_of
+    assert words or not told_of
+
+
+def test_a_walker_that_comes_in_over_the_edge_was_not_lost_before(tmp_path):
+    def ways(time):
+        return np.array([(-110.0 + 300.0 * time, 0.0, 0.0), (0.0, 40.0, 0.0)])
+
+    made = marked_report.track(
+        films.film(tmp_path / "in.mp4", ways, 20), Wish(), tmp_path / "o", silent
+    )
+    late = made.marked.walkers[0].frames[0]
+    assert late > 1  # frame: it was outside
+    assert made.warnings == []
+
+
 def test_a_film_of_twins_alone_is_refused(tmp_path):
     cells = [films.texture(4)] * 2
     path = films.film(tmp_path / "twins.mp4", films.circles(2), 10, textures=cells)
@@ -312,7 +347,7 @@ def test_two_seconds_of_black_are_a_gap_that_is_told(tmp_path, pictures):
     path = films.write(tmp_path / "black.mp4", [*pictures[:10], *black, *pictures[10:]])
     words = told(path, tmp_path)
     assert "no marker is read in 120 of 140 frames; for 2 s on end from 0.1667 s on" in words
-    assert "walker 0 is lost in 120 frames" in words
+    assert "walker 0 is lost in 120 of 140 frames (86 %)" in words
 
 
 def test_films_that_are_none_say_so_at_once(tmp_path):

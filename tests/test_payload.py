@@ -12,7 +12,7 @@ from walkergen.jobs.make.plate import make as batch
 from walkergen.printing import checks, profile
 from walkergen.printing.pocket_checks import ceiling, thinnest_wall
 from walkergen.printing.printers import Printer
-from walkergen.walker import names, solids, weights
+from walkergen.walker import names, pockets, solids, weights
 from walkergen.walker.design import Design
 
 CARRIERS = ("bristlebot", "coinbot", "spinner")
@@ -194,6 +194,54 @@ def test_walls_around_pockets_are_told_apart():
     (line,) = messages(spinner.variant(**outward), printer_of("prusa-mk3s"))
     assert "wall around the pocket of the motor" in line
     assert "0.3184 mm, limit 0.45 mm" in line  # 17 - hypot(5.2, 15.85)
+
+
+def test_walls_of_pockets_that_open_to_the_side_are_told():
+    """A body 6 mm thick: floor and lid in closed form; over what stands out there is none."""
+    design = shipped("coinbot")
+    assert thinnest_wall(design.battery, design) == pytest.approx(3.0 - (0.4 + 1.8), abs=1e-6)
+    assert thinnest_wall(design.motor, design) == pytest.approx(3.7 - 5.2 + 3.0, abs=1e-6)
+    thin = design.variant(**{"battery.up_mm": 0.9})
+    (line,) = messages(thin, printer_of("ender3"))
+    assert "wall around the pocket of the battery" in line
+    assert "0.3 mm, limit 0.4 mm" in line
+    round_ones = design.variant(**{"motor.axis": "along", "motor.diameter_mm": 4.0,
+                                   "motor.up_mm": 0.2, "motor.across_mm": 4.0})  # fmt: skip
+    lid = 3.0 - (0.2 + 2.2)  # a cylinder along the body: its slot is as high as its diameter
+    assert thinnest_wall(round_ones.motor, round_ones) == pytest.approx(lid, abs=1e-6)
+
+
+def test_a_side_wall_follows_the_outline_of_the_body():
+    """An arched body: the wall to its upper edge, by points of that edge."""
+    arch = [[-18, -3], [18, -3], [18, 0], [0, 6], [-18, 0]]
+    data = {"name": "arch", "body": {"profile_mm": arch, "depth_mm": 22.0},
+            "motor": {"axis": "across", "diameter_mm": 4.0, "height_mm": 4.0, "up_mm": 0.5,
+                      "along_mm": 4.0, "across_mm": 6.0, "opens": "side"}}  # fmt: skip
+    design = Design.model_validate(data)
+    middle = np.array(design.motor.cylinder.middle(22.0)[:2])
+    corners = solids.outline(design).body
+    ends = np.roll(corners, -1, axis=0)
+    share = np.linspace(0.0, 1.0, 2001)[:, None, None]
+    edge = (corners + share * (ends - corners)).reshape(-1, 2)
+    away = np.linalg.norm(edge - middle, axis=1).min() - 2.2
+    assert thinnest_wall(design.motor, design) == pytest.approx(away, abs=0.01)
+
+
+def test_the_wall_between_two_pockets_is_told():
+    """From the round slot of a motor to the corner of the battery's, in closed form."""
+    design = shipped("coinbot")
+    gap = math.hypot(11.0 + 6.2 - 10.2, 3.7 - 2.2) - 5.2
+    assert pockets.wall_between(design, 50.0) == pytest.approx(gap, abs=0.004)
+    assert pockets.wall_between(design, 1.0) == 1.0
+    near = design.variant(**{"motor.along_mm": 9.3, "pockets.channel_mm": 0.0})
+    thin = math.hypot(9.3 + 6.2 - 10.2, 3.7 - 2.2) - 5.2
+    (line,) = messages(near, printer_of("ender3"))
+    assert "wall between the pockets of motor and battery" in line
+    assert pockets.wall_between(near, 50.0) == pytest.approx(thin, abs=0.004)
+    joined = design.variant(**{"motor.along_mm": 8.6, "pockets.channel_mm": 0.0})
+    assert pockets.wall_between(joined, 50.0) == 0.0
+    alone = design.variant(**{"battery": None, "pockets.channel_mm": 0.0})
+    assert pockets.wall_between(alone, 50.0) == 50.0
 
 
 def test_a_printer_that_needs_more_clearance_says_so():

@@ -1,5 +1,6 @@
 """The site builds without a warning, and holds what the README shows and the docstrings say."""
 
+import base64
 import os
 import re
 import subprocess
@@ -91,5 +92,31 @@ def test_a_search_gives_pages_where_the_site_is_opened_as_files(site, tmp_path):
             assert target.scheme == "file"
             assert Path(target.path).exists()
         assert {urlparse(url).scheme for url in requested(browser)} <= {"file", "data", "blob"}
+    finally:
+        browser.quit()
+
+
+PAPERS = {"A4": (210.0, 297.0), "letter": (215.9, 279.4)}
+"""Widths and heights of paper, mm."""
+
+
+@pytest.mark.programs
+@pytest.mark.skipif(not (BROWSER and DRIVER) and "CI" not in os.environ, reason=WANTED)
+def test_the_lesson_without_a_shaker_prints_on_two_sheets(site, tmp_path):
+    browser = browser_at(site / "table-lesson.html", tmp_path)
+    try:
+        for wide, high in PAPERS.values():
+            paper = {"paperWidth": wide / 25.4, "paperHeight": high / 25.4}
+            printed = browser.execute_cdp_cmd("Page.printToPDF", paper)
+            pages = re.findall(rb"/Type\s*/Page\b", base64.b64decode(printed["data"]))
+            assert len(pages) == 2
+        browser.execute_cdp_cmd("Emulation.setEmulatedMedia", {"media": "print"})
+        # 182 mm between margins, at 96 pixels an inch: nothing is cut off at the right
+        browser.set_window_size(int(182.0 / 25.4 * 96.0), 1000)
+        tables = browser.find_elements(By.CSS_SELECTOR, ".md-typeset__scrollwrap")
+        assert len(tables) == 4
+        for table in tables:
+            assert int(table.get_property("scrollWidth")) <= int(table.get_property("clientWidth"))
+        assert not browser.find_element(By.CSS_SELECTOR, ".md-header").is_displayed()
     finally:
         browser.quit()

@@ -304,7 +304,7 @@ def test_the_movies_own_film_says_where_the_walker_was(tmp_path):
     shot, scale = movies_film(tmp_path / "film.mp4", 0.48)
     wish = Options(mm_per_px=scale)
     made = make.track(tmp_path / "film.mp4", wish, tmp_path / "out", silent).tracked
-    by_length = make._scale(Options(length_mm=28.0), made.linked)
+    by_length = make._scale(Options(length_mm=28.0), made.linked.length)
     assert by_length[0] == pytest.approx(scale, abs=by_length[1])
     (one,) = made.walkers
     assert one.seen.frames.tolist() == list(range(13))

@@ -69,7 +69,7 @@ function geometryOf(positions, marked) {
 /**
  * A viewer in `canvas`, or null where the browser gives no WebGL. `parts`: Float32Arrays of
  * triangles' corners, nine numbers a triangle. Returns { show, replace, look, run, measure, point,
- * paint, colour, spacing }.
+ * paint, colour, repainted, spacing }.
  */
 export function create(canvas, parts) {
   const context = canvas.getContext('webgl2', { antialias: true });
@@ -161,13 +161,38 @@ export function create(canvas, parts) {
     plate.lines.material.color.setStyle(lines);
     for (const own of [edges.material, ruler.material, centreMark.material]) own.color.setStyle(edge);
     fault.color.setStyle(faulty);
-    draw();
+    render(); // at once: paper waits for no frame
   }
 
   /** Show the part in a CSS colour. */
   function colour(css) {
     material.color.setStyle(css);
-    draw();
+    render();
+  }
+
+  /**
+   * Call `paint` whenever the page's colours become others: dark, light, and light for paper, while
+   * the page's root has data-paper. Browsers print the last frame that a screen has shown of WebGL,
+   * so that a copy of the view stands in its place as long.
+   */
+  function repainted(paint) {
+    const { dataset } = document.documentElement;
+    const copy = document.createElement('canvas');
+    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+    addEventListener('beforeprint', () => {
+      dataset.paper = '';
+      paint();
+      const { id, className, width, height, clientWidth, clientHeight } = canvas;
+      Object.assign(copy, { id, className, width, height });
+      Object.assign(copy.style, { width: `${clientWidth}px`, height: `${clientHeight}px` });
+      copy.getContext('2d').drawImage(canvas, 0, 0);
+      canvas.replaceWith(copy);
+    });
+    addEventListener('afterprint', () => {
+      delete dataset.paper;
+      copy.replaceWith(canvas);
+      paint();
+    });
   }
 
   function resize() {
@@ -342,6 +367,7 @@ export function create(canvas, parts) {
   camera.position.add(new Vector3().fromArray(VIEWS.angle));
   resize();
   return {
-    show, replace, look, run, measure, point, paint, colour, spacing: plate.spacing(),
+    show, replace, look, run, measure, point, paint, colour, repainted,
+    spacing: plate.spacing(),
   };
 }

@@ -10,6 +10,7 @@ from scipy import special
 from walkergen.analysis import moments
 from walkergen.analysis.spreads import Fitted
 from walkergen.analysis.tracks import Track, Tracks
+from walkergen.files import words
 
 Array = npt.NDArray[np.float64]
 
@@ -38,6 +39,24 @@ def of(tracks: Tracks, groups: Sequence[Sequence[Track]], fitted: Fitted | None)
         *(("the squared displacement follows another law: diffusivity, crossover, ballistic speed "
            "and noise are those of the best fit, see msd.csv",) if poor else ()),
     ]  # fmt: skip
+
+
+def of_scale(share: float | None) -> str:
+    """What the error of the scale, a share of it, means; '' where it is exact, as in a simulation.
+
+    None is an error that is not known.
+    """
+    if share is None:
+        return (
+            "the scale's error is not known and in no number: give the scale with its error, as "
+            "--mm-per-px 0.05+-0.001"
+        )
+    if not share:
+        return ""
+    return (
+        f"the scale is off by {words.number(100.0 * share, 2)} % (standard error): all lengths and "
+        "speeds together, so that more walkers or time do not help; squares of them by twice that"
+    )
 
 
 def _flipping(tracks: Sequence[Track]) -> list[str]:

@@ -1,4 +1,4 @@
-"""Measured speeds of walkers against tilt, from a CSV file."""
+"""Measured speeds of walkers against tilt, from a CSV file, or from the tracks that it names."""
 
 from pathlib import Path
 from typing import NamedTuple
@@ -6,6 +6,7 @@ from typing import NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.analysis import filmed
 from walkergen.errors import InputError
 from walkergen.files import columns
 from walkergen.walker.limbs import KINDS, Kind
@@ -42,15 +43,29 @@ class Measured(NamedTuple):
     """Peak speed of the plate, mm/s."""
     bad: str
     """Rows that were left out, and why; "" when all are used."""
+    of_films: tuple[str, ...] = ()
+    """What is to be said of tracks that rows name."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What is to be said of the file: rows that were left out, then films."""
+        return [note for note in (self.bad, *self.of_films) if note]
 
 
 def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
     """Read columns tilt_deg, speed_mm_s; optionally speed_se_mm_s, legs, plate_speed_mm_s.
 
-    `kind` and `plate_speed` (mm/s) stand in where the file has none. Raises InputError.
+    A row may name tracks in place of a speed, see `filmed`. `kind` and `plate_speed` (mm/s) stand
+    in where the file has none. Raises InputError.
     """
     optional = ("speed_se_mm_s", "plate_speed_mm_s")
-    table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
+    of_films: tuple[str, ...] = ()
+    if filmed.TRACKS in columns.header(path):
+        more = (filmed.SPEED, filmed.PARTICLE)
+        table = columns.read(path, ("tilt_deg",), (*optional, *more), {"legs": KINDS})
+        table, of_films = filmed.with_speeds(path, table)
+    else:
+        table = columns.read(path, ("tilt_deg", "speed_mm_s"), optional, {"legs": KINDS})
     if len(table.lines) > MOST_SPEEDS:
         raise InputError(f"{path}: {len(table.lines)} speeds; at most {MOST_SPEEDS}: is it a film?")
     for name in optional:
@@ -78,6 +93,7 @@ def read(path: Path, kind: Kind, plate_speed: float) -> Measured:
         None if se is None or np.isnan(se).any() else se,
         np.where(np.isnan(plate), plate_speed, plate),
         columns.summary(table.bad),
+        of_films,
     )
 
 
@@ -137,4 +153,5 @@ def at_plate_speed(measured: Measured, plate_speed: float) -> Measured:
         None if measured.se is None else measured.se[same],
         measured.plate_speed[same],
         "; ".join(note for note in notes if note),
+        measured.of_films,
     )

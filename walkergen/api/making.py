@@ -124,7 +124,7 @@ def _measured(
     if path is None:
         return None, []
     measured = speeds.on_plate(Path(path), design.kind, scene.drive.peak_speed)
-    return measured, [f"{path}: {measured.bad}"] if measured.bad else []
+    return measured, [f"{path}: {note}" for note in measured.notes]
 
 
 def export(design: Walker, path: str | os.PathLike[str], *, scene: Ground = SCENE) -> Path:

@@ -7,6 +7,7 @@ from walkergen.errors import InputError
 from walkergen.files import output
 from walkergen.files.measured import measured
 from walkergen.files.progress import Progress, silent
+from walkergen.jobs.measure.track import lens as lenses
 from walkergen.jobs.measure.track import make, marked, marked_report
 from walkergen.jobs.measure.track.marked import Wish
 from walkergen.jobs.measure.track.marked_report import MarkedReport
@@ -21,6 +22,7 @@ def track(
     region: tuple[int, int, int, int] | None = None, walkers: str | None = None,
     threshold: float | None = None, width: float | None = None, heading: str = "motion",
     markers: str | None = None, marker_mm: float | str | None = None,
+    lens: str | os.PathLike[str] | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
 ) -> TrackReport | MarkedReport:  # fmt: skip
     """Track walkers in a film from above; give `mm_per_px`, or the `length` of a walker in mm.
@@ -29,7 +31,8 @@ def track(
     `fps` is the rate at which it was filmed, if it plays slower; `frames` the first and the one
     after the last; `region` left, top, width and height, `width` a walker's, pixels; `walkers`
     "dark" or "light"; `heading` by "motion" or "mark". With `markers` "aruco" the caps' markers,
-    `marker_mm` wide (7.2), tell all but `fps`, `frames` and `region`. Tracks and picture are
+    `marker_mm` wide (7.2), tell all but `fps`, `frames`, `region` and `lens`, a JSON file of
+    OpenCV's calibration of a lens that bends. Tracks and picture are
     written into the `folder`, by default out/NAME/track; `analyse` takes what this returns. Needs
     the extra film. Raises InputError.
     """
@@ -38,18 +41,19 @@ def track(
     tell = progress or silent
     scale, scale_se = measured(mm_per_px, "mm_per_px")
     long, long_se = measured(length, "length")
+    bends = None if lens is None else lenses.read(Path(lens))
     wish = Options(
         mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
         frames=frames, region=region, walkers=walkers, threshold=threshold,
-        width_px=width, heading=heading,
+        width_px=width, heading=heading, lens=bends,
     )  # fmt: skip
     side, side_se = measured(marker_mm, "marker_mm")
     if markers is None and side is None:
         return make.track(path, wish, target, tell)
     marked.check_kind(markers or "", "markers=")
-    if wish != Options(fps=fps, frames=frames, region=region):
+    if wish != Options(fps=fps, frames=frames, region=region, lens=bends):
         raise InputError(
             "markers: tell it: leave mm_per_px, length, walkers, threshold, width and heading out"
         )
-    own = Wish(Wish().marker_mm if side is None else side, side_se, fps, frames, region)
+    own = Wish(Wish().marker_mm if side is None else side, side_se, fps, frames, region, bends)
     return marked_report.track(path, own, target, tell)

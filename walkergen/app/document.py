@@ -17,6 +17,7 @@ from pydantic import Field
 from walkergen.errors import InputError
 from walkergen.files import assignments, config, templates
 from walkergen.files.config import Model, Section
+from walkergen.files.key_names import KINDS, TILTS
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.body import DRAWN
@@ -49,10 +50,7 @@ THINGS: Mapping[str, tuple[str, ...]] = {
 }  # fmt: skip
 """Things beside a walker whose files and keys a command takes."""
 
-TILTS = ("legs.tilt_deg", "leg_tilt_deg")
-"""Keys of the tilt that the legs of a walker share: of two equal legs, and of a list of them."""
-
-CHOSEN = (*TILTS, "legs.kind")
+CHOSEN = (*TILTS, *KINDS)
 """Keys that the flags --tilt and --legs stand for."""
 
 Word = Annotated[str, Field(min_length=1, max_length=4096)]

@@ -11,8 +11,9 @@ from functools import cache
 from itertools import pairwise
 from typing import Any, Literal, NamedTuple, get_args, get_origin
 
-from walkergen.app.document import TILTS, Document, tilt_key
+from walkergen.app.document import Document, tilt_key
 from walkergen.files.config import Section
+from walkergen.files.key_names import TILTS
 from walkergen.walker.body import Body
 from walkergen.walker.design import Family
 from walkergen.walker.limbs import Leg, Legs

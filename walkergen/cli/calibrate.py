@@ -50,8 +50,10 @@ def calibrate(
 
     The form is that of `walkergen plate --calibration`. What it holds is estimated, with errors
     from those of the readings and from their scatter, and written into design.toml and scene.toml
-    for `family` and `simulate`; what it lacks stays as design and scene have it. A drop test of the
-    walker is simulated (a minute), the rest takes a second.
+    for `family` and `simulate`; what it lacks stays as design and scene have it. Of films it takes
+    those of slides: the quantity filmed_deg, angle of the incline, with a column tracks that names
+    the film's tracks.csv. A drop test of the walker is simulated (a minute), the rest takes a
+    second.
     """
     from walkergen.files import output
     from walkergen.jobs.measure.calibrate import make

@@ -93,6 +93,6 @@ def _measured(path: Path | None, design: "Design", scene: "Scene") -> "Measured 
     from walkergen.analysis import speeds
 
     measured = speeds.on_plate(path, design.kind, scene.drive.peak_speed)
-    if measured.bad:
-        print(f"{path}: {measured.bad}", file=sys.stderr)
+    for note in measured.notes:
+        print(f"{path}: {note}", file=sys.stderr)
     return measured

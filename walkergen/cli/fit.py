@@ -58,10 +58,11 @@ def fit(
 
     The CSV file has columns tilt_deg, speed_mm_s and, if known, speed_se_mm_s, legs (flexible or
     braced; otherwise the design's) and plate_speed_mm_s (otherwise the scene's). A row is one
-    print, its standard error that of its film. The contact learnt is that by which speeds are
-    predicted, in seconds, or that of a simulated model by emulators, with bands for one more print
-    at every tilt; that of the theory, the paper's eq. 15, is found by least squares. All write
-    scene.toml and design.toml for `walkergen family`.
+    print, its standard error that of its film. In place of a speed, a column tracks may name the
+    tracks.csv of a film: a row for each of its walkers, or for the one in a column particle. The
+    contact learnt is that by which speeds are predicted, in seconds, or that of a simulated model
+    by emulators, with bands for one more print at every tilt; that of the theory, the paper's
+    eq. 15, is found by least squares. All write scene.toml and design.toml for `walkergen family`.
     """
     from walkergen.files import output
     from walkergen.jobs.measure.fit import request

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 from walkergen.cli import variants
 from walkergen.errors import InputError
+from walkergen.files.key_names import KINDS, TILTS
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -35,10 +36,8 @@ FLAGS = {
 }
 """Keys that flags set, by the flags' names."""
 
-TILTS, KINDS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
-"""Keys of a design that --tilt and --legs set."""
 FAMILY_TILTS, FAMILY_KINDS = ("family.tilt_deg",), ("family.legs",)
-"""Keys of a design that they set of a whole family."""
+"""Keys of a design that --tilt and --legs set of a whole family."""
 
 
 class Inputs(NamedTuple):

@@ -8,7 +8,7 @@ import typer
 from walkergen.cli import loading, show, variants
 from walkergen.cli import options as opt
 from walkergen.errors import InputError
-from walkergen.files import words
+from walkergen.files import key_names, words
 
 
 def reproduce(
@@ -34,7 +34,7 @@ def reproduce(
 
     inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
     inputs.refuse(
-        loading.TILTS + loading.KINDS,
+        key_names.TILTS + key_names.KINDS,
         "the paper's tilts, or those of --tilt, are compared with both kinds of legs: leave it out",
     )
     own = {"seconds": side_by_side.SECONDS, "runs": side_by_side.RUNS}

@@ -57,6 +57,14 @@ def track(
     marker_mm: Annotated[
         str | None, typer.Option(metavar="MM", help="Side of the markers, mm, as 7.2 or 7.2±0.05.")
     ] = None,
+    lens: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="LENS.json",
+            help="Calibration of a lens that bends, by OpenCV: image_width, image_height, "
+            "camera_matrix, distortion_coefficients.",
+        ),
+    ] = None,
     out: opt.Out = None,
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
@@ -65,11 +73,12 @@ def track(
 
     The walkers are of one size, on a ground of another brightness, seen straight from above. Give
     the scale by --mm-per-px or --length. With --markers they bear caps, whose markers tell number,
-    place and heading, scale and tilt of the camera. Needs the extra film: pip install
-    'walkergen[film]'.
+    place and heading, scale and tilt of the camera. What a lens bends is undone by --lens. Needs
+    the extra film: pip install 'walkergen[film]'.
     """
     from walkergen.files import output
     from walkergen.files.measured import measured
+    from walkergen.jobs.measure.track import lens as lenses
     from walkergen.jobs.measure.track import make
     from walkergen.jobs.measure.track.result import Options
 
@@ -78,7 +87,7 @@ def track(
                   "--threshold": threshold, "--width": width,
                   "--heading": None if heading == "motion" else heading}  # fmt: skip
         _refuse(f"--markers {markers[:30]} tells it", beside)
-        _by_markers(film, markers, marker_mm, fps, frames, region, out, json, quiet)
+        _by_markers(film, markers, marker_mm, fps, frames, region, lens, out, json, quiet)
         return
     _refuse("--markers is not given", {"--marker-mm": marker_mm})
     scale, scale_se = measured(mm_per_px, "--mm-per-px")
@@ -87,6 +96,7 @@ def track(
         mm_per_px=scale, mm_per_px_se=scale_se, length_mm=long, length_se_mm=long_se, fps=fps,
         frames=_frames(frames), region=None if region is None else _region(region),
         walkers=walkers, threshold=threshold, width_px=width, heading=heading,
+        lens=None if lens is None else lenses.read(lens),
     )  # fmt: skip
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:
@@ -96,11 +106,12 @@ def track(
 
 def _by_markers(
     film: Path, markers: str, marker_mm: str | None, fps: float | None, frames: str,
-    region: str | None, out: Path | None, json: bool, quiet: bool,
+    region: str | None, lens: Path | None, out: Path | None, json: bool, quiet: bool,
 ) -> None:  # fmt: skip
     """Track by markers, and print what was found."""
     from walkergen.files import output
     from walkergen.files.measured import measured
+    from walkergen.jobs.measure.track import lens as lenses
     from walkergen.jobs.measure.track import marked, marked_report
 
     marked.check_kind(markers, "--markers ")
@@ -108,6 +119,7 @@ def _by_markers(
     wish = marked.Wish(
         marked.Wish().marker_mm if side is None else side, side_se, fps, _frames(frames),
         None if region is None else _region(region),
+        None if lens is None else lenses.read(lens),
     )  # fmt: skip
     folder = output.results(film, out, "track")
     with show.progress("track", wanted=not quiet) as progress:

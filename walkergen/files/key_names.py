@@ -23,6 +23,10 @@ WHOLE = {
 }
 """Keys whose name is not made of their parts."""
 
+TILTS, KINDS = ("legs.tilt_deg", "leg_tilt_deg"), ("legs.kind",)
+"""Keys of the tilt and the kind that the legs of a walker share, which --tilt and --legs set: of
+two equal legs, and the tilt of a list of them."""
+
 THINGS = {"drive": "the plate", "contact": "", "run": "a run", "weighed": ""}
 """Things that the tables of keys are about, where their names do not say it; "" for none."""
 

@@ -1,19 +1,28 @@
-"""Checks of pockets for motor and battery: whether parts go in, and what prints over air."""
+"""Checks of pockets for motor and battery: whether parts go in, walls, what prints over air."""
 
 import math
 from collections.abc import Iterator
+from functools import reduce
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from walkergen.printing.findings import NOISE_MM, Finding, new
 from walkergen.printing.printers import Printer
-from walkergen.walker import solids
+from walkergen.shapes import modeller
+from walkergen.walker import pockets, solids
 from walkergen.walker.design import Design
 from walkergen.walker.payload import Part
+
+if TYPE_CHECKING:
+    import shapely
 
 WIDEST_BRIDGE_MM = 10.0
 """Longest ceiling that is bridged from wall to wall without sagging into the pocket. Assumed, the
 usual rule of makers' test prints."""
+
+SLICES = 8
+"""Number of slices in which the walls of a pocket that opens to the side are measured."""
 
 
 def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
@@ -28,6 +37,11 @@ def of_part(design: Design, printer: Printer) -> Iterator[Finding]:
         yield new("warning", "the channel of the wires may fuse", channel,
                   2.0 * printer.line_width_mm, "mm", "raise pockets.channel_mm, or make it 0 and "
                   "lead the wires outside")  # fmt: skip
+    between = pockets.wall_between(design, printer.line_width_mm)
+    if between < printer.line_width_mm - NOISE_MM:
+        yield new("warning", "the wall between the pockets of motor and battery is thinner than a "
+                  "printed line, or open", between, printer.line_width_mm, "mm",
+                  "move one of them (along_mm, across_mm, up_mm)")  # fmt: skip
     for name, part in design.parts.items():
         wall = thinnest_wall(part, design)
         if wall < printer.line_width_mm - NOISE_MM:
@@ -58,14 +72,16 @@ def ceiling(part: Part, design: Design) -> float:
 
 
 def thinnest_wall(part: Part, design: Design) -> float:
-    """Thinnest wall between a pocket that opens up or down and the edge of the body, mm.
+    """Thinnest wall between a pocket and the edge of the body, across the way to its opening, mm.
 
-    0 where the pocket breaks through it; infinite where there is no outline to tell by: of a mesh,
-    and of a pocket that opens to the side, which may stand out of the body's upper edge.
+    0 where the pocket breaks through it; infinite where there is no outline to tell by: of a mesh
+    into which a pocket opens from above or below.
     """
     import shapely
 
-    if part.opens == "side" or design.body.mesh is not None:
+    if part.opens == "side":
+        return _side_wall(part, design)
+    if design.body.mesh is not None:
         return math.inf
     size, own, clearance = design.size, part.cylinder, design.fit.clearance_mm
     x, z = own.centre[0], own.centre[2]
@@ -79,3 +95,57 @@ def thinnest_wall(part: Part, design: Design) -> float:
         outer, *holes = design.body.shape.plan
         ground = shapely.Polygon(outer, holes)
     return float(hole.distance(ground.boundary)) if ground.contains(hole) else 0.0
+
+
+def _side_wall(part: Part, design: Design) -> float:
+    """Thinnest wall of a pocket that opens to the side, in slices of the body along the part, mm.
+
+    Where the part stands out of the body's upper edge there is no wall above it.
+    """
+    import shapely
+
+    own, clearance = part.cylinder, design.fit.clearance_mm
+    (x, y, z), half = own.middle(design.size.depth), own.half
+    if own.axis == 2:
+        room = shapely.Point(x, y).buffer(own.radius + clearance, quad_segs=32)
+    else:
+        wide, high = half[0] + clearance, half[1] + clearance
+        room = shapely.box(x - wide, y - high, x + wide, y + high)
+    body = modeller.solid(solids.build(pockets.without(design)).body)
+    # A part that lies across narrows behind its middle, its room does not before it
+    ends = z - (half[2] if own.axis == 2 else 0.0), min(z + half[2], design.size.depth)
+    places = ends[0] + (np.arange(SLICES) + 0.5) / SLICES * (ends[1] - ends[0])
+    return min(_wall(room, _polygon(body.slice(float(at)).to_polygons())) for at in places)
+
+
+def _polygon(contours: list[np.ndarray]) -> "shapely.Geometry":
+    """Area of contours, in which those inside others are holes."""
+    import shapely
+
+    areas = [shapely.Polygon(contour) for contour in contours]
+    return reduce(shapely.symmetric_difference, areas, shapely.Polygon())
+
+
+def _wall(room: "shapely.Geometry", body: "shapely.Geometry") -> float:
+    """Least distance of a pocket's room from the edge of a slice of the body, y up, mm.
+
+    Where the room stands out above, the lip there counts for no wall; 0 where it does elsewhere.
+    """
+    import shapely
+
+    if body.is_empty:
+        return 0.0
+    if body.contains(room):
+        return float(room.distance(body.boundary))
+    left, bottom, right, top = room.bounds
+    far = 2.0 * sum(map(abs, (*room.bounds, *body.bounds)))
+    above = shapely.box(left, bottom, right, top + far)
+    lip = body.boundary.intersection(above)
+    if lip.is_empty:
+        return 0.0
+    height = lip.bounds[1] - NOISE_MM
+    below = shapely.box(left - far, bottom - far, right + far, height)
+    inside = room.intersection(below)
+    filled = body.union(shapely.box(left, height, right, top + far))
+    edge = body.boundary.intersection(below)
+    return float(inside.distance(edge)) if filled.contains(inside) else 0.0

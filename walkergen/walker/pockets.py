@@ -84,6 +84,23 @@ def solids_of(design: "Design") -> dict[str, Mesh]:
     }
 
 
+def wall_between(design: "Design", most: float) -> float:
+    """Thinnest wall between the pockets of motor and battery within the body's box, mm.
+
+    0 where the one opens into the other; `most` where it is thicker, or where there is one pocket.
+    The channel of the wires, which is meant to join them, does not count.
+    """
+    if len(design.parts) < 2:
+        return most
+    size = design.size
+    box = manifold3d.Manifold.cube((size.length, size.thickness, size.depth))
+    box = box.translate((-0.5 * size.length, -0.5 * size.thickness, 0.0))
+    rooms = [_swept(part, design) ^ box for part in design.parts.values()]
+    if not modeller.evaluated(rooms[0] ^ rooms[1]).is_empty():
+        return 0.0
+    return float(rooms[0].min_gap(rooms[1], most))
+
+
 def _tools(design: "Design") -> dict[str, manifold3d.Manifold]:
     """Rooms of pockets and channel, by the names of their tables and "channel"."""
     tools = {name: _swept(part, design) for name, part in design.parts.items()}

@@ -22,7 +22,8 @@ from walkergen.errors import GeometryError, InputError
 from walkergen.files import columns, output, reading, words
 from walkergen.files.tables import csv_text
 from walkergen.walker import mass, names
-from walkergen.walker.design import Design, Weighed
+from walkergen.walker.design import Design
+from walkergen.walker.material import Weighed
 from walkergen.walker.solids import Solids
 
 FILE = "weights.csv"

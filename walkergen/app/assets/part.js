@@ -22,7 +22,7 @@ export function viewerOf(canvas, positions) {
   const paint = () =>
     viewer.paint(colourOf('page'), colourOf('plate'), colourOf('edge'), colourOf('fault'));
   paint();
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+  viewer.repainted(paint);
   return viewer;
 }
 

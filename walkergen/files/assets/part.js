@@ -50,7 +50,7 @@
   }
   choose(0);
   paint();
-  matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+  viewer.repainted(paint);
   byId('part')?.addEventListener('change', (event) => choose(Number(event.target.value)));
   for (const button of byId('views').children)
     button.addEventListener('click', () => viewer.look(button.dataset.view));

@@ -14,7 +14,7 @@ from scipy.spatial import ConvexHull
 
 from walkergen.files.figures import COLOURS, style
 from walkergen.shapes.mesh import Mesh
-from walkergen.walker import pockets
+from walkergen.walker import caps, pockets
 from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
@@ -67,6 +67,26 @@ class Part(NamedTuple):
         return pockets.solids_of(self.design)
 
     @property
+    def cap(self) -> tuple[Array, list[Array]] | None:
+        """Corners of its cap and of the black rectangles on it, shapes (n, 3), where it bears one.
+
+        The marker is drawn flat, whatever makes it black.
+        """
+        cap, depth = self.design.cap, self.design.size.depth
+        if cap is None:
+            return None
+        bottom = float(self.mesh.vertices[:, 1].max())
+
+        def placed(corners: Array, up: float) -> Array:
+            """Corners seen from above, to the front and to the left, at a height over the body."""
+            x, y = corners.T
+            return np.column_stack([x, np.full(len(x), bottom + up), 0.5 * depth - y])
+
+        rim, top = caps.outline(cap), cap.thickness
+        tile = np.concatenate([placed(rim, 0.0), placed(rim, top)])
+        return tile, [placed(square, top) for square in caps.black(cap)]
+
+    @property
     def view(self) -> Array:
         """Camera that shows the shape: bodies in plan view from higher above."""
         return FROM_ABOVE if self.design.body.flat and not self.low else VIEW
@@ -88,7 +108,13 @@ LIGHT = np.array([-0.35, 0.75, 0.56])
 def preview_figure(parts: Sequence[Part], title: str) -> Figure:
     """Draw all parts with labels, in rows in the order of the table; more parts stand closer."""
     screens = [
-        np.concatenate([part.mesh.vertices, *(own.vertices for own in part.carried.values())])
+        np.concatenate(
+            [
+                part.mesh.vertices,
+                *(own.vertices for own in part.carried.values()),
+                *((part.cap or ())[:1]),
+            ]
+        )
         @ part.view.T
         for part in parts
     ]
@@ -161,7 +187,10 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         storey = np.digitize(lowest, (-half - 2.0 * ROUNDING_MM, half))
     order = np.lexsort([corners[:, :, 2].mean(axis=1), storey])
     carried = {name: mesh.vertices @ part.view.T for name, mesh in part.carried.items()}
-    seen = np.concatenate([corners.reshape(-1, 3), *carried.values()])
+    seen = np.concatenate([
+        corners.reshape(-1, 3), *carried.values(),
+        *(one @ part.view.T for one in (part.cap or ())[:1]),
+    ])  # fmt: skip
     middle = 0.5 * (seen.min(axis=0) + seen.max(axis=0))[:2]
     shade = 0.45 + 0.6 * np.clip(normals @ LIGHT, 0.0, 1.0)
     colours = np.clip(shade[:, None] * np.array(COLOURS[part.design.kind]), 0.0, 1.0)[order]
@@ -170,6 +199,12 @@ def _draw(axes: Axes, part: Part, at: Array) -> None:
         facecolors=colours, edgecolors=colours, linewidths=SEAM, joinstyle="round",
     )  # fmt: skip
     axes.add_collection(faces)
+    if part.cap is not None:
+        tile, squares = part.cap
+        rim = (tile @ part.view.T)[:, :2] - middle + at
+        axes.fill(*rim[ConvexHull(rim).vertices].T, facecolor="white", edgecolor="#808080", lw=0.5)
+        marker = [(square @ part.view.T)[:, :2] - middle + at for square in squares]
+        axes.add_collection(PolyCollection(marker, facecolors="black", edgecolors="black", lw=0.2))
     for name, outline in carried.items():
         hull = outline[ConvexHull(outline[:, :2]).vertices, :2] - middle + at
         axes.fill(*hull.T, facecolor=CARRIED[name], edgecolor="black", linewidth=0.5, alpha=0.6)

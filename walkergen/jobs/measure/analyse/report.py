@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 from walkergen.analysis import facts
 from walkergen.analysis.between import Alone
+from walkergen.analysis.doubts import of_scale
 from walkergen.analysis.estimates import HEADINGS_KNOWN, IN_A_LANE, UNITS, Estimate, with_error
 from walkergen.analysis.facts import OF_WALKERS
 from walkergen.analysis.motion import Array, Motion
@@ -97,7 +98,7 @@ class AtPlate(NamedTuple):
 def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -> AnalysisReport:
     """Report of the motion of tracks, of a file called `title`."""
     fit = motion.msd_fit.goodness if motion.msd_fit else ""
-    lines = [motion.method, fit, *motion.doubts, by_scale(motion), tracks.note]
+    lines = [motion.method, fit, *motion.doubts, of_scale(motion.scale_se), tracks.note]
     notes = [f"{line}." for line in lines if line]
     more = {"bad_rows": tracks.bad_rows, "notes": notes}
     hidden = len(motion.walkers) - MOST_WALKERS
@@ -111,22 +112,6 @@ def of(tracks: Tracks, motion: Motion, title: str, folder: Path | None = None) -
         figures={name: partial(draw, name) for name in _drawn(motion)}, folder=folder,
         motion=motion, notes=notes,
     )  # fmt: skip
-
-
-def by_scale(motion: Motion) -> str:
-    """What the scale means for the numbers; '' where it is exact, as in a simulation."""
-    share = motion.scale_se
-    if share is None:
-        return (
-            "the scale's error is not known and in no number: give the scale with its error, as "
-            "--mm-per-px 0.05+-0.001"
-        )
-    if not share:
-        return ""
-    return (
-        f"the scale is off by {words.number(100.0 * share, 2)} % (standard error): all lengths and "
-        "speeds together, so that more walkers or time do not help; squares of them by twice that"
-    )
 
 
 def _tables(motion: Motion) -> Iterator[Table]:

@@ -9,7 +9,7 @@ import numpy as np
 from walkergen.analysis.beams import damping_ratio
 from walkergen.analysis.inverse import Measured
 from walkergen.errors import InputError
-from walkergen.jobs.measure.calibrate import parts
+from walkergen.jobs.measure.calibrate import filmed, form, parts
 from walkergen.jobs.measure.calibrate.form import Reading, Readings
 from walkergen.jobs.measure.calibrate.modulus import AT_SD_MM
 from walkergen.scene import GRAVITY
@@ -91,7 +91,10 @@ def missing_of_density(readings: Readings) -> list[str]:
 
 
 def friction(readings: Readings) -> Value | None:
-    """Friction, tan of the angle at which block and walker slide; None without any."""
+    """Friction, tan of the angle at which block and walker slide, or by films of slides.
+
+    None without any.
+    """
     singles = []
     for part in CARRIERS:
         for reading in readings.get(part, {}).get("slides_deg", ()):
@@ -99,6 +102,10 @@ def friction(readings: Readings) -> Value | None:
             slope = 1.0 + math.tan(angle) ** 2
             error = slope * math.radians(reading.error)
             singles.append(_Single(part, math.tan(angle), error, reading.tries))
+        for reading in readings.get(part, {}).get(form.FILMED, ()):
+            assert reading.tracks is not None
+            seen = filmed.friction(reading.tracks, reading.value, reading.error)
+            singles.append(_Single(f"{part}'s film", *seen, reading.tries))
     return _mean(singles)
 
 

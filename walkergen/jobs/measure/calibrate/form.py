@@ -2,7 +2,8 @@
 
 Columns: part; measured, the quantity with its unit; reading; error, the standard deviation of that
 reading, in its unit; unloaded_mm, weight_g and at_mm, which some quantities need beside. Rows of
-one part and quantity are tries, and may be as many as one likes.
+one part and quantity are tries, and may be as many as one likes. A column tracks may name the
+tracks.csv of a slide's film, beside the form, which filmed_deg needs.
 """
 
 import math
@@ -20,6 +21,8 @@ from walkergen.files.tables import csv_text
 
 FILE = "measurements.csv"
 HEADER = ("part", "measured", "reading", "error", "unloaded_mm", "weight_g", "at_mm")
+TRACKS = "tracks"
+"""Column that a form may have: a file of tracks, by its name beside the form."""
 MOST_BYTES, MOST_ROWS = 1_000_000, 2000
 NAMED = 20
 """Most mistakes that are told; the others are counted."""
@@ -47,6 +50,9 @@ SLIDES = Quantity(
 )
 """Angle at which a part slides. Below 2 degrees is a friction of 0.035: no plastic on a solid."""
 
+FILMED = "filmed_deg"
+"""Angle of an incline on which a part was filmed as it slid; needs the film's tracks."""
+
 AIR = "air_percent"
 """Share of a strip's outline that its lines leave open: round sides, gaps between. The form comes
 with what the printer's lines leave; it counts in the mass that rings."""
@@ -67,15 +73,16 @@ BLOCK = {
     "width_mm": Quantity(0.05, 1000.0),
     "height_mm": Quantity(0.05, 1000.0),
     "slides_deg": SLIDES,
+    FILMED: SLIDES,
 }
 LEAST = 1e-6
 """Least error of a reading, in whatever unit."""
 
-WALKER = {"slides_deg": SLIDES, "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
+WALKER = {"slides_deg": SLIDES, FILMED: SLIDES, "flight_s": Quantity(0.002, 2.0, ("at_mm",))}
 TRIES = {
     "thickness_mm": 3, "width_mm": 2, "free_length_mm": 1, "deflection_mm": 6, "swings_20_s": 3,
     "ring_hz": 1, "swings_to_half": 2, "mass_g": 2, "length_mm": 2, "height_mm": 2,
-    "slides_deg": 6, "flight_s": 6, AIR: 1,
+    "slides_deg": 6, FILMED: 0, "flight_s": 6, AIR: 1,
 }  # fmt: skip
 """Rows of the empty form for each quantity."""
 
@@ -93,6 +100,18 @@ class Reading(NamedTuple):
     """Standard deviation of the tries; None of one."""
     weight_g: float = 0.0
     at_mm: float = 0.0
+    tracks: Path | None = None
+    """Tracks of the film, where there is one."""
+
+
+class _Condition(NamedTuple):
+    """What tries of one kind have in common."""
+
+    part: str
+    name: str
+    weight_g: float
+    at_mm: float
+    tracks: str
 
 
 Readings = Mapping[str, Mapping[str, Sequence[Reading]]]
@@ -151,7 +170,7 @@ def read(path: Path) -> Readings:
     rows = _rows(path)
     if len(rows) > MOST_ROWS:
         raise InputError(f"{path}: {len(rows)} rows; at most {MOST_ROWS}")
-    tries: dict[tuple[str, str, float, float], list[tuple[float, float]]] = defaultdict(list)
+    tries: dict[_Condition, list[tuple[float, float]]] = defaultdict(list)
     problems = []
     for line, row in rows:
         try:
@@ -164,11 +183,13 @@ def read(path: Path) -> Readings:
         more = len(problems) - NAMED
         tail = [f"{path}: and {more} more mistakes"] if more > 0 else []
         raise InputError("\n".join(problems[:NAMED] + tail))
-    if not any(name != AIR for _, name, _, _ in tries):
+    if not any(condition.name != AIR for condition in tries):
         raise InputError(f"{path}: no readings; fill in the column reading of some row")
     readings: dict[str, dict[str, list[Reading]]] = defaultdict(lambda: defaultdict(list))
-    for (part, name, weight, at), pairs in tries.items():
-        readings[part][name].append(_mean(pairs, weight, at))
+    for condition, pairs in tries.items():
+        film = path.parent / condition.tracks if condition.tracks else None
+        mean = _mean(pairs, condition.weight_g, condition.at_mm)
+        readings[condition.part][condition.name].append(mean._replace(tracks=film))
     return {part: dict(own) for part, own in readings.items()}
 
 
@@ -176,7 +197,7 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     """Rows by their lines, cells by column. Raises InputError for other columns."""
     table = columns.records(reading.lines(path, columns.FORMAT, MOST_BYTES), str(path))
     missing = [name for name in HEADER if name not in table.names]
-    unknown = [name for name in table.names if name not in HEADER]
+    unknown = [name for name in table.names if name not in (*HEADER, TRACKS)]
     if missing or unknown:
         what = f"no column {missing[0]!r}" if missing else f"unknown column {unknown[0][:60]!r}"
         raise InputError(
@@ -186,7 +207,7 @@ def _rows(path: Path) -> list[tuple[int, dict[str, str]]]:
     return table.rows
 
 
-def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, float] | None:
+def _row(row: Mapping[str, str]) -> tuple[_Condition, float, float] | None:
     """Condition, value and error of a row; None without a reading. Raises InputError."""
     part, name = row["part"].strip(), row["measured"].strip()
     measurable = quantities(part)
@@ -208,6 +229,12 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
         if not cell and column in quantity.beside:
             raise InputError(f"{name} needs {column} as well")
         beside[column] = _number(column, cell, 1e5, zero=True) if cell else 0.0
+    film = row.get(TRACKS, "").strip()
+    if bool(film) != (name == FILMED):
+        raise InputError(
+            f"{name} has no column {TRACKS}: leave it blank" if film
+            else f"{name} needs the column {TRACKS}: the tracks.csv of the slide's film"
+        )  # fmt: skip
     value = _number("reading", row["reading"], 1e5, zero=True)
     if "unloaded_mm" in quantity.beside:
         value = abs(value - beside["unloaded_mm"])  # the ruler may stand either way up
@@ -225,7 +252,7 @@ def _row(row: Mapping[str, str]) -> tuple[tuple[str, str, float, float], float, 
     error = _number("error", row["error"], 1e5)
     # A deflection is the difference of two readings
     error *= math.sqrt(2.0) if "unloaded_mm" in quantity.beside else 1.0
-    return (part, name, beside["weight_g"], beside["at_mm"]), value, error
+    return _Condition(part, name, beside["weight_g"], beside["at_mm"], film), value, error
 
 
 def _number(what: str, cell: str, most: float, zero: bool = False) -> float:

@@ -226,7 +226,7 @@ def _missing(result: Calibrated, readings: Readings) -> list[str]:
         )  # fmt: skip
         notes.append(f"{lack}: no density{assumed}")
     for what, value, needs in (
-        ("friction", result.friction, "slides_deg of block or walker"),
+        ("friction", result.friction, "slides_deg or filmed_deg of block or walker"),
         ("damping of the legs", result.damping, "swings_to_half of a strip"),
     ):
         if value is None:

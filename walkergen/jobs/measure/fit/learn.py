@@ -142,7 +142,7 @@ def _flexible(table: Measured, path: Path, model: ModelName) -> tuple[Measured, 
             f"{path}: all rows have braced legs, whose speeds near 0 tell nothing of the contact; "
             "measure walkers with flexible legs"
         )
-    notes = [table.bad] if table.bad else []
+    notes = table.notes
     if braced.any():
         notes.append(f"rows of braced legs left out, which tell nothing of contact: {braced.sum()}")
     if table.se is None:

@@ -80,7 +80,7 @@ def fit(path: Path, job: Job, progress: Progress) -> Fitted:
     progress("fitting", 0, 1)
     result = fits.fit_contact(speeds, job.fixed)
     scene = _scene(job.scene, result, path)
-    notes = [*result.notes, *([table.bad] if table.bad else []), OF_THEORY]
+    notes = [*result.notes, *table.notes, OF_THEORY]
     return Fitted(result, tilt, legs, speeds, notes, scene, job.design, job)
 
 

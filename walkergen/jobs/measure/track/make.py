@@ -16,6 +16,7 @@ from walkergen.jobs.measure.track.appearance import Appearance
 from walkergen.jobs.measure.track.blobs import Blob, find
 from walkergen.jobs.measure.track.camera import Shake
 from walkergen.jobs.measure.track.films import Clock, Film, Grey
+from walkergen.jobs.measure.track.lens import Lens
 from walkergen.jobs.measure.track.linking import Linked, Seen
 from walkergen.jobs.measure.track.report import TrackReport
 from walkergen.jobs.measure.track.result import Array, Options, Tracked, Walker
@@ -84,16 +85,18 @@ def track(path: Path, options: Options, folder: Path, progress: Progress) -> Tra
     check(options)
     film = films.about(path)
     part = part_of(film, options.region)
+    lens = None if options.lens is None else options.lens.of_film(film.width, film.height)
     try:
         frames = _looked_at(film, part, options, progress)
         linked = linking.link(frames.blobs, options.frames[0], frames.clock.fps)
     except InputError as error:
         raise error if str(path) in str(error) else InputError(f"{path}: {error}") from None
-    scale, scale_se = _scale(options, linked)
+    straight = [_straight(seen, lens, part) for seen in linked.walkers]
+    scale, scale_se = _scale(options, _length(linked, straight))
     by: heading.By = "mark" if options.heading == "mark" else "motion"
     walkers = [
-        Walker(seen, _places(seen, film, part, scale), heading.of(seen, by))
-        for seen in linked.walkers
+        Walker(seen, own, _places(own, film, part, scale), heading.of(own, by))
+        for seen, own in zip(linked.walkers, straight, strict=True)
     ]
     tracked = Tracked(
         film, options, frames.look, linked, walkers, len(frames.blobs), _still(frames.blobs),
@@ -180,14 +183,32 @@ def _still(frames: Sequence[Sequence[Blob]]) -> int:
     return sum(still(before, now) for before, now in pairwise(frames))
 
 
-def _scale(options: Options, linked: Linked) -> tuple[float, float | None]:
-    """Millimetres per pixel, and the standard error: by blurred edges, or what a person gives."""
+def _straight(seen: Seen, lens: Lens | None, part: tuple[int, int, int, int]) -> Seen:
+    """Walker as a lens that does not bend sees it."""
+    if lens is None:
+        return seen
+    return seen._replace(blobs=lens.straight_blobs(seen.blobs, part[:2]))
+
+
+def _length(linked: Linked, straight: Sequence[Seen]) -> float:
+    """Length of a walker by a lens that does not bend, pixels."""
+    bent, own = (
+        np.concatenate([walker.blobs.length for walker in walkers])
+        for walkers in (linked.walkers, straight)
+    )
+    return linked.length * float(np.median(own / bent))
+
+
+def _scale(options: Options, length: float) -> tuple[float, float | None]:
+    """Millimetres per pixel by a walker's length, pixels, and the standard error: by blurred edges,
+    or what a person gives.
+    """
     if options.mm_per_px is not None:
         return options.mm_per_px, options.mm_per_px_se
     assert options.length_mm is not None
-    scale = options.length_mm / linked.length
+    scale = options.length_mm / length
     share_se = (options.length_se_mm or 0.0) / options.length_mm
-    return scale, scale * math.hypot(EDGES / linked.length, share_se)
+    return scale, scale * math.hypot(EDGES / length, share_se)
 
 
 def _places(seen: Seen, film: Film, part: tuple[int, int, int, int], scale: float) -> Array:

@@ -16,6 +16,7 @@ from walkergen.files.progress import Progress
 from walkergen.jobs.measure.track import films, make, plane
 from walkergen.jobs.measure.track.films import Clock, Film, Grey
 from walkergen.jobs.measure.track.heading import unwrapped
+from walkergen.jobs.measure.track.lens import Lens
 from walkergen.jobs.measure.track.linking import PART, SHORTEST
 from walkergen.jobs.measure.track.markers import SMALLEST, Reader, Sighted
 from walkergen.jobs.measure.track.plane import Plane
@@ -48,6 +49,8 @@ class Wish(NamedTuple):
     """First frame, and the one after the last."""
     region: tuple[int, int, int, int] | None = None
     """Left and upper edge, width and height of the part that is looked at, pixels."""
+    lens: Lens | None = None
+    """Lens that bends, which is undone; None for one that does not."""
 
 
 class Walker(NamedTuple):
@@ -58,6 +61,8 @@ class Walker(NamedTuple):
     """Ascending, shape (n,)."""
     corners: Array
     """Corners of the marker, shape (n, 4, 2), pixels; see `markers.Sighted`."""
+    straight: Array
+    """The same by a lens that does not bend."""
     position: Array
     """Middles of the marker, shape (n, 2), mm from the frame's lower left corner, y up."""
     theta: Array
@@ -77,8 +82,8 @@ class LeftOut(NamedTuple):
     """Frames in which a number was read at two places, by the number that is left out for it."""
     rare: Mapping[int, int]
     """Frames of numbers that were read too rarely."""
-    bent: int
-    """Sightings that are no squares in the plane of the others."""
+    bent: Mapping[int, int]
+    """Sightings that are no squares in the plane of the others, by number."""
     mirrored: Sequence[int]
     """Numbers of markers that are printed mirrored."""
 
@@ -156,17 +161,22 @@ def _found(film: Film, part: tuple[int, int, int, int], wish: Wish, progress: Pr
     empty = [at for at, sighted in enumerate(seen, first) if not len(sighted.numbers)]
     tracks, twice, rare = _sorted(seen, first)
     side = wish.marker_mm
-    flat = plane.fit(np.concatenate([corners for _, corners in tracks.values()]), side,
-                     film.width, film.height)  # fmt: skip
-    walkers, bent = [], 0
-    poses = {number: plane.pose(flat, corners, side) for number, (_, corners) in tracks.items()}
+    lens = None if wish.lens is None else wish.lens.of_film(film.width, film.height)
+    straight = {
+        number: corners if lens is None else lens.straight(corners)
+        for number, (_, corners) in tracks.items()
+    }
+    flat = plane.fit(np.concatenate([*straight.values()]), side, film.width, film.height)
+    walkers, bent = list[Walker](), dict[int, int]()
+    poses = {number: plane.pose(flat, corners, side) for number, corners in straight.items()}
     sound = plane.sound(np.concatenate([pose.off_px for pose in poses.values()]))
     for number, (frames, corners) in tracks.items():
         pose, (good, sound) = poses[number], np.split(sound, [len(frames)])
-        bent += int((~good).sum())
+        if not good.all():
+            bent[number] = int((~good).sum())
         if good.any():
             walkers.append(Walker(
-                number, frames[good], corners[good], pose.places[good],
+                number, frames[good], corners[good], straight[number][good], pose.places[good],
                 unwrapped(pose.headings[good]),
             ))  # fmt: skip
     return Marked(

@@ -11,9 +11,9 @@ from walkergen.files import figures, report, words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Column, Report, Table
-from walkergen.jobs.measure.track import doubts, marked
+from walkergen.jobs.measure.track import doubts, marked, marked_doubts
 from walkergen.jobs.measure.track.marked import Marked, Walker, Wish
-from walkergen.jobs.measure.track.report import COLUMNS, LOST, PICTURE, TRACKS, broken_off, rate
+from walkergen.jobs.measure.track.report import COLUMNS, PICTURE, TRACKS, known_lens, rate
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,15 +21,6 @@ if TYPE_CHECKING:
 EDGES = 0.2
 """Standard error of a marker's side in the picture, pixels: what its blurred edges leave of the
 scale. Drawn films err by that where walkers blur by 2 pixels a frame, by a tenth where none do."""
-
-CROOKED = 0.7
-"""Distance of corners from those of squares that is worth a warning, pixels."""
-
-LONG_S = 0.5
-"""Time without any marker that is worth a warning, s."""
-
-ASKEW = 45.0
-"""Tilt of the camera that is worth a warning, deg: far markers are few pixels high."""
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -87,7 +78,7 @@ def of(found: Marked, folder: Path) -> MarkedReport:
     """Report of a tracked film, to be written into a folder."""
     walkers = [_row(found, walker) for walker in found.walkers]
     title, picture = found.film.path.name, folder / PICTURE
-    warned = warnings(found, walkers)
+    warned = marked_doubts.of(found)
 
     def draw() -> "Figure":
         from walkergen.jobs.measure.track import marked_figures
@@ -175,58 +166,6 @@ def notes(found: Marked) -> list[str]:
     return lines
 
 
-def warnings(found: Marked, walkers: list[Row]) -> list[str]:
-    """What went wrong, each with its size."""
-    out, lines = found.left_out, broken_off(found.film, found.clock, found.wish.frames)
-    for number, count in out.twice.items():
-        lines.append(
-            f"marker {number} is seen at two places at once in {count} of {found.looked} frames, "
-            "and left out: print each number once"
-        )
-    for number in out.mirrored:
-        lines.append(f"marker {number} is read in the mirror only, and left out: print it anew")
-    if out.rare:
-        counts = ", ".join(f"{number} in {count}" for number, count in list(out.rare.items())[:10])
-        lines.append(f"read too rarely to be walkers, and left out: marker {counts} frames")
-    if out.bent:
-        lines.append(
-            f"{out.bent} sighting{'' if out.bent == 1 else 's'} left out: no squares in the plane "
-            "of the others (a cap that leans, or is half covered)"
-        )
-    lines += _gaps(found)
-    for row in walkers:
-        if row.lost > LOST * (row.last - row.first + 1):
-            lines.append(
-                f"walker {row.particle} is lost in {row.lost} frames between its first and last"
-            )
-    if found.plane.residual_px > CROOKED:
-        lines.append(
-            f"corners lie {found.plane.residual_px:.2g} pixels off those of squares: a lens that "
-            "bends, caps that are not flat, or motion blur"
-        )
-    if found.plane.tilt_deg > ASKEW:
-        lines.append(
-            f"the camera is tilted by {found.plane.tilt_deg:.0f} deg: film from above, within "
-            f"{ASKEW:g} deg"
-        )
-    return lines
-
-
-def _gaps(found: Marked) -> list[str]:
-    """Frames without any marker, and the longest time of them."""
-    if not len(found.empty):
-        return []
-    runs = np.split(found.empty, np.flatnonzero(np.diff(found.empty) > 1) + 1)
-    longest = max(runs, key=len)
-    times = found.clock.times
-    end = min(int(longest[-1]) + 1, len(times) - 1)
-    seconds = float(times[end] - times[longest[0]])
-    line = f"no marker is read in {len(found.empty)} of {found.looked} frames"
-    if seconds < LONG_S:
-        return [line]
-    return [f"{line}; for {seconds:.2g} s on end from {times[longest[0]]:.4g} s on"]
-
-
 def _sides(found: Marked) -> tuple[float, float]:
     sides = [walker.side_px for walker in found.walkers]
     return min(sides), max(sides)
@@ -235,7 +174,7 @@ def _sides(found: Marked) -> tuple[float, float]:
 def _scale_change(found: Marked) -> float:
     """Share by which lengths differ between the places that walkers reach."""
     scales = np.concatenate([
-        found.plane.scales(walker.corners.mean(axis=1)) for walker in found.walkers
+        found.plane.scales(walker.straight.mean(axis=1)) for walker in found.walkers
     ])  # fmt: skip
     return float(scales.max() / scales.min() - 1.0)
 
@@ -244,7 +183,8 @@ def facts(found: Marked, walkers: list[Row]) -> dict[str, Any]:
     """Everything but warnings for JSON and the manifest, with units in the names."""
     flat, out, noise = found.plane, found.left_out, jitter_mm(found)
     return {
-        "film": found.film.path.name, "markers": "aruco", **found.wish._asdict(),
+        "film": found.film.path.name, "markers": "aruco",
+        **found.wish._asdict(), "lens": known_lens(found.wish.lens),
         "film_fps": found.clock.fps, "regular_rate": found.clock.regular,
         "mm_per_px": flat.mm_per_px, "mm_per_px_se": flat.mm_per_px * scale_error(found),
         "tilt_deg": flat.tilt_deg, "scale_change_share": _scale_change(found),
@@ -253,6 +193,6 @@ def facts(found: Marked, walkers: list[Row]) -> dict[str, Any]:
         "frames_looked_at": found.looked, "frames_without_markers": len(found.empty),
         "seen_twice_frames": {str(key): count for key, count in out.twice.items()},
         "seen_rarely_frames": {str(key): count for key, count in out.rare.items()},
-        "sightings_left_out": out.bent, "mirrored": list(out.mirrored),
+        "sightings_left_out": sum(out.bent.values()), "mirrored": list(out.mirrored),
         "tracks": [row._asdict() for row in walkers],
     }  # fmt: skip

@@ -5,7 +5,7 @@ A camera that looks askew at a plane maps it by a homography, which has eight nu
 perspective, are those with which all markers are squares of the size that they have (least squares
 over corners, each marker turned and moved to where it fits best). Source: Hartley and Zisserman,
 Multiple View Geometry, 2nd ed., section 2.7, with squares in place of circular points.
-Lenses that bend are not undone: what they leave is in `Plane.residual_px`.
+Lenses that bend are undone before, by `lens`; what is left of them is in `Plane.residual_px`.
 """
 
 import math

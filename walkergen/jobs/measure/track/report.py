@@ -12,6 +12,7 @@ from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.track import doubts
 from walkergen.jobs.measure.track.films import Clock, Film
+from walkergen.jobs.measure.track.lens import Lens
 from walkergen.jobs.measure.track.result import Tracked
 
 if TYPE_CHECKING:
@@ -224,11 +225,11 @@ def _camera(tracked: Tracked) -> list[str]:
             "shadows are taken for walkers, and pull at their centres by "
             f"{_length(pull, tracked)}: light from all sides, or give a higher --threshold"
         )
-    size = doubts.sizes(seen)
+    size = doubts.sizes([walker.straight for walker in tracked.walkers])
     if size.change > max(LARGER, doubts.SURE * size.error):
         lines.append(
             f"walkers look {100 * size.change:.2g} % larger in one place than in another, and "
-            "lengths with them: the camera does not look straight down, or its lens bends"
+            "lengths with them: the camera does not look straight down, or its lens bends (--lens)"
         )
     if size.scatter > UNSTEADY:
         lines.append(
@@ -245,9 +246,10 @@ def _length(pixels: float, tracked: Tracked) -> str:
 def facts(tracked: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
     """Everything but warnings for JSON and the manifest, with units in the names."""
     linked, look = tracked.linked, tracked.look
-    size = doubts.sizes([walker.seen for walker in tracked.walkers])
+    size = doubts.sizes([walker.straight for walker in tracked.walkers])
     return {
-        "film": tracked.film.path.name, **tracked.options._asdict(),
+        "film": tracked.film.path.name,
+        **tracked.options._asdict(), "lens": known_lens(tracked.options.lens),
         "fps": tracked.clock.fps, "regular_rate": tracked.clock.regular,
         "mm_per_px": tracked.mm_per_px, "mm_per_px_se": tracked.mm_per_px_se,
         "frames_looked_at": tracked.looked, "frames_without_walkers": linked.empty,
@@ -262,6 +264,11 @@ def facts(tracked: Tracked, walkers: Sequence[Row]) -> dict[str, Any]:
         "size_scatter_share": size.scatter,
         "tracks": [row._asdict() for row in walkers],
     }  # fmt: skip
+
+
+def known_lens(lens: Lens | None) -> dict[str, Any] | None:
+    """Lens that is undone, for JSON."""
+    return None if lens is None else lens._asdict()
 
 
 def _known(value: float) -> float | None:

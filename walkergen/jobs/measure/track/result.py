@@ -12,6 +12,7 @@ from walkergen.jobs.measure.track.appearance import Appearance
 from walkergen.jobs.measure.track.camera import Shake
 from walkergen.jobs.measure.track.films import Clock, Film, Grey
 from walkergen.jobs.measure.track.heading import Headed
+from walkergen.jobs.measure.track.lens import Lens
 from walkergen.jobs.measure.track.linking import Linked, Seen
 
 Array = npt.NDArray[np.float64]
@@ -41,12 +42,16 @@ class Options(NamedTuple):
     """Width of a walker, the shorter side."""
     heading: str = "motion"
     """One of `heading.BY`."""
+    lens: Lens | None = None
+    """Lens that bends, which is undone; None for one that does not."""
 
 
 class Walker(NamedTuple):
     """One tracked walker."""
 
     seen: Seen
+    straight: Seen
+    """The same by a lens that does not bend."""
     position: Array
     """Places from the frame's lower left corner, shape (n, 2), mm, y up."""
     headed: Headed

@@ -110,7 +110,7 @@
     }
     byId('no-viewer').hidden = true;
     paint();
-    matchMedia('(prefers-color-scheme: dark)').addEventListener('change', paint);
+    viewer.repainted(paint);
     byId('spacing').textContent = viewer.spacing;
     for (const button of byId('views').children)
       button.addEventListener('click', () => viewer.look(button.dataset.view));

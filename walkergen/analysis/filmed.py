@@ -1,0 +1,208 @@
+"""Rows of a file of speeds that name tracks in place of a speed, and the speeds of these tracks.
+
+A row stands for one walker of the tracks, by its number in the column `particle`, or for each of
+them. Its speed and standard error are those that `analyse` gives to that walker by itself.
+"""
+
+import math
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from walkergen.analysis import doubts, motion, tracks
+from walkergen.analysis.between import Alone
+from walkergen.errors import InputError
+from walkergen.files import columns, plain, reading
+from walkergen.files.columns import Columns
+
+Array = npt.NDArray[np.float64]
+
+TRACKS, PARTICLE = "tracks", "particle"
+"""Columns of a file of tracks, by its name beside the file of speeds, and of a walker in it."""
+
+SPEED, ERROR, PLATE = "speed_mm_s", "speed_se_mm_s", "plate_speed_mm_s"
+
+MOST_FILES = 200
+"""Largest number of files of tracks."""
+
+
+class _Film(NamedTuple):
+    """Walkers of a file of tracks."""
+
+    path: Path
+    walkers: dict[int, Alone]
+    """Motion of each walker by itself, by its number."""
+    plates: dict[int, float]
+    """Peak speed of the plate by walker, mm/s; NaN where the file does not say."""
+    scale_se: float | None
+    """Standard error of the scale as a share of it; None where it is not known."""
+    notes: list[str]
+    """Doubts about its tracks, and what was done to its rows."""
+
+    @property
+    def name(self) -> str:
+        """Name of the file, safe to show."""
+        return plain.line(self.path.name)
+
+
+class _Walker(NamedTuple):
+    """Walker that a row of the file of speeds stands for."""
+
+    at: int
+    """Place of that row among the usable ones."""
+    film: _Film
+    alone: Alone
+
+    @property
+    def speed(self) -> float | None:
+        """Speed, mm/s; None where it, or its error, is not known."""
+        estimate = self.alone.of("speed")
+        return None if estimate.se is None else estimate.value
+
+    @property
+    def reason(self) -> str:
+        """Reason why it has no speed, or no error of it."""
+        return self.alone.of("speed").reason
+
+    def error(self, crowd: int) -> float:
+        """Standard error of the speed, mm/s, with that of the scale that `crowd` walkers share."""
+        value, se, *_ = self.alone.of("speed")
+        assert value is not None
+        assert se is not None
+        return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
+
+
+def with_speeds(path: Path, table: Columns) -> tuple[Columns, tuple[str, ...]]:
+    """Rows with a speed and, of tracks, its standard error (mm/s), and what is to be said of them.
+
+    All walkers of a film share the error of its scale: each bears it times the root of their
+    number, so that their mean bears it once. Raises InputError for tracks that cannot be read, for
+    rows that have a speed as well, and for a walker in two rows.
+    """
+    names = _names(path)
+    filmed = np.array([int(line) in names for line in table.lines], bool)
+    both = filmed & ~np.isnan(_column(table, SPEED))
+    if both.any():
+        raise InputError(
+            f"{path}:{table.lines[both][0]}: both {SPEED} and {TRACKS}: leave one blank"
+        )
+    films: dict[str, _Film] = {}
+    walkers: list[_Walker] = []
+    for at in map(int, np.flatnonzero(filmed)):
+        name = names[int(table.lines[at])]
+        if name not in films:
+            if len(films) == MOST_FILES:
+                raise InputError(f"{path}: more than {MOST_FILES} files of tracks: split the file")
+            films[name] = _film(path.parent / name)
+        walkers += _of_row(films[name], at, _column(table, PARTICLE)[at], path, table)
+    _refuse_twice(path, walkers)
+    known = [walker for walker in walkers if walker.speed is not None]
+    joined = _joined(table.without(filmed, ""), table, known)
+    bad = table.bad | _unknown(table, walkers, known)
+    notes = [note for film in films.values() for note in _notes(film, walkers)]
+    joined = joined._replace(bad=bad)
+    return joined.without(
+        np.isnan(joined.values[SPEED]), f"neither {SPEED} nor {TRACKS}"
+    ), tuple(notes)  # fmt: skip
+
+
+def _names(path: Path) -> dict[int, str]:
+    """Names of files of tracks by the line on which each stands."""
+    records = columns.records(reading.lines(path, columns.FORMAT), str(path))
+    cells = ((line, row[TRACKS].strip()) for line, row in records.rows)
+    return {line: cell for line, cell in cells if cell}
+
+
+def _column(table: Columns, name: str) -> Array:
+    """Column of a table, NaN where it has none."""
+    return table.values.get(name, np.full(len(table.lines), np.nan))
+
+
+def _film(path: Path) -> _Film:
+    """Walkers of a file of tracks that says its own lengths and times, as `analyse` reads it."""
+    read = tracks.read(path, tracks.Units())
+    measured = motion.analyse(read)
+    plates = {
+        track.particle: math.nan if track.plate_speed is None else track.plate_speed
+        for track in read.tracks
+    }
+    walkers = {walker.particle: walker for walker in measured.walkers}
+    notes = [*measured.doubts, doubts.of_scale(read.scale_se), read.note]
+    return _Film(path, walkers, plates, read.scale_se, [note for note in notes if note])
+
+
+def _of_row(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
+    """Walkers that a row stands for. Raises InputError for one that the tracks lack."""
+    if math.isnan(number):
+        yield from (_Walker(at, film, alone) for alone in film.walkers.values())
+    elif number in film.walkers:
+        yield _Walker(at, film, film.walkers[int(number)])
+    else:
+        seen = ", ".join(map(str, list(film.walkers)[:10]))
+        more = " ..." if len(film.walkers) > 10 else ""
+        raise InputError(
+            f"{path}:{table.lines[at]}: {PARTICLE} = {number:g}: must be a walker of {film.name}: "
+            f"{seen}{more}"
+        )
+
+
+def _refuse_twice(path: Path, walkers: Sequence[_Walker]) -> None:
+    """Raise InputError for the first walker that stands in two rows."""
+    seen: set[tuple[Path, int]] = set()
+    for walker in walkers:
+        key = (walker.film.path, walker.alone.particle)
+        if key in seen:
+            raise InputError(
+                f"{path}: walker {key[1]} of {walker.film.name} is in two rows: give each walker "
+                f"once, by the column {PARTICLE}"
+            )
+        seen.add(key)
+
+
+def _joined(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
+    """Rows of numbers, then a row of each walker with what else stood in its row."""
+    at = np.array([walker.at for walker in known], np.int64)
+    crowds = [sum(other.film is walker.film for other in known) for walker in known]
+    of_film = np.array([walker.film.plates[walker.alone.particle] for walker in known])
+    plate = _column(table, PLATE)[at]
+    own = {
+        SPEED: np.array([walker.speed for walker in known], float),
+        ERROR: np.array([
+            walker.error(crowd) for walker, crowd in zip(known, crowds, strict=True)
+        ], float),
+        PLATE: np.where(np.isnan(plate), of_film, plate),
+    }  # fmt: skip
+    names = dict.fromkeys((*table.values, *own))
+    values = {
+        name: np.append(_column(rest, name), own.get(name, _column(table, name)[at]))
+        for name in names
+    }
+    return Columns(values, np.append(rest.lines, table.lines[at]), {})
+
+
+def _unknown(
+    table: Columns, walkers: Sequence[_Walker], known: Sequence[_Walker]
+) -> dict[int, str]:
+    """Reasons, by line, why rows have no walker with a speed."""
+    having = {walker.at for walker in known}
+    lacking = {walker.at: walker for walker in reversed(walkers) if walker.at not in having}
+    return {
+        int(table.lines[at]): f"{walker.film.name}: no walker has a speed: {walker.reason}"
+        for at, walker in lacking.items()
+    }
+
+
+def _notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
+    """What is to be said of a film: walkers left out, doubts, and the error of its scale."""
+    own = [walker for walker in walkers if walker.film is film]
+    refused = [walker for walker in own if walker.speed is None]
+    if len(refused) < len(own):
+        count = len(own) - len(refused)
+        yield f"{film.name}: speeds of {count} walker{'' if count == 1 else 's'}, a row each"
+    if 0 < len(refused) < len(own):
+        which = ", ".join(str(walker.alone.particle) for walker in refused[:10])
+        yield f"{film.name}: left out: walker {which}: {refused[0].reason}"
+    yield from (f"{film.name}: {note}" for note in film.notes)
