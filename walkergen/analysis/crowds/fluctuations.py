@@ -48,7 +48,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
     parts = _parts(film)
     sides, means, variances = [], [], []
     for number in parts:
-        grid = boxes.grid(film.dish, number)
+        grid = boxes.whole(film.dish, number)
         counts = [boxes.sums(*ground.wrapped(each.x, each.y, each.dish), grid) for each in films]
         own = np.concatenate(counts).mean(axis=0)
         fixed = 1.0 - grid.side**2 / film.dish.area
@@ -68,7 +68,7 @@ def _parts(film: CrowdFilm) -> list[int]:
     smallest = math.sqrt(LEAST_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)
     parts = np.unique(np.rint(np.geomspace(boxes.FEWEST, max(most, boxes.FEWEST), SIZES)))
-    return [int(n) for n in parts if boxes.grid(film.dish, int(n)).inside.any()]
+    return [int(n) for n in parts if boxes.whole(film.dish, int(n)).used.any()]
 
 
 def _exponent(means: Array, variances: Array) -> float:

@@ -26,14 +26,14 @@ def packing(film: CrowdFilm) -> Array:
 
 
 def local(film: CrowdFilm) -> Array:
-    """Area of the walkers whose places lie in a box over its area, shape (F, boxes).
+    """Area of the walkers whose places lie in a box over that of its part in the dish, (F, boxes).
 
     Its mean is near `packing`; boxes with two likely values tell of a dense and a thin phase.
     """
     parts = parts_of(film)
-    grid = boxes.grid(film.dish, parts)
+    grid = boxes.cut(film.dish, parts)
     x, y = ground.wrapped(film.x, film.y, film.dish)
-    return boxes.sums(x, y, grid, film.areas) / grid.side**2
+    return boxes.sums(x, y, grid, film.areas) / grid.areas
 
 
 def parts_of(film: CrowdFilm) -> int:
