@@ -44,11 +44,9 @@ def parts_of(film: CrowdFilm) -> int:
 
 def scatter(local_packing: Array) -> Array:
     """Standard deviation of the local packing over the boxes, at each time, shape (F,)."""
-    return (
-        np.asarray(local_packing.std(axis=1, ddof=1))
-        if local_packing.shape[1] > 1
-        else (np.full(len(local_packing), math.nan))
-    )
+    if local_packing.shape[1] < 2:
+        return np.full(len(local_packing), math.nan)
+    return np.asarray(local_packing.std(axis=1, ddof=1))
 
 
 def density_of(local_packing: Array) -> tuple[Array, Array]:
