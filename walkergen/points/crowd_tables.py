@@ -106,6 +106,13 @@ def _value(row: CrowdNumber) -> str:
     return words.with_error(row.value, row.se)
 
 
+def _span(row: CrowdNumber) -> str:
+    """Bounds of 95 % to two digits of the error; '' without any."""
+    if row.low_95 is None or row.high_95 is None or not row.se:
+        return ""
+    return " to ".join(words.to_digits_of(row.se, (row.low_95, row.high_95)))
+
+
 def _chance(row: CrowdNumber) -> str:
     return "" if row.by_chance is None or row.value is None else words.number(row.by_chance)
 
@@ -118,6 +125,7 @@ def _name(row: CrowdNumber) -> str:
 NUMBERS = (
     Column("", _name),
     Column("value ± standard error", _value),
+    Column("95 %", _span),
     Column("at random", _chance, right=True),
 )
 

@@ -48,6 +48,11 @@ class CrowdFilm(NamedTuple):
         return float((self.times[-1] - self.times[0]) / (len(self.times) - 1))
 
     @property
+    def walkers(self) -> float:
+        """Mean number of walkers seen at a time: tracks that break number a walker anew."""
+        return float(np.isfinite(self.x).sum(axis=1).mean())
+
+    @property
     def sized(self) -> bool:
         """True where the outlines are known."""
         return not bool(np.isnan(self.radii).any())

@@ -64,7 +64,7 @@ def measure(films: Sequence[CrowdFilm]) -> Fluctuations:
 
 def _parts(film: CrowdFilm) -> list[int]:
     """Numbers of boxes along the dish, from few large ones to those that hold a walker or so."""
-    count = float(np.isfinite(film.x).sum(axis=1).mean())
+    count = film.walkers
     smallest = math.sqrt(LEAST_MEAN * film.dish.area / max(count, 1.0))
     most = int(min(film.dish.box) / smallest)
     parts = np.unique(np.rint(np.geomspace(boxes.FEWEST, max(most, boxes.FEWEST), SIZES)))

@@ -50,12 +50,12 @@ MOST_FRAMES = 200
 FEWEST_FRAMES = 4
 """Least number of frames of a run."""
 
-NO_OUTLINE = "the outlines of the walkers are not known"
-NO_HEADING = "headings are not known"
+NO_OUTLINE = "no outlines known"
+NO_HEADING = "no headings known"
 NO_WALL = "a periodic dish has no wall"
-NO_PAIRS = "too few walkers or frames tell"
-ONE_RUN = "one run, too short beside the time in which it changes to tell its own error"
-ONE_NUMBER = "one run gives one number, without its scatter"
+NO_PAIRS = "too few walkers"
+ONE_RUN = "no error of one run so short"
+ONE_NUMBER = "no error of one run"
 
 
 class CrowdStatistics(NamedTuple):
@@ -113,7 +113,7 @@ def measure(films: Sequence[CrowdFilm]) -> CrowdStatistics:
         _by_chance(film), by_run,
         {name: _joined([run.series[name] for run in runs]) for name in runs[0].series},
         {name: _joined([run.curves[name] for run in runs]) for name in runs[0].curves},
-        len(films), film.x.shape[1], shortest, float(film.times[-1] - film.times[0]), film.dish,
+        len(films), round(film.walkers), shortest, float(film.times[-1] - film.times[0]), film.dish,
         _notes(films),
     )  # fmt: skip
 
@@ -123,10 +123,9 @@ def _check(films: Sequence[CrowdFilm]) -> None:
         raise InputError("no run of a crowd: nothing to measure")
     first = films[0]
     for film in films:
-        if film.dish != first.dish or sorted(film.kinds) != sorted(first.kinds):
+        if film.dish != first.dish or set(film.kinds) != set(first.kinds):
             raise InputError(
-                f"runs of a crowd differ: {len(film.kinds)} walkers in {film.dish.words} and "
-                f"{len(first.kinds)} in {first.dish.words}; measure them apart"
+                f"runs of a crowd differ: {_words(film)} and {_words(first)}; measure them apart"
             )
         if len(film.times) < FEWEST_FRAMES:
             raise InputError(
@@ -134,6 +133,11 @@ def _check(films: Sequence[CrowdFilm]) -> None:
             )
         if len(film.kinds) < 2:
             raise InputError("a crowd of 1 walker: needs 2 at least; leave --dish out")
+
+
+def _words(film: CrowdFilm) -> str:
+    """What ran where, in words."""
+    return f"{', '.join(sorted(set(film.kinds)))} in {film.dish.words}"
 
 
 def _of(film: CrowdFilm) -> _Run:
@@ -264,7 +268,7 @@ def _joined(curves: Sequence[tuple[Array, Array]]) -> Curve:
 
 def _by_chance(film: CrowdFilm) -> dict[str, float]:
     """Numbers of walkers at random places and headings, where they are known."""
-    walkers = film.x.shape[1]
+    walkers = max(film.walkers, 1.0)
     return {
         "polar_order": order.by_chance(walkers), "nematic_order": order.by_chance(walkers),
         "local_polar_order": 0.0, "local_nematic_order": 0.0, "circulation": 0.0,

@@ -33,7 +33,7 @@ def circulation(film: CrowdFilm) -> Array:
     return np.asarray(_mean(about))
 
 
-def by_chance(walkers: int) -> float:
+def by_chance(walkers: float) -> float:
     """Mean modulus of the mean of N random unit vectors: sqrt(pi / (4 N)), for N above some ten.
 
     Their sum is then normal in two directions, with variance N / 2 in each.
@@ -41,7 +41,7 @@ def by_chance(walkers: int) -> float:
     return 0.5 * math.sqrt(math.pi / walkers)
 
 
-def circulation_by_chance(walkers: int) -> float:
+def circulation_by_chance(walkers: float) -> float:
     """Mean |circulation| of N random headings: a half-normal of variance 1 / (2 N)."""
     return 1.0 / math.sqrt(math.pi * walkers)
 

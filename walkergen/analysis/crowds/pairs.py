@@ -45,7 +45,7 @@ def scale(film: CrowdFilm) -> float:
     """Mean outer diameter, mm; without outlines the side of the square a walker has on average."""
     if film.sized:
         return 2.0 * float(film.radii.mean())
-    return float(np.sqrt(film.dish.area / film.x.shape[1]))
+    return float(np.sqrt(film.dish.area / max(film.walkers, 1.0)))
 
 
 def edges_of(film: CrowdFilm) -> Array:
