@@ -50,6 +50,9 @@ MOST_FRAMES = 200
 FEWEST_FRAMES = 4
 """Least number of frames of a run."""
 
+SAME = 1e-12
+"""Share by which runs differ, at most, in a number that they do not differ in, as the packing."""
+
 NO_OUTLINE = "no outlines known"
 NO_HEADING = "no headings known"
 NO_WALL = "a periodic dish has no wall"
@@ -221,6 +224,8 @@ def _each(runs: Sequence[_Run], name: str) -> Array:
 def _estimate(name: str, values: Array, runs: Sequence[_Run], film: CrowdFilm) -> Estimate:
     if np.isnan(values).any():
         return Estimate(None, None, _refusal(name, film))
+    if np.ptp(values) <= SAME * abs(values[0]) and len(values) > 1:
+        return Estimate(float(values[0]), 0.0)
     if len(values) > 1:
         return Estimate(*statistics.mean_of(values)[:2], "", len(values) - 1.0)
     if name in TIMELESS:
