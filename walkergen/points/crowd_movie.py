@@ -36,7 +36,7 @@ HEAD, FOOT, MARGIN = 46, 40, 14
 HUES = 72
 """Colours of headings, even around the circle."""
 
-LIGHTNESS, CHROMA = 0.70, 0.125
+LIGHTNESS, CHROMA = 0.72, 0.12
 """Of these in OKLab (https://bottosson.github.io/posts/oklab/): all equally bright, so that none
 stands out, and inside sRGB at every hue."""
 
