@@ -52,6 +52,17 @@ def test_a_crowd_is_drawn_from_above_with_its_curves(run, runs, tmp_path):
     assert {"crowd_above.png", "crowd_course.pdf", "crowd_walls.png", "crowd_pairs.png"} <= names
 
 
+def test_a_body_may_be_a_walker(run, runs, tmp_path):
+    flags = ("--dish", "disc:60", "--no-pictures", "--json", "--out", str(tmp_path / "out"))
+    packing = [
+        json.loads(run("analyse", str(runs[0]), "--body", body, *flags).stdout)["numbers"][
+            "packing"
+        ]
+        for body in ("koumakis2016", "28x8")
+    ]
+    assert packing[0]["value"] == pytest.approx(packing[1]["value"])
+
+
 def test_the_middle_of_the_dish_may_lie_anywhere(run, runs, tmp_path):
     header, *rows = runs[0].read_text().splitlines()
     moved = tmp_path / "moved.csv"
@@ -78,6 +89,7 @@ def test_the_middle_of_the_dish_may_lie_anywhere(run, runs, tmp_path):
         (("--dish", "disc:60", "--middle", "3"), "--middle 3"),
         (("--dish", "disc:60", "--lag-ms", "40"), "--lag-ms"),
         (("--dish", "disc:60", "--lane"), "lane"),
+        (("--dish", "disc:60", "--body", "nobody"), "nobody"),
         (("--body", "3x1"), "give --dish"),
     ],
 )

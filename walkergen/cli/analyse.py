@@ -41,7 +41,7 @@ def analyse(
     body: Annotated[
         str | None,
         typer.Option(
-            metavar="MM", help="Outline of a walker of the crowd: 24x8, or 20 of a disc, mm."
+            metavar="MM", help="Outline of a walker: 24x8, or 20 of a disc, mm, or a walker's name."
         ),
     ] = None,
     middle: Annotated[

@@ -14,11 +14,13 @@ from walkergen.analysis.crowds.film import CrowdFilm
 from walkergen.analysis.tracks import Units
 from walkergen.dish import Dish
 from walkergen.errors import InputError
-from walkergen.files import plain, words
+from walkergen.files import plain, templates, words
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.points import crowd_figures, crowd_tables
+from walkergen.walker import seen_above
+from walkergen.walker.design import Design
 
 Array = npt.NDArray[np.float64]
 
@@ -106,14 +108,16 @@ def _film(path: Path, units: Units, crowd: Asked) -> CrowdFilm:
 
 
 def _contours(body: str | None) -> tuple[Array, ...]:
-    """Outline of a body from its length and width, or from its diameter."""
+    """Outline of a body from its length and width, from its diameter, or from a walker's file."""
     if body is None:
         return ()
     sizes = [words.value(word) for word in body.split("x")]
+    if sizes[0] is None:
+        return tuple(seen_above.outline_of(templates.load(body, "walkers", Design)))
     if len(sizes) > 2 or not all(size is not None and LEAST <= size <= LARGEST for size in sizes):
         raise InputError(
             f"--body {plain.line(body)[:40]}: must be LENGTHxWIDTH, as 24x8, or the DIAMETER of a "
-            f"disc, as 20, mm, in {LEAST:g}..{LARGEST:g}"
+            f"disc, as 20, or a walker, mm, in {LEAST:g}..{LARGEST:g}"
         )
     half = 0.5 * np.array([size for size in sizes if size is not None])
     if len(half) == 2:
