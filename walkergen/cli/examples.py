@@ -19,7 +19,10 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "track film.mp4 --mm-per-px 0.1",
         "track film.mp4 --length 28 --heading mark --fps 240",
     ),
-    "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
+    "analyse": (
+        "analyse film.csv --fps 50 --mm-per-px 0.1",
+        "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
+    ),
     "fit": ("fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": (
         "calibrate measurements.csv",
