@@ -17,13 +17,13 @@ from walkergen.card import Card
 from walkergen.flat.discs import Discs, rim
 from walkergen.flat.motion import Motion
 
-GIVE = 0.02
-"""Deepest overlap of a hard hit, as a share of the narrowest walker's widest disc's radius."""
+GIVE = 0.04
+"""Overlap of a typical head-on hit, as a share of the narrowest walker's widest disc's radius."""
 
-STEPS_IN_TOUCH = 40
+STEPS_IN_TOUCH = 16
 """Steps in a contact of two typical points."""
 
-STEPS_IN_MEMORY = 20
+STEPS_IN_MEMORY = 100
 """Least number of steps in which a velocity forgets a push."""
 
 SMALLEST, LARGEST = 0.05, 0.98
@@ -86,10 +86,7 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     """Contacts of the kinds among each other and with walls."""
     light = [lightness(card) for card in cards]
     give = GIVE * min(float(body.radii.max()) for body in discs)
-    speed = max(
-        2.0 * (motion.fastest + motion.fastest_turning * body.reach)
-        for motion, body in zip(motions, discs, strict=True)
-    )
+    speed = max(2.0 * _approach(motion) for motion in motions)
     heaviest, lightest = 1.0 / min(light), 1.0 / (2.0 * max(light))
     stiffness = heaviest * (max(speed, 1.0) / give) ** 2
     pairs = {
@@ -108,6 +105,12 @@ def of(cards: Sequence[Card], motions: Sequence[Motion], discs: Sequence[Discs])
     touch = math.pi * math.sqrt(lightest / stiffness)
     memory = min(min(motion.relaxation, motion.turning_relaxation) for motion in motions)
     return Contacts(pairs, walls, min(touch / STEPS_IN_TOUCH, memory / STEPS_IN_MEMORY))
+
+
+def _approach(motion: Motion) -> float:
+    """Typical speed of a point at the radius of gyration, mm/s."""
+    speed, rate = motion.typical
+    return speed + rate * math.sqrt(motion.inertia / motion.mass)
 
 
 def _contact(stiffness: float, mass: float, wanted: float, friction: float) -> Contact:

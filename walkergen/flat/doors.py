@@ -98,7 +98,7 @@ def _check_room(asked: deck.Crowd) -> None:
     if period and period < 4.0 * reach:
         raise wrong(f"dish {asked.dish.words}: side", f"{period:g} mm", f">= {4.0 * reach:.4g} mm")
     points, radii, owners = _spread(asked, shapes)
-    gaps = _gaps_to_walls(asked.dish, points, radii)
+    gaps = gaps_to_walls(asked.dish, points, radii)
     if gaps.min() < -DEEPEST:
         walker = int(owners[np.argmin(gaps)])
         raise InputError(
@@ -137,7 +137,7 @@ def _spread(
     return np.concatenate(points), np.concatenate(radii), np.concatenate(owners)
 
 
-def _gaps_to_walls(dish: Dish, points: Array, radii: Array) -> Array:
+def gaps_to_walls(dish: Dish, points: Array, radii: Array) -> Array:
     """Distance of each disc from the nearest wall, mm; negative inside one."""
     if dish.kind == "rectangle":
         return np.asarray((0.5 * np.array(dish.sizes) - np.abs(points)).min(axis=1) - radii)

@@ -88,7 +88,7 @@ def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progres
     Raises InputError for a run that LAMMPS gives up or that is stopped from outside, OutputError
     where it cannot write. Nothing of it goes on when this returns or raises.
     """
-    command = [engine.program, "-in", script, "-log", "none", "-nocite"]
+    command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
     environment = engine.environment
     if ranks > 1:
         command = [*_launcher(ranks), *command]

@@ -37,14 +37,13 @@ class Motion(NamedTuple):
     """w0, rad/s."""
 
     @property
-    def fastest(self) -> float:
-        """Speed that C rarely exceeds, mm/s: three standard deviations above the mean."""
-        return abs(self.push) * self.relaxation / self.mass + 3.0 * math.sqrt(self.heat / self.mass)
-
-    @property
-    def fastest_turning(self) -> float:
-        """Turning rate that it rarely exceeds, rad/s."""
-        return abs(self.turning) + 3.0 * math.sqrt(self.spin_heat / self.inertia)
+    def typical(self) -> tuple[float, float]:
+        """Typical speed of C, mm/s, and turning rate, rad/s: mean and one standard deviation."""
+        drive = abs(self.push) * self.relaxation / self.mass
+        return (
+            drive + math.sqrt(self.heat / self.mass),
+            abs(self.turning) + math.sqrt(self.spin_heat / self.inertia),
+        )
 
 
 def of(card: Card) -> Motion:
