@@ -107,3 +107,12 @@ def test_the_holes_of_letters_are_contours_but_no_outline():
     assert [area(ring) > 0.0 for ring in contours] == [True, *[False] * (len(contours) - 1)]
     assert len(contours) > 2
     assert len(seen_above.outline_of(design)) == 1
+
+
+def test_a_disc_stays_round_about_its_middle():
+    design = templates.load("rotator", "walkers", Design)
+    (outline,) = seen_above.outline_of(design)
+    middle = outline.mean(axis=0)
+    assert np.hypot(*(outline - middle).T) == pytest.approx(14.0)
+    assert middle[1] == pytest.approx(0.0, abs=1e-9)
+    assert 40 <= len(outline) <= 120
