@@ -5,6 +5,7 @@ not part of it: walkers of one height meet with their bodies.
 """
 
 from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 
