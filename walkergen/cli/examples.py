@@ -20,6 +20,7 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "track film.mp4 --length 28 --heading mark --fps 240",
     ),
     "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
+    "card": ("card koumakis2016 --scene plane-90hz", "card tracks.csv --design my.toml"),
     "fit": ("fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": (
         "calibrate measurements.csv",
