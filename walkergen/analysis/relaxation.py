@@ -79,8 +79,14 @@ def velocity(tracks: Tracks, exact: bool) -> tuple[Relaxation, Estimate]:
         if found is None or abs(found - seconds) < 1e-3 * seconds:
             break
         seconds = found
+    piece = size * tracks.interval
+    if (relaxed.time.value or 0.0) > piece:
+        reason = f"relaxes within {relaxed.time.value:.2g} s, longer than pieces of {piece:.2g} s"
+        relaxed = _unknown(f"{reason}: longer runs, or film for longer")
+    if relaxed.time.value is None:
+        diffusion = Estimate(None, None, relaxed.time.reason)
     if relaxed.noise and diffusion.value is not None:
-        raised = relaxed.noise**2 / (max(size, 1) * tracks.interval)
+        raised = relaxed.noise**2 / piece
         diffusion = diffusion._replace(value=max(diffusion.value - raised, 0.0))
     return relaxed, diffusion
 
@@ -130,12 +136,13 @@ def fluctuations(
     Where a place has noise, neighbours share it: their correlation starts at the second lag.
     """
     pieces = _samples(rest)
-    longest = max((len(piece) for piece in pieces), default=0) // 4
+    length = max((len(piece) for piece in pieces), default=0)
+    longest = length // 4
     lags = np.arange(min(longest, MOST_LAGS) + 1, dtype=np.int64)
     first = 1 if exact else 2
     if len(pieces) < FEWEST_SAMPLES or longest < first + 3 or diffusion.value is None:
         few = (
-            f"{len(pieces)} independent samples of {4 * longest} intervals; at least "
+            f"{len(pieces)} independent samples of {length} intervals; at least "
             f"{FEWEST_SAMPLES} of {4 * (first + 3)}: more runs, or film for longer"
         )
         return _unknown(diffusion.reason or few)

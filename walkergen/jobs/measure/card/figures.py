@@ -121,7 +121,9 @@ def _delay(axes: Axes, card: Card, measured: Measured) -> None:
         rate, turn = card.rotational_diffusion_rad2_s.value, card.turning_rad_s.value
         expected = delay.expected(fine, card.propulsion_mm_s, rate, turn, time)
         axes.plot(fine, expected, color=ORANGE, label="card: inertia alone")
-    axes.legend(loc="best")
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.2 * (high - low))
+    axes.legend(loc="upper right", ncols=2)
 
 
 def _thinned(curve: Curve) -> Curve:
