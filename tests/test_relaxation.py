@@ -123,7 +123,9 @@ def test_walkers_that_stand_have_no_fluctuations():
 @pytest.mark.slow
 @pytest.mark.parametrize("case", ["as a printed walker", "filmed with noise"])
 def test_errors_are_honest(case):
-    """Over 40 sets, 68 and 95 % of the truths lie within one and two errors, as of Student's t."""
+    """Over 40 sets, 68 and 95 % of the truths lie within one and two errors, within chance: of 40
+    in each, less than 18 and less than 33 come once in 500.
+    """
     one, made, exact = CASES[case]
     off = {}
     for seed in range(100, 140):
@@ -135,6 +137,6 @@ def test_errors_are_honest(case):
         off.setdefault("delay", []).append((late.value - one.relaxation) / late.se)
     for name, values in off.items():
         sizes = np.abs(values)
-        assert 0.5 < (sizes < 1.0).mean() < 0.9, (name, values)
+        assert 0.45 <= (sizes < 1.0).mean() < 0.9, (name, values)
         assert (sizes < 2.0).mean() > 0.82, (name, values)
         assert abs(np.mean(values)) < 0.55, (name, np.mean(values))
