@@ -25,7 +25,7 @@ COMMANDS = {
     "Make": ("family", "export", "check", "plate", "design"),
     "Predict": ("predict", "sweep"),
     "Simulate": ("simulate", "movie", "explain"),
-    "Measure": ("track", "analyse", "fit", "calibrate", "weigh", "bench"),
+    "Measure": ("track", "analyse", "card", "fit", "calibrate", "weigh", "bench"),
     "Trust": ("accuracy", "selftest", "validate", "reproduce"),
     "Files": ("report", "templates"),
 }

@@ -23,6 +23,7 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "analyse film.csv --fps 50 --mm-per-px 0.1",
         "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
     ),
+    "card": ("card koumakis2016 --scene plane-90hz", "card tracks.csv --design my.toml"),
     "fit": ("fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": (
         "calibrate measurements.csv",
