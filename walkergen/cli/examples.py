@@ -13,6 +13,10 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
     ),
     "simulate": ("simulate --tilt 10", "simulate --tilt 10 --error 5%"),
+    "crowd": (
+        "crowd --count 30 --arena disc:120 --seconds 20",
+        "crowd --count polar-disc:20,rotator:10 --arena periodic:200",
+    ),
     "movie": ("movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
     "explain": ("explain --tilt 10", "explain --scene plane-noisy --no-cost"),
     "track": (
