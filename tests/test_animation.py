@@ -6,7 +6,7 @@ import shutil
 import numpy as np
 from PIL import Image
 
-from walkergen.jobs.run.movie import animation
+from walkergen.files import animation
 
 
 def silent(what, done, total):

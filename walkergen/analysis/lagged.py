@@ -57,17 +57,29 @@ def products(series: Complex, lags: Lags) -> tuple[Complex, Array]:
 
     `series` has shape (times,) and values of order 1: errors are near 1e-16 times their number.
     """
-    seen = ~np.isnan(series)
-    reachable = lags < len(series)
+    return crossed(series, series, lags)
+
+
+def crossed(first: Complex, second: Complex, lags: Lags) -> tuple[Complex, Array]:
+    """Sum of conj(first(t)) second(t + lag) and number of pairs, each of shape (lags,).
+
+    Both series have the same shape (times,).
+    """
+    reachable = lags < len(first)
     total, pairs = np.zeros(len(lags), complex), np.zeros(len(lags))
     near = lags[reachable]
     if not len(near):
         return total, pairs
-    size = fft.next_fast_len(2 * len(series))
-    values = fft.fft(np.where(seen, series, 0.0), size)
-    weight = fft.fft(seen.astype(float), size)
-    total[reachable] = fft.ifft(np.conj(values) * values)[near]
-    pairs[reachable] = np.rint(fft.ifft(np.conj(weight) * weight).real[near])
+    size = fft.next_fast_len(2 * len(first))
+
+    def transformed(series: Complex) -> tuple[Complex, Complex]:
+        seen = ~np.isnan(series)
+        return fft.fft(np.where(seen, series, 0.0), size), fft.fft(seen.astype(float), size)
+
+    values, weight = transformed(first)
+    others, weights = (values, weight) if second is first else transformed(second)
+    total[reachable] = fft.ifft(np.conj(values) * others)[near]
+    pairs[reachable] = np.rint(fft.ifft(np.conj(weight) * weights).real[near])
     return total, pairs
 
 

@@ -24,8 +24,8 @@ COMMANDS = {
     "Design": ("app",),
     "Make": ("family", "export", "check", "plate", "design"),
     "Predict": ("predict", "sweep"),
-    "Simulate": ("simulate", "movie", "explain"),
-    "Measure": ("track", "analyse", "fit", "calibrate", "weigh", "bench"),
+    "Simulate": ("simulate", "crowd", "movie", "explain"),
+    "Measure": ("track", "analyse", "card", "fit", "calibrate", "weigh", "bench"),
     "Trust": ("accuracy", "selftest", "validate", "reproduce"),
     "Files": ("report", "templates"),
 }

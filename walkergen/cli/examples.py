@@ -13,13 +13,21 @@ EXAMPLES: dict[str, tuple[str, str]] = {
         "sweep --set legs.tilt_deg=5,10 --set scene.drive.gamma=1:3:0.5",
     ),
     "simulate": ("simulate --tilt 10", "simulate --tilt 10 --error 5%"),
+    "crowd": (
+        "crowd --count 30 --arena disc:120 --seconds 20",
+        "crowd --count polar-disc:20,rotator:10 --arena periodic:200",
+    ),
     "movie": ("movie --tilt 10", "movie --tilt 5,10,15 --scene plane-90hz"),
     "explain": ("explain --tilt 10", "explain --scene plane-noisy --no-cost"),
     "track": (
         "track film.mp4 --mm-per-px 0.1",
         "track film.mp4 --length 28 --heading mark --fps 240",
     ),
-    "analyse": ("analyse film.csv --fps 50 --mm-per-px 0.1", "analyse run.csv --lane"),
+    "analyse": (
+        "analyse film.csv --fps 50 --mm-per-px 0.1",
+        "analyse first.csv --run second.csv --dish disc:120 --body 24x8",
+    ),
+    "card": ("card koumakis2016 --scene plane-90hz", "card tracks.csv --design my.toml"),
     "fit": ("fit speeds.csv", "fit speeds.csv --predict 8,12"),
     "calibrate": (
         "calibrate measurements.csv",

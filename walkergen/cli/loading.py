@@ -33,6 +33,9 @@ FLAGS = {
     "seed": "scene.run.seed",
     "step": "scene.run.step_us",
     "model": "scene.legs.model",
+    "count": "scene.crowd.count",
+    "packing": "scene.crowd.packing",
+    "arena": "scene.crowd.arena_mm",
 }
 """Keys that flags set, by the flags' names."""
 

@@ -5,7 +5,6 @@ not part of it: walkers of one height meet with their bodies.
 """
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 import numpy as np
 import numpy.typing as npt
@@ -14,9 +13,6 @@ from walkergen.shapes.outlines import area
 from walkergen.walker import landing, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
-
-if TYPE_CHECKING:
-    import shapely
 
 Array = npt.NDArray[np.float64]
 
@@ -46,13 +42,11 @@ def outline_of(design: Design, mass: MassProperties | None = None) -> list[Array
     Shape (n, 2) each, the last point not repeated; no point moves farther than `MOVED`. A mass that
     is known saves its making. Raises GeometryError for a body that cannot be made.
     """
-    import shapely
-
     mass = solids.mass_of(design) if mass is None else mass
     shift = from_centre(design, mass, np.zeros((1, 2)))[0, 0], 0.0
-    outer = [ring for ring in contours(design) if area(ring) > 0.0]
-    simple = [shapely.polygons(ring).simplify(MOVED, preserve_topology=True) for ring in outer]
-    return [np.add(_ring(polygon), shift) for polygon in simple]
+    round_one = design.body.outline in ("disc", "ellipse")
+    thinned = _evenly if round_one else _simplified
+    return [np.add(thinned(ring), shift) for ring in contours(design) if area(ring) > 0.0]
 
 
 def area_of(outline: Sequence[Array]) -> float:
@@ -60,7 +54,27 @@ def area_of(outline: Sequence[Array]) -> float:
     return float(sum(area(contour) for contour in outline))
 
 
-def _ring(polygon: "shapely.Polygon") -> Array:
-    """Points of a polygon's exterior, counter-clockwise, the first not repeated."""
-    points = np.asarray(polygon.exterior.coords, dtype=np.float64)[:-1]
+def _simplified(ring: Array) -> Array:
+    """Contour without the points that it can spare."""
+    import shapely
+
+    exterior = shapely.polygons(ring).simplify(MOVED, preserve_topology=True).exterior
+    points = np.asarray(exterior.coords, dtype=np.float64)[:-1]
     return points if area(points) > 0.0 else points[::-1]
+
+
+def _evenly(ring: Array) -> Array:
+    """Every k-th point of a round contour, which stays its own mirror image."""
+    half = len(ring) // 2
+    for step in range(half // 2, 1, -1):
+        if half % step == 0 and _moved(ring, step) <= MOVED:
+            return ring[::step]
+    return ring
+
+
+def _moved(ring: Array, step: int) -> float:
+    """Distance of a contour from that of every `step`-th of its points, mm."""
+    import shapely
+
+    kept = shapely.linearrings(ring[::step])
+    return float(shapely.distance(shapely.points(ring), kept).max())

@@ -11,8 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
-from walkergen.jobs.run.movie.animation import Draw, Pixels
-from walkergen.jobs.run.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
+from walkergen.files.animation import Draw, Pixels
+from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
 from walkergen.jobs.run.movie.footage import pace, strongest
 from walkergen.jobs.run.movie.impacts import largest_impulse, legend, style_of
 from walkergen.jobs.run.movie.shot import Array, Shot, feet, outline, turned

@@ -11,18 +11,8 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch, Rectangle
 from matplotlib.text import Text
 
-from walkergen.jobs.run.movie.animation import Draw, Pixels
-from walkergen.jobs.run.movie.canvas import (
-    BODY,
-    INK,
-    LARGE,
-    LIMB,
-    PLATE,
-    SMALL,
-    Canvas,
-    Place,
-    to_scale,
-)
+from walkergen.files.animation import Draw, Pixels
+from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, Place, to_scale
 from walkergen.jobs.run.movie.footage import (
     BACK,
     FRONT,

@@ -6,7 +6,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from walkergen.jobs.run.movie.canvas import INK, PLATE, SMALL, Canvas, Place
+from walkergen.files.canvas import INK, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.run.movie.footage import Array, Struck
 from walkergen.theory.impact import Kind
 

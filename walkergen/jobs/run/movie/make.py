@@ -28,7 +28,7 @@ from walkergen.walker.mass import MassProperties, as_rigid, from_centre
 from walkergen.walker.planar import in_plane
 
 if TYPE_CHECKING:
-    from walkergen.jobs.run.movie.animation import Draw
+    from walkergen.files.animation import Draw
 
 View = Literal["side", "above", "perspective"]
 """Ways to see a walker: in the plane that the planar models move in, or in space."""
@@ -170,7 +170,8 @@ def make(job: Job, path: Path, progress: Progress, named: bool = True) -> Made:
     Both files are written whole at the end; over one that is not ours only the GIF is, and only
     where a person `named` it. Raises InputError when a run ends before two frames.
     """
-    from walkergen.jobs.run.movie import animation, impacts
+    from walkergen.files import animation
+    from walkergen.jobs.run.movie import impacts
 
     draw, frames, footage = (
         _in_plane(job, progress) if job.view == "side" else _in_space(job, progress)

@@ -11,9 +11,9 @@ from matplotlib.lines import Line2D
 from matplotlib.patches import FancyArrowPatch
 from matplotlib.text import Text
 
+from walkergen.files.animation import Draw, Pixels
+from walkergen.files.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.run.movie import raster
-from walkergen.jobs.run.movie.animation import Draw, Pixels
-from walkergen.jobs.run.movie.canvas import BODY, INK, LARGE, PLATE, SMALL, Canvas, Place
 from walkergen.jobs.run.movie.footage import Impact, pace, strongest
 from walkergen.jobs.run.movie.impacts import (
     Course,

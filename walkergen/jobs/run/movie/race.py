@@ -8,8 +8,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.text import Text
 from matplotlib.ticker import MaxNLocator
 
-from walkergen.jobs.run.movie.animation import Draw, Pixels
-from walkergen.jobs.run.movie.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
+from walkergen.files.animation import Draw, Pixels
+from walkergen.files.canvas import BODY, INK, LARGE, LIMB, PLATE, SMALL, Canvas, to_scale
 from walkergen.jobs.run.movie.footage import Footage, pace, polygons
 
 WIDTH, HEAD, LANE, FOOT = 900, 64, 66, 40

@@ -9,7 +9,7 @@ from walkergen.jobs.run.movie.footage import Impact, Title, impact_of
 from walkergen.shapes.mesh import Mesh
 from walkergen.simulation.poses import Poses
 from walkergen.simulation.run import ENDED_WELL
-from walkergen.walker import landing, solids
+from walkergen.walker import seen_above, solids
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties, from_centre
 
@@ -86,21 +86,10 @@ def shot_of(title: Title, design: Design, mass: MassProperties, poses: Poses) ->
         mesh=Mesh(mesh.vertices - O, mesh.triangles),
         base=np.array([-O[0], 0.0]),
         size=np.array([design.size.length, design.size.depth]),
-        contours=_from_above(design),
+        contours=seen_above.contours(design),
         poses=poses,
         impacts=tuple(map(impact_of, poses.landings)),
     )
-
-
-def _from_above(design: Design) -> tuple[Array, ...]:
-    """Polygons of a body seen from above, holes clockwise: x to the right, up is to the left."""
-    shape, half = design.body.shape, 0.5 * np.array([design.size.length, design.size.depth])
-    if shape.side is not None:
-        return (half * np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]),)
-    if shape.mesh is None:
-        return shape.plan
-    turned_up = landing.ready(design.body.key).solid.rotate((90.0, 0.0, 0.0))  # z to -y
-    return tuple(np.add(polygon, (0.0, half[1])) for polygon in turned_up.project().to_polygons())
 
 
 def outline(shot: Shot, at: int) -> list[Array]:

@@ -4,12 +4,9 @@ Columns: what trackpy and `analyse` read of a film (`frame`, `particle`, `x`, `y
 from above, in mm and rad, not in pixels; then ours: `t_s` and what the model shows, with units in
 the names. A particle is a run; frames count samples from the end of its discarded start.
 
-Extended XYZ is for OVITO (https://ovito.org/manual/reference/file_formats/input/xyz.html): a run is
-a particle, with its place (x, to the left, height, mm), its orientation (a quaternion in OVITO's
-order x, y, z, w) and the half axes of its body (mm). There the body's axes are forward, left, up.
+Extended XYZ is for OVITO: a run is a particle, as `walkergen.files.extended_xyz` writes bodies.
 """
 
-import io
 from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
@@ -18,7 +15,8 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.errors import InputError
-from walkergen.files import output
+from walkergen.files import extended_xyz, output
+from walkergen.files.extended_xyz import Bodies
 from walkergen.files.progress import Progress
 from walkergen.simulation import experiments, trajectory
 from walkergen.simulation.experiments import Experiment, Results
@@ -30,9 +28,6 @@ Array = npt.NDArray[np.float64]
 
 FILM = ("frame", "particle", "x", "y", "theta")
 """Columns by the names that trackpy gives them; x and y in mm, theta in rad."""
-
-XYZ = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
-"""Properties of a particle of extended XYZ, by the names that OVITO knows."""
 
 MARGIN = 1.0
 """Room around all bodies in the box of extended XYZ, in half diagonals of a body."""
@@ -92,42 +87,22 @@ def to_xyz(written: Written) -> bytes:
     half = 0.5 * np.array([size.length, size.depth, size.thickness])
     height = own["height_mm"] if "height_mm" in own else own["y_mm"]
     places = np.column_stack([own["x"], own["y"], height])
-    turns = orientation(own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height))
-    box = _box(places, float(np.linalg.norm(half)))
-    shape = " ".join(f"{value:.9g}" for value in half)
-    line = f"walker %d{' %.9g' * 7} {shape}\n"
-    table = np.column_stack([own["particle"], places, turns])
-    order = np.lexsort((own["particle"], own["frame"]))
-    frames, starts = np.unique(own["frame"][order], return_index=True)
-    text = io.StringIO()
-    for rows in np.split(order, starts[1:]) if len(frames) else []:
-        text.write(f"{len(rows)}\n{box} Properties={XYZ} Time={own['t_s'][rows[0]]:.9g}\n")
-        text.writelines(line % tuple(row) for row in table[rows])
-    return text.getvalue().encode()
-
-
-def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
-    """Unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
-
-    Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each:
-    a turn by the roll about the body's length, then by the pitch, then by the heading about up.
-    """
-    (a, b, c), (i, j, k) = (
-        [trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin)
+    turns = extended_xyz.orientation(
+        own["theta"], own["pitch_rad"], own.get("roll_rad", 0.0 * height)
     )
-    return np.column_stack([
-        a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k
-    ])  # fmt: skip
+    box = _box(places, float(np.linalg.norm(half)))
+    none = np.zeros(len(height), np.int64)
+    bodies = Bodies(
+        own["frame"], own["t_s"], own["particle"], ["walker"], none, places, turns, half[None]
+    )
+    return extended_xyz.text(bodies, box).encode()
 
 
 def _box(places: Array, reach: float) -> str:
     """Box that holds all bodies at all times, so that OVITO's view stays where it is."""
     margin = (1.0 + MARGIN) * reach
     low = places.min(axis=0, initial=np.inf) - margin
-    span = places.max(axis=0, initial=-np.inf) + margin - low
-    sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
-    corner = " ".join(f"{value:.9g}" for value in low)
-    return f'Lattice="{sides}" Origin="{corner}" pbc="F F F"'
+    return extended_xyz.box_of(low, places.max(axis=0, initial=-np.inf) + margin - low)
 
 
 FORMATS: dict[str, Callable[[Written], bytes]] = {".csv": to_csv, ".npz": to_npz, ".xyz": to_xyz}

@@ -59,6 +59,27 @@ def encode(
                     ffmpeg.communicate()
 
 
+def film(draw: Draw, count: int, fps: int, progress: Progress) -> tuple[bytes | None, str]:
+    """Draw `count` frames in order into an MP4 alone; None where there is none, with the reason.
+
+    For pictures in which so much moves that a GIF would be many times as large.
+    """
+    with tempfile.TemporaryDirectory(prefix="walkergen-movie-") as folder:
+        target = Path(folder) / "movie.mp4"
+        with (Path(folder) / "messages").open("w+b") as messages:
+            ffmpeg = _ffmpeg(draw(0).shape, fps, target, messages)
+            if ffmpeg is None:
+                return _finished(None, target, messages)
+            try:
+                for _ in _drawn(draw, count, ffmpeg, progress):
+                    pass
+                return _finished(ffmpeg, target, messages)
+            finally:
+                if ffmpeg.poll() is None:
+                    ffmpeg.kill()
+                    ffmpeg.communicate()
+
+
 def _palette(draw: Draw, count: int, keep: Sequence[str]) -> Image.Image:
     """Choose one palette for all frames, so that what does not move does not flicker."""
     chosen = sorted({round(at) for at in np.linspace(0, count - 1, min(count, PALETTE_FRAMES))})

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from matplotlib.transforms import IdentityTransform
 
-from walkergen.jobs.run.movie.animation import Pixels
+from walkergen.files.animation import Pixels
 
 DPI = 100
 

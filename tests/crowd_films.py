@@ -1,0 +1,29 @@
+"""Films of made-up crowds, whose statistics are known in closed form."""
+
+import numpy as np
+
+from walkergen import dish as dishes
+from walkergen.analysis.crowds import film, ground
+
+DISHES = ("disc:120", "ring:160,60", "rectangle:200x100", "periodic:150")
+
+BOX = np.array([(-1.5, -0.5), (1.5, -0.5), (1.5, 0.5), (-1.5, 0.5)])
+"""Outline of a body of 3 x 1 mm."""
+
+
+def of(places, dish, outline=BOX, interval=0.1):
+    """Film of places of shape (F, N, 3), of one kind of body or, with None, of no known outline."""
+    times = interval * np.arange(len(places))
+    outlines = {} if outline is None else {"walker": (outline,)}
+    kinds = ["walker"] * np.shape(places)[1]
+    return film.of_places(times, np.asarray(places, float), kinds, outlines, dishes.parse(dish))
+
+
+def gas(dish, walkers, frames, seed, outline=BOX):
+    """Walkers anywhere in a dish and with any heading, anew in every frame."""
+    rng, own = np.random.default_rng(seed), dishes.parse(dish)
+    places = rng.uniform(-0.5, 0.5, (8 * frames * walkers, 2)) * own.box
+    inside = ~(ground.wall_distance(*places.T, own) < 0)
+    places = places[inside][: frames * walkers].reshape(frames, walkers, 2)
+    theta = rng.uniform(-np.pi, np.pi, (frames, walkers, 1))
+    return of(np.concatenate([places, theta], axis=2), dish, outline)

@@ -1,0 +1,169 @@
+"""Crowds as files of other programs, read back: CSV, GSD, extended XYZ, movies, stills."""
+
+import io
+import re
+import shutil
+
+import gsd.hoomd
+import numpy as np
+import pytest
+from crowd_films import BOX, gas, of
+from PIL import Image
+
+from walkergen.analysis import crowds, tracks
+from walkergen.analysis.crowds import film as films
+from walkergen.analysis.tracks import Units
+from walkergen.errors import InputError
+from walkergen.files import extended_xyz
+from walkergen.files.progress import silent
+from walkergen.points import crowd_figures, crowd_files, crowd_movie, crowd_tables
+
+
+def running(dish="periodic:50", walkers=6, frames=12):
+    """Walkers that run out of a periodic square; the last is not seen in the third frame."""
+    rng = np.random.default_rng(1)
+    start = rng.uniform(-20.0, 20.0, (walkers, 3))
+    ways = rng.normal(0.0, 6.0, (walkers, 3))
+    places = start + ways * np.arange(frames)[:, None, None]
+    places[2, -1] = np.nan
+    return of(places, dish)
+
+
+def test_csv_is_read_back_to_the_same_film(tmp_path):
+    film = running()
+    path = tmp_path / "run.csv"
+    crowd_files.write(path, film)
+    assert path.read_text().splitlines()[0] == "t_s,particle,x_mm,y_mm,theta_rad"
+    back = films.of_tracks(tracks.read(path, Units()), film.dish, [BOX])
+    for key in ("times", "x", "y", "areas", "radii"):
+        np.testing.assert_allclose(getattr(back, key), getattr(film, key), atol=1e-9)
+    turned = (back.theta - film.theta) / (2.0 * np.pi)
+    assert np.nanmax(np.abs(turned - np.rint(turned))) < 1e-9
+
+
+def test_gsd_is_read_back_with_images_outlines_and_those_not_seen(tmp_path):
+    film = running()
+    path = tmp_path / "run.gsd"
+    crowd_files.write(path, film)
+    with gsd.hoomd.open(str(path), "r") as file:
+        assert len(file) == len(film.times)
+        for at, frame in enumerate(file):
+            seen = frame.log["particles/id"]
+            assert list(seen) == list(np.flatnonzero(np.isfinite(film.x[at])))
+            assert frame.log["time_s"][0] == pytest.approx(film.times[at])
+            whole = frame.particles.position[:, :2] + 50.0 * frame.particles.image[:, :2]
+            assert np.abs(frame.particles.position).max() <= 25.0 + 1e-5
+            assert whole[:, 0] == pytest.approx(film.x[at][seen], abs=1e-4)
+            assert whole[:, 1] == pytest.approx(film.y[at][seen], abs=1e-4)
+            w, _, _, z = frame.particles.orientation.T
+            turn = np.cos(2.0 * np.arctan2(z, w) - film.theta[at][seen])
+            assert turn == pytest.approx(1.0, abs=1e-5)
+        assert frame.particles.types == ["walker"]
+        assert frame.particles.type_shapes[0]["vertices"] == BOX.tolist()
+        assert frame.configuration.dimensions == 2
+    assert crowd_files.to_gsd(film) == path.read_bytes()
+
+
+def test_extended_xyz_has_a_frame_for_each_time_and_who_was_seen():
+    film = running()
+    lines, at = crowd_files.to_xyz(film).decode().splitlines(), 0
+    for frame in range(len(film.times)):
+        count, keys = int(lines[at]), lines[at + 1]
+        assert count == np.isfinite(film.x[frame]).sum()
+        assert 'pbc="T T F"' in keys
+        assert f"Properties={extended_xyz.XYZ}" in keys
+        assert float(re.search(r"Time=(\S+)", keys)[1]) == pytest.approx(film.times[frame])
+        rows = [line.split() for line in lines[at + 2 : at + 2 + count]]
+        values = np.array([row[1:] for row in rows], dtype=float)
+        off = (values[:, 1] - film.x[frame][values[:, 0].astype(int)]) / 50.0
+        assert off == pytest.approx(np.rint(off), abs=1e-8)
+        assert values[:, 8:] == pytest.approx(np.tile([1.5, 0.5, 0.25], (count, 1)))
+        at += 2 + count
+    assert at == len(lines)
+
+
+def test_a_file_of_no_known_kind_is_refused(tmp_path):
+    with pytest.raises(InputError, match=r"must end in one of \.csv, \.xyz, \.gsd"):
+        crowd_files.check(tmp_path / "run.npz")
+    with pytest.raises(InputError, match=r"must end in one of \.mp4, \.gif, \.png"):
+        crowd_movie.write(tmp_path / "run.avi", running(), "", "heading", 25, silent)
+
+
+@pytest.mark.parametrize("dish", ["disc:60", "ring:60,20", "rectangle:60x30", "periodic:60"])
+def test_a_still_shows_each_walker_in_the_colour_of_its_heading(dish):
+    places = np.array([[(0.0, 12.0, 0.0), (0.0, -12.0, 0.5 * np.pi), (-13.0, 0.0, np.pi)]] * 4)
+    picture = crowd_movie.still(of(places, dish, BOX * 3.0), "three")
+    assert picture == crowd_movie.still(of(places, dish, BOX * 3.0), "three")
+    seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(float)
+    scale = min(872 / places_wide(dish), 860 / places_high(dish)) * (1 - 4 / 900)
+    middle = np.array([seen.shape[0] - 40 - np.ceil(0.5 * scale * places_high(dish)), 450])
+    wheel = 255.0 * crowd_movie.hues()
+    for (x, y, _), hue in zip(places[0], wheel[[0, 18, 36]], strict=True):
+        row, column = (middle + scale * np.array([-y, x])).astype(int)
+        assert seen[row, column] == pytest.approx(hue, abs=2.0)
+
+
+def places_wide(dish):
+    return 60.0
+
+
+def places_high(dish):
+    return 30.0 if dish.startswith("rectangle") else 60.0
+
+
+def test_headings_are_equally_bright():
+    """Relative luminance by sRGB's weights differs little, while hues go all round."""
+    hues = crowd_movie.hues()
+    linear = np.where(hues <= 0.04045, hues / 12.92, ((hues + 0.055) / 1.055) ** 2.4)
+    luminance = linear @ [0.2126, 0.7152, 0.0722]
+    assert luminance.std() / luminance.mean() < 0.1
+    assert len(np.unique(np.rint(255 * hues), axis=0)) == len(hues)
+    assert 0.0 < hues.min()
+    assert hues.max() < 1.0
+
+
+def test_a_walker_over_the_edge_of_a_periodic_square_is_seen_on_both_sides():
+    places = np.array([[(30.0, 0.0, 0.0), (0.0, 20.0, 0.0)]] * 4)
+    picture = crowd_movie.still(of(places, "periodic:60", BOX * 4.0), "", "kind")
+    seen = np.asarray(Image.open(io.BytesIO(picture)).convert("RGB")).astype(int)
+    blue = (seen[..., 2] - seen[..., 0]) > 100
+    row = seen.shape[0] - 40 - 430
+    assert blue[row, 25:60].any()
+    assert blue[row, -60:-25].any()
+
+
+def test_a_movie_is_a_gif_or_an_mp4_with_a_frame_for_each_time(tmp_path, monkeypatch):
+    film = gas("disc:60", 20, 5, 1)
+    assert crowd_movie.write(tmp_path / "a.gif", film, "crowd", "heading", 25, silent) == 5
+    with Image.open(tmp_path / "a.gif") as gif:
+        assert gif.n_frames == 5
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    with pytest.raises(InputError, match=r"ffmpeg is not installed; name a \.gif"):
+        crowd_movie.write(tmp_path / "a.mp4", film, "crowd", "heading", 25, silent)
+
+
+@pytest.mark.programs
+def test_an_mp4_of_a_crowd_has_its_frames(tmp_path):
+    film = gas("disc:60", 20, 5, 1)
+    assert crowd_movie.write(tmp_path / "a.mp4", film, "crowd", "heading", 25, silent) == 5
+    assert (tmp_path / "a.mp4").read_bytes()[4:8] == b"ftyp"
+
+
+@pytest.mark.parametrize("dish", ["disc:60", "periodic:60"])
+def test_tables_and_figures_hold_what_was_measured(dish):
+    found = crowds.measure([gas(dish, 30, 10, seed) for seed in range(3)])
+    tables = {table.name: table for table in crowd_tables.tables(found)}
+    numbers = {row["quantity"]: row for row in tables["crowd"]}
+    assert numbers["speed_mm_s"]["value"] == found.numbers["speed"].value
+    assert numbers["polar_order"]["by_chance"] == found.by_chance["polar_order"]
+    assert list(tables["crowd_runs"]["speed_mm_s"]) == list(found.by_run["speed"])
+    np.testing.assert_array_equal(tables["crowd_pairs"]["g_se"], found.curves["g"].se)
+    assert list(tables["crowd_msd"].keys) == ["lag_s", "msd_mm2", "msd_se_mm2"]
+    assert ("crowd_walls" in tables) == (dish == "disc:60")
+    shown = [row.quantity for row in tables["crowd"].read]
+    assert ("wall_speed_mm_s" in shown) == (dish == "disc:60")
+    facts = crowd_tables.facts(found)
+    assert facts["numbers"]["packing"]["se"] == 0.0
+    figures = crowd_figures.figures(found, "crowd")
+    assert ("crowd_walls" in figures) == (dish == "disc:60")
+    assert all(draw().axes for draw in figures.values())

@@ -1,0 +1,221 @@
+"""The command `crowd`: who is asked for, what is refused, the folder, threads, interruptions.
+
+Random walks stand for the simulator, whose own laws are tested elsewhere; one slow test runs it.
+"""
+
+import csv
+import errno
+import json
+import time
+
+import faults
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+from walkergen.cli import command_line
+from walkergen.errors import InputError
+from walkergen.files import templates
+from walkergen.files.progress import silent
+from walkergen.jobs.run.crowd import make, members
+from walkergen.scene import Scene
+from walkergen.simulation.crowd import placing
+from walkergen.simulation.crowd import run as crowds
+from walkergen.simulation.crowd.result import CrowdRun
+from walkergen.walker.design import Design
+
+
+def walk(plan, number, rate_hz, stopped=lambda: False, progress=lambda seconds: None):
+    """Run of walkers that stagger about their places, as fast as the machine can."""
+    run, n = plan.scene.run, len(plan.kinds)
+    frames = max(round(run.seconds * rate_hz), 1)
+    rng = np.random.default_rng([run.seed, number, 7])
+    steps = rng.normal(scale=(0.02, 0.02, 0.02), size=(frames, n, 3))
+    poses = np.zeros((frames, n, 6))
+    poses[..., :3] = plan.places + np.cumsum(steps, axis=0)
+    outcome = "stopped" if stopped() else "ok"
+    progress(run.seconds)
+    return CrowdRun(
+        number, (outcome,) * n, tuple(plan.names[kind] for kind in plan.kinds),
+        np.arange(frames) / rate_hz, poses, 10 * n, 0.004, 1e-4,
+        {"normal": 1.0, "friction": 2.0}, 0.0,
+    )  # fmt: skip
+
+
+@pytest.fixture
+def walking(monkeypatch):
+    monkeypatch.setattr(crowds, "simulate", walk)
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+
+    def call(*words):
+        return CliRunner().invoke(command_line, ["crowd", *words], catch_exceptions=True)
+
+    return call
+
+
+SHORT = ("--seconds", "2", "--runs", "3", "--no-pictures")
+
+
+def job_of(names, counts, **keys):
+    scene = templates.load("plane-90hz", "scenes", Scene).variant(
+        **{"run.seconds": 1.0, "run.runs": 3, **keys}
+    )
+    designs = [templates.load(name, "walkers", Design) for name in names]
+    return make.asked(scene, designs, counts, 10.0)
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("--count", "0"), "--count '0'"),
+        (("--count", "1"), "2 to 100000 walkers; `walkergen simulate`"),
+        (("--count", "10000000"), "--count '10000000': must be a whole number in 2..100000"),
+        (("--count", "-3"), "--count '-3'"),
+        (("--count", "1e3"), "--count '1e3'"),
+        (("--count", "rotator:x"), "DESIGN:N"),
+        (("--count", "rotator:1,rotator:2"), "twice"),
+        (("--count", "nobody:3"), "no such template"),
+        (("koumakis2016", "--count", "rotator:3"), "names the designs"),
+        (("--count", "rotator:2,polar-disc:2", "--tilt", "5"), "--tilt 5"),
+        (("--count", "5000", "--arena", "disc:5000"), "--model flat"),
+        (("--packing", "1.2"), "packing"),
+        (("--packing", "0.0001"), "0 walkers of 224 mm²"),
+        (("--packing", "0.3", "--count", "3"), "keep one of them"),
+        (("--count", "30", "--arena", "disc:20"), "29.39 mm across"),
+        (("--count", "30", "--arena", "disc:106"), "beyond"),
+        (("--arena", "hexagon:3"), "must be one of disc:120"),
+        (("--count", "2", "--seconds", "1e6"), "samples"),
+        (("--count", "2", "--set", "body.text=\"i\"", "--set", "body.length_mm=3"), "length_mm"),
+        (("--count", "2", "--set", "printer.nozzle_mm=1"), "takes no printer"),
+    ],
+)  # fmt: skip
+def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, tmp_path, words, named):
+    result = run(*words)
+    error = result.exception
+    assert isinstance(error, InputError) or result.exit_code == 2
+    assert named in f"{error} {result.output}"
+    assert not list(tmp_path.iterdir())
+
+
+def test_loose_islands_of_letters_are_refused_by_the_letter(run):
+    result = run("name", "--count", "3", "--set", 'body.text="AN:NA"')
+    assert "pieces" in str(result.exception)
+
+
+def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
+    ring = (
+        '<svg xmlns="http://www.w3.org/2000/svg" width="60mm" height="60mm" viewBox="0 0 60 60">'
+        '<path fill-rule="evenodd" d="M0 30 A30 30 0 1 1 60 30 A30 30 0 1 1 0 30 Z '
+        'M5 30 A25 25 0 1 1 55 30 A25 25 0 1 1 5 30 Z"/></svg>'
+    )
+    (tmp_path / "ring.svg").write_text(ring)
+    legs = [{"along_mm": x, "across_mm": z, "width_mm": 2.0} for x in (-20.0, 20.0)
+            for z in (-18.0, 18.0)]  # fmt: skip
+    holed = Design.model_validate({
+        "name": "holed", "legs": legs, "body": {"outline": str(tmp_path / "ring.svg")}
+    })  # fmt: skip
+    small = templates.load("polar-disc", "walkers", Design)
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
+    job = make.asked(scene, [holed, small], [1, 2], 10.0)
+    with pytest.raises(InputError, match="no room"):
+        make.simulate(job, 1, silent)
+
+
+def test_counts_are_numbers_or_designs_with_theirs():
+    assert members.parse(" 30 ") == 30
+    assert members.parse("polar-disc:20, my/rotator.toml:10") == [
+        ("polar-disc", 20), ("my/rotator.toml", 10)
+    ]  # fmt: skip
+    assert members.parse("C:\\walkers\\mine.toml:3,b:2")[0] == ("C:\\walkers\\mine.toml", 3)
+
+
+def test_a_packing_says_how_many_and_the_report_how_dense():
+    job = job_of(["koumakis2016"], None, **{"crowd.packing": 0.3, "crowd.arena_mm": "disc:200"})
+    assert sum(kind.walkers for kind in job.kinds) == round(0.3 * np.pi * 100.0**2 / 224.0)
+    assert job.packing == pytest.approx(0.3, rel=0.02)
+    assert [kind.walkers for kind in job_of(["koumakis2016"], None).kinds] == [members.DEFAULT]
+
+
+def test_the_folder_holds_numbers_with_errors_and_every_run(run, walking, tmp_path):
+    result = run("--count", "polar-disc:6,rotator:4", "--arena", "disc:200", *SHORT, "--json")
+    assert result.exit_code == 0, result.output
+    facts = json.loads(result.stdout)
+    assert facts["kinds"] == {"polar-disc": 6, "rotator": 4}
+    assert facts["runs"] == 3
+    polar = facts["numbers"]["polar_order"]
+    assert polar["se"] > 0.0
+    folder = tmp_path / facts["folder"]
+    assert {path.name for path in (folder / "tracks").iterdir()} >= {
+        f"run-{number}{suffix}" for number in range(3) for suffix in (".csv", ".xyz")
+    }
+    with (folder / "tracks" / "run-1.csv").open() as file:
+        rows = list(csv.DictReader(file))
+    assert len(rows) == 10 * 50
+    assert {row["particle"] for row in rows} == {str(number) for number in range(10)}
+    assert "polar order" in (folder / "report.md").read_text()
+    assert json.loads((folder / "manifest.json").read_text())["counts"] == [6, 4]
+
+
+def test_any_number_of_threads_gives_the_same_bytes(run, walking, tmp_path):
+    written = []
+    for threads in ("1", "3"):
+        folder = tmp_path / threads
+        words = ("--count", "12", "--arena", "periodic:150", "--threads", threads)
+        assert run(*words, *SHORT, "--out", str(folder), "--quiet").exit_code == 0
+        files = sorted(path for path in folder.rglob("*") if path.is_file())
+        written.append({path.relative_to(folder): path.read_bytes() for path in files})
+    assert written[0] == written[1]
+
+
+def test_every_run_begins_at_places_of_its_own_without_overlap(walking):
+    job = job_of(["rotator", "polar-disc"], [4, 6], **{"crowd.arena_mm": "disc:150"})
+    films = make.simulate(job, 1, silent).films
+    starts = [np.column_stack([film.x[0], film.y[0], film.theta[0]]) for film in films]
+    assert all(np.abs(starts[0] - other).max() > 1.0 for other in starts[1:])
+    outlines = {kind.design.name: kind.outline for kind in job.kinds}
+    # The walk begins within 0.1 mm, and shows C where a simulation shows O, 0.4 mm off at most
+    within = [0.95 * contour for contour in outlines["rotator"]]
+    shapes = {"rotator": within, "polar-disc": [0.95 * ring for ring in outlines["polar-disc"]]}
+    for film, start in zip(films, starts, strict=True):
+        bodies = [shapes[kind] for kind in film.kinds]
+        assert placing.overlapping(bodies, film.dish, start) is None
+
+
+def test_ctrl_c_keeps_the_runs_that_are_done_and_stops_the_others(monkeypatch):
+    def slow(plan, number, rate_hz, stopped=lambda: False, progress=lambda seconds: None):
+        seconds = plan.scene.run.seconds  # the first moment compiles
+        while (number > 0 or seconds > 1.5) and seconds > 0.5 and not stopped():
+            time.sleep(0.01)
+        return walk(plan, number, rate_hz, stopped, progress)
+
+    def interrupting(what, done, total):
+        if what == "runs" and done > 0:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr(crowds, "simulate", slow)
+    job = job_of(["polar-disc"], [4])
+    simulated = make.simulate(job, 2, interrupting)
+    assert [run.number for run in simulated.runs] == [0]
+
+    def at_once(what, done, total):
+        if what == "runs":
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        make.simulate(job._replace(scene=job.scene.variant(**{"run.seconds": 2})), 1, at_once)
+
+
+def test_a_full_disk_is_told_and_leaves_no_half_file(run, walking, tmp_path):
+    folder = tmp_path / "dish"
+    for number in (1, 5, 9):
+        with faults.failing(folder, "write", number, faults.broken(errno.ENOSPC)) as calls:
+            result = run("--count", "4", *SHORT, "--out", str(folder))
+        assert len(calls) >= number
+        assert "No space left" in str(result.exception)
+        assert not list(folder.rglob(".*.walkergen-*"))
+    assert run("--count", "4", *SHORT, "--out", str(folder)).exit_code == 0

@@ -1,0 +1,81 @@
+"""Extended XYZ: bodies in space, frame by frame, as OVITO reads them.
+
+A body has its place (x, to the left, height, mm), its orientation (a quaternion in OVITO's order
+x, y, z, w) and the half axes of its box (mm); its axes are forward, left, up
+(https://ovito.org/manual/reference/file_formats/input/xyz.html).
+"""
+
+import io
+from collections.abc import Sequence
+from typing import NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+Array = npt.NDArray[np.float64]
+Whole = npt.NDArray[np.int64]
+
+XYZ = "species:S:1:id:I:1:pos:R:3:orientation:R:4:aspherical_shape:R:3"
+"""Properties of a particle, by the names that OVITO knows."""
+
+
+class Bodies(NamedTuple):
+    """Rows of bodies at times; rows of one frame have one time."""
+
+    frames: Array
+    """Number of the frame of each row, shape (rows,)."""
+    times: Array
+    """Its time, s."""
+    numbers: Array
+    """Number of the body."""
+    kinds: Sequence[str]
+    """Names of the kinds of bodies, without blanks."""
+    kind: Whole
+    """Place of the body's kind among these, shape (rows,)."""
+    places: Array
+    """Shape (rows, 3), mm."""
+    turns: Array
+    """Unit quaternions x, y, z, w, shape (rows, 4)."""
+    halves: Array
+    """Half axes of the bodies of each kind, shape (kinds, 3), mm."""
+
+
+def text(bodies: Bodies, box: str) -> str:
+    """The file: a frame for each number, in it its bodies by theirs; `box` as `box_of` makes it."""
+    ends = [" ".join(f"{value:.9g}" for value in half) for half in bodies.halves]
+    lines = [
+        f"{name} %d{' %.9g' * 7} {end}\n" for name, end in zip(bodies.kinds, ends, strict=True)
+    ]
+    table = np.column_stack([bodies.numbers, bodies.places, bodies.turns])
+    order = np.lexsort((bodies.numbers, bodies.frames))
+    frames, starts = np.unique(bodies.frames[order], return_index=True)
+    whole = io.StringIO()
+    for rows in np.split(order, starts[1:]) if len(frames) else []:
+        whole.write(f"{len(rows)}\n{box} Properties={XYZ} Time={bodies.times[rows[0]]:.9g}\n")
+        whole.writelines(
+            lines[kind] % tuple(row)
+            for kind, row in zip(bodies.kind[rows].tolist(), table[rows].tolist(), strict=True)
+        )
+    return whole.getvalue()
+
+
+def box_of(low: Array, span: Array, periodic: bool = False) -> str:
+    """Box of a frame from its lowest corner and its sides, mm; periodic along x and y or not."""
+    sides = " ".join(f"{value:.9g}" for value in np.diag(span).ravel())
+    corner = " ".join(f"{value:.9g}" for value in low)
+    repeats = "T T F" if periodic else "F F F"
+    return f'Lattice="{sides}" Origin="{corner}" pbc="{repeats}"'
+
+
+def orientation(heading: Array, pitch: Array, roll: Array) -> Array:
+    """Unit quaternions x, y, z, w of bodies whose axes are forward, left and up, shape (n, 4).
+
+    Heading is counted from x to the left, pitch upward, roll to the right, rad, shape (n,) each:
+    a turn by the roll about the body's length, then by the pitch, then by the heading about up.
+    """
+    (a, b, c), (i, j, k) = (
+        [trig(0.5 * angle) for angle in (heading, -pitch, roll)] for trig in (np.cos, np.sin)
+    )
+    return np.column_stack([
+        a * b * k - i * j * c, a * j * c + i * b * k, i * b * c - a * j * k, a * b * c + i * j * k
+    ])  # fmt: skip

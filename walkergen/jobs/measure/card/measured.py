@@ -1,0 +1,164 @@
+"""Numbers of a card, from simulated runs of a walker alone or from tracks of films."""
+
+from pathlib import Path
+from typing import NamedTuple
+
+import numpy as np
+
+from walkergen.analysis import delay, motion, relaxation, tracks
+from walkergen.analysis.delay import Delay
+from walkergen.analysis.estimates import Estimate
+from walkergen.analysis.motion import Motion
+from walkergen.analysis.relaxation import Relaxation
+from walkergen.analysis.tracks import Tracks, Units
+from walkergen.errors import InputError
+from walkergen.files import words
+from walkergen.files.progress import Progress
+from walkergen.scene import Scene
+from walkergen.simulation import ensemble, experiments, trajectory
+from walkergen.simulation.effects.resolve import resolve
+from walkergen.simulation.experiments import Experiment
+from walkergen.simulation.run import ENDED_WELL
+from walkergen.walker import mass as masses
+from walkergen.walker.design import Design
+from walkergen.walker.mass import Array, MassProperties
+
+PLANE = "plane-90hz"
+"""Scene of a card by default: a walker alone has to have room to turn."""
+
+RESOLVED = 0.75
+"""Part of a drive's period from which on frames are taken as they are: more of them in a period
+would show the bouncing."""
+
+
+class Measured(NamedTuple):
+    """Motion of walkers alone, sampled once in a period of the drive."""
+
+    motion: Motion
+    velocity: Relaxation
+    translation: Estimate
+    """Translational diffusion of each axis, mm^2/s."""
+    turning: Relaxation
+    delay: Delay
+    leaning: Estimate
+    """Velocity to the left that goes with a rate of turning to the left, mm."""
+    interval: float
+    """Time between samples, s."""
+    runs: int
+    """Number of runs, or of filmed walkers."""
+    notes: tuple[str, ...]
+    """How it was measured, in words."""
+
+
+def simulated(
+    scene: Scene, design: Design, mass: MassProperties, progress: Progress
+) -> Measured:  # fmt: skip
+    """Measure runs of a walker alone, each another print where the scene says so.
+
+    Raises InputError for a scene in which it cannot turn, and where too few runs end well.
+    """
+    if scene.arena.kind != "plane":
+        raise InputError(
+            f"scene.arena.kind = {scene.arena.kind!r}: a card is of a walker that may turn: "
+            f"--scene {PLANE}, or --set scene.arena.kind=plane"
+        )
+    if resolve(scene, design, mass).model != "space":
+        raise InputError(
+            "a card needs the model in space, in which a walker turns: leave out --model, "
+            "legs.model and effects.roll_and_yaw"
+        )
+    experiment = Experiment(scene, design, mass)
+    interval = 1.0 / experiment.shaken.frequency
+    trajectory.check(scene, interval, scene.run.runs)
+    results = experiments.measure(experiment._replace(sample_interval=interval), progress)
+    if results.summary.runs < scene.run.runs:
+        raise KeyboardInterrupt
+    good = [result for result in results.results if result.outcome in ENDED_WELL]
+    ended = ensemble.listed(results.summary.outcomes)
+    if not good:
+        raise InputError(f"no run ended well ({ended}): another scene, or other feet")
+    places = [trajectory.sampled(result)[:, 1:4] for result in good]
+    shift = centre(mass)
+    own = tracks.of_places([_moved(rows, shift) for rows in places], interval, lane=False)
+    notes = [
+        f"{len(good)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
+        f"({words.number(1e3 * interval)} ms), so that the bouncing itself is not seen: {ended}",
+        f"{words.number(results.summary.cpu_s)} s of a core",
+    ]
+    return of_tracks(own, True, tuple(notes))
+
+
+def filmed(path: Path, units: Units, scene: Scene) -> Measured:
+    """Measure tracks of a file; where frames are many in a period of the scene's drive, one is
+    taken of each.
+
+    Raises InputError for tracks without headings.
+    """
+    read = tracks.read(path, units)
+    if read.lane or all(track.heading is None for track in read.tracks):
+        raise InputError(
+            f"{path}: has no headings (theta or theta_rad), so that nobody knows how late a "
+            "velocity follows them; `track --heading mark` finds them"
+        )
+    stride = 1
+    if scene.drive.kind != "motor" and (period := 1.0 / scene.drive.frequency):
+        stride = max(round(period / read.interval), 1) if read.interval < RESOLVED * period else 1
+    notes = [f"{len(read.tracks)} walkers filmed", *([read.note] if read.note else [])]
+    if stride > 1:
+        notes.append(
+            f"every {stride}th frame, once in a period of the drive "
+            f"({scene.drive.frequency:g} Hz), so that the bouncing itself is not seen"
+        )
+    return of_tracks(_every(read, stride), False, tuple(notes))
+
+
+def of_tracks(own: Tracks, exact: bool, notes: tuple[str, ...]) -> Measured:
+    """Measure tracks with headings; `exact` says that places have no noise."""
+    moved = motion.analyse(own)
+    velocity, translation = relaxation.velocity(own, exact)
+    rotation = moved.estimates["rotational_diffusion"]
+    turning = relaxation.turning(own, exact, rotation)
+    leaning = relaxation.leaning(own, velocity.time.value or 0.0)
+    doubts = () if exact else tuple(moved.doubts)
+    return Measured(
+        moved, velocity, translation, turning, delay.measure(own), leaning, own.interval,
+        len(own.tracks), (*notes, *doubts),
+    )  # fmt: skip
+
+
+def centre(mass: MassProperties) -> Array:
+    """Centre of mass seen from the place that a trajectory shows, forward and to the left, mm."""
+    return np.array([1.0, -1.0]) * _whole(mass)[0][[0, 2]]
+
+
+def inertia(mass: MassProperties) -> float:
+    """Moment of inertia about the vertical axis through the centre of mass, g mm^2."""
+    return float(_whole(mass)[1][1, 1])
+
+
+def _whole(mass: MassProperties) -> tuple[Array, Array]:
+    """Centre of mass from O at half depth, and inertia tensor about it."""
+    assert mass.spatial is not None
+    each = np.array([mass.M, *(leg.m for leg in mass.legs)], dtype=float)
+    centres = np.array([(0.0, 0.0), *(leg.anchor + leg.c_A for leg in mass.legs)])
+    return masses.joined(mass.spatial, mass.legs, each, centres)
+
+
+def _moved(rows: Array, shift: Array) -> Array:
+    """Places and headings of a point that lies forward and to the left of those of `rows`."""
+    cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
+    x = rows[:, 0] + cos * shift[0] - sin * shift[1]
+    y = rows[:, 1] + sin * shift[0] + cos * shift[1]
+    return np.column_stack([x, y, rows[:, 2]])
+
+
+def _every(own: Tracks, stride: int) -> Tracks:
+    """Every so many frames of each track."""
+    thinned = tuple(
+        track._replace(
+            position=track.position[::stride],
+            heading=None if track.heading is None else track.heading[::stride],
+        )
+        for track in own.tracks
+    )
+    return own._replace(tracks=thinned, interval=stride * own.interval)

@@ -1,0 +1,1 @@
+"""The job `crowd`: many walkers in a dish, and what they do together."""
