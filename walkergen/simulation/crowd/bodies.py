@@ -82,6 +82,8 @@ class Bodies(NamedTuple):
     """Heights over C of kind i at which it meets kind j, shape (kinds, kinds, 2)."""
     ends: Array
     """Heights of bottom and top over C, shape (kinds, 2)."""
+    box: Array
+    """Middle and half sizes of the core's box, shape (kinds, 4)."""
 
 
 class Ground(NamedTuple):
@@ -96,10 +98,10 @@ class Ground(NamedTuple):
 
 
 class Law(NamedTuple):
-    """How bodies meet bodies (0) and walls (1): shape (2,) each."""
+    """How bodies meet bodies (first) and walls (second)."""
 
-    stiffness: float
-    """Of an upright edge against a face, at either of its ends, g/s^2."""
+    spring: float
+    """Stiffness of either end of an upright edge over the mass that it moves, 1/s^2."""
     kept: tuple[float, float]
     """Share of the normal work that a contact gives back: restitution squared."""
     friction: tuple[float, float]
@@ -139,7 +141,14 @@ def bodies_of(kinds: Sequence[int], shapes: tuple[Shape, ...]) -> Bodies:
         np.vstack([shape.corners for shape in shapes]), np.vstack(edges),
         np.array([shape.radius for shape in shapes]), np.array([shape.reach for shape in shapes]),
         common_heights(shapes), np.array([(shape.bottom, shape.top) for shape in shapes]),
+        np.array([_box(shape.corners) for shape in shapes]),
     )  # fmt: skip
+
+
+def _box(corners: Array) -> Array:
+    """Middle and half sizes of the box of corners, shape (4,)."""
+    low, high = corners.min(axis=0), corners.max(axis=0)
+    return np.concatenate([0.5 * (low + high), 0.5 * (high - low)])
 
 
 def ground_of(dish: Dish | None) -> Ground:

@@ -1,10 +1,11 @@
 """Contacts of bodies with bodies and walls: impulses in a tick, between two drifts of both.
 
-A corner that gives by d pushes with stiffness times d as long as it is pressed on, and with that
-times e^2 as it comes back: of the work that it took it returns the share e^2, as Stronge defines
-restitution, whatever the masses, the place and the number of corners in touch. Friction takes what
-slips, at most its coefficient times the normal impulse, along the face and up or down it. A tick's
-impulse is that of the time in which the corner touches: touch and parting err by second order.
+A corner that gives by d pushes with k d as long as it is pressed on, and with e^2 k d as it comes
+back, k such that any two bodies part after the same time (docs/physics.md section 9). Of the work
+that it took it returns the share e^2, as Stronge defines restitution, whatever the masses, the
+place and the number of corners in touch. Friction takes what slips, at most its coefficient times
+the normal impulse, along the face and up or down it. A tick's impulse is that of the time in which
+the corner touches: touch and parting err by second order.
 
 Why springs and not rigid impulses: a printed corner and a face part after 0.1 to 0.2 ms (Hertz), a
 fiftieth of a period of the plate, so that either gives the same velocities; but springs also hold
@@ -28,7 +29,7 @@ from walkergen.simulation.crowd.bodies import (
     X,
     Z,
 )
-from walkergen.simulation.crowd.gaps import closest, image, inward, outward
+from walkergen.simulation.crowd.gaps import closest, from_box, image, inward, outward
 from walkergen.simulation.space.state import C_X, C_Y, C_Z, LEGS, QUIET, V_X, W_X
 from walkergen.simulation.world import OK
 
@@ -156,8 +157,8 @@ def _normal_impulse(stiffness, kept, depth, u, mobility, tick):
 
 
 @kernel
-def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
-    """Push bodies i and j (or a wall, -1) apart where they touch.
+def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes):
+    """Push bodies i and j (or a wall, -1) apart where they touch; or store the energy of that.
 
     The touch is at (x, z) of the plane in i's image, its normal (n_x, n_z) points from j to i; on i
     it is the point (b_x, y_i, b_z), on j (c_x, y_j, c_z) of their own axes.
@@ -195,8 +196,13 @@ def _resolve(crowd, i, j, x, z, n_x, n_z, b_x, b_z, y_i, c_x, c_z, y_j, depth):
         across += _mobility(free, j, d_x, d_y, d_z, t_x, t_y, t_z)
     if along == 0.0:
         return
+    book[DEEPEST] = max(book[DEEPEST], depth)
+    stiffness = law.spring / along
+    if not pushes:
+        book[STORED] += 0.5 * stiffness * depth * depth
+        return
     row = 1 if wall else 0
-    push, whole = _normal_impulse(law.stiffness, law.kept[row], depth, u_n, along, crowd.tick[0])
+    push, whole = _normal_impulse(stiffness, law.kept[row], depth, u_n, along, crowd.tick[0])
     rub = min(law.friction[row] * push, slip / across)
     f_x, f_y, f_z = push * n_x - rub * t_x, -rub * t_y, push * n_z - rub * t_z
     w_x, w_y, w_z = 0.0, 0.0, 0.0
@@ -246,7 +252,7 @@ def _corners_of(crowd, i, j, layer, first, pushes):
 
     With `pushes` they push; else their energy is stored in the book.
     """
-    bodies, planar, law, count = crowd.bodies, crowd.planar, crowd.law, 0
+    bodies, planar, count = crowd.bodies, crowd.planar, 0
     own, other = bodies.kind[i], bodies.kind[j]
     y_i, y_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
     r, r_j = bodies.radius[own], bodies.radius[other]
@@ -256,7 +262,7 @@ def _corners_of(crowd, i, j, layer, first, pushes):
         s_x = image(crowd.ground, x - planar[j, X]) - (x - planar[j, X])
         s_z = image(crowd.ground, z - planar[j, Z]) - (z - planar[j, Z])
         q_x, q_z = inward(planar, j, y_j, x + s_x, z + s_z)
-        if math.sqrt(q_x * q_x + q_z * q_z) - bodies.reach[other] > r:
+        if from_box(bodies, other, q_x, q_z) >= r + r_j:
             continue
         distance, c_x, c_z, is_corner, end = closest(bodies, other, q_x, q_z)
         depth = r + r_j - distance
@@ -265,16 +271,12 @@ def _corners_of(crowd, i, j, layer, first, pushes):
         if _counted_twice(crowd, i, j, layer, first, is_corner, c_x, c_z, end):
             continue
         count += 1
-        crowd.book[DEEPEST] = max(crowd.book[DEEPEST], depth)
-        if not pushes:
-            crowd.book[STORED] += 0.5 * law.stiffness * depth * depth
-            continue
         p_x, p_z = outward(planar, j, y_j, c_x, c_z)
         n_x, n_z = (x + s_x - p_x) / distance, (z + s_z - p_z) / distance
         middle = r - 0.5 * depth
         _resolve(
             crowd, i, j, x - middle * n_x, z - middle * n_z, n_x, n_z,
-            b_x, b_z, y_i, c_x, c_z, y_j, depth,
+            b_x, b_z, y_i, c_x, c_z, y_j, depth, pushes,
         )  # fmt: skip
     return count
 
@@ -294,11 +296,7 @@ def _at_wall(crowd, i, x, z, n_x, n_z, b_x, b_z, y, depth, pushes):
     """Push body i off a wall at a point, or store its energy; returns 1 where it touches."""
     if depth <= 0.0:
         return 0
-    crowd.book[DEEPEST] = max(crowd.book[DEEPEST], depth)
-    if pushes:
-        _resolve(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth)
-    else:
-        crowd.book[STORED] += 0.5 * crowd.law.stiffness * depth * depth
+    _resolve(crowd, i, -1, x, z, n_x, n_z, b_x, b_z, y, 0.0, 0.0, 0.0, depth, pushes)
     return 1
 
 

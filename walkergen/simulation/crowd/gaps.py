@@ -51,6 +51,15 @@ def closest(bodies, kind, x, z):
 
 
 @inlined
+def from_box(bodies, kind, x, z):
+    """Distance of (x, z) from the box of a kind's core, all in its own frame."""
+    box = bodies.box
+    d_x = max(abs(x - box[kind, 0]) - box[kind, 2], 0.0)
+    d_z = max(abs(z - box[kind, 1]) - box[kind, 3], 0.0)
+    return math.sqrt(d_x * d_x + d_z * d_z)
+
+
+@inlined
 def outward(planar, i, height, b_x, b_z):
     """Place in the plane of a point of body i, given in its own frame at a height over C."""
     c, s = planar[i, COS], planar[i, SIN]
@@ -89,33 +98,37 @@ def leaning(bodies, planar, i, j):
 
 
 @inlined
-def one_sided(bodies, ground, planar, i, j, layer, cutoff):
-    """Least gap of the corners of body i from body j, mm; beyond `cutoff` a lower bound of it."""
+def one_sided(bodies, ground, planar, i, j, layer, least, cutoff):
+    """Least gap of the corners of body i from body j, mm, or `least`, which is smaller.
+
+    Beyond `cutoff` a lower bound of it.
+    """
     own, other = bodies.kind[i], bodies.kind[j]
     height, height_j = bodies.heights[own, other, layer], bodies.heights[other, own, layer]
-    both, least = bodies.radius[own] + bodies.radius[other], FAR
-    reach = bodies.reach[other] - bodies.radius[other]
+    both = bodies.radius[own] + bodies.radius[other]
     for v in range(bodies.first[own], bodies.first[own + 1]):
         x, z = outward(planar, i, height, bodies.corners[v, 0], bodies.corners[v, 1])
         x = planar[j, X] + image(ground, x - planar[j, X])
         z = planar[j, Z] + image(ground, z - planar[j, Z])
         b_x, b_z = inward(planar, j, height_j, x, z)
-        distance = math.sqrt(b_x * b_x + b_z * b_z) - reach
-        if distance - both < cutoff:
-            distance, _, _, _, _ = closest(bodies, other, b_x, b_z)
-        least = min(least, distance - both)
+        gap = from_box(bodies, other, b_x, b_z) - both
+        if gap < least:
+            if gap < cutoff:
+                distance, _, _, _, _ = closest(bodies, other, b_x, b_z)
+                gap = distance - both
+            least = min(least, gap)
     return least
 
 
 @inlined
 def gap_of(bodies, ground, planar, i, j, cutoff):
     """Gap of bodies i and j at both ends of their edges, mm; beyond `cutoff` a lower bound."""
-    if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
-        return FAR
     least = FAR
+    if math.isnan(bodies.heights[bodies.kind[i], bodies.kind[j], 0]):
+        return least
     for layer in range(2):
-        least = min(least, one_sided(bodies, ground, planar, i, j, layer, cutoff))
-        least = min(least, one_sided(bodies, ground, planar, j, i, layer, cutoff))
+        least = one_sided(bodies, ground, planar, i, j, layer, least, cutoff)
+        least = one_sided(bodies, ground, planar, j, i, layer, least, cutoff)
     return least
 
 

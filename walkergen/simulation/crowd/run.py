@@ -26,14 +26,9 @@ from walkergen.simulation.world import OK, State, World
 from walkergen.walker.design import Design
 from walkergen.walker.mass import MassProperties
 
-PARTING_S = 4e-4
-"""Time (s) in which a corner and a face of two walkers part again, unless the scene has a
-stiffness. Hertz has 2e-4 for a corner of 0.2 mm, plastic of 2 GPa, a gram and 50 mm/s; either is
-short beside the plate's period, and longer costs less (docs/crowds.md has what it changes)."""
-
-RESOLVED = 1.4
-"""Length of a tick times the largest frequency of two bodies face to face, corner by corner at
-their ends: blows then err by 1.5 % of their energy at most."""
+TICKS = 13.0
+"""Ticks of a touch at least: what a crowd's contacts take is then 1 to 3 % off what restitution
+says, half of that with twice as many."""
 
 
 class CrowdPlan(NamedTuple):
@@ -79,7 +74,7 @@ def prepare(
     )
     return CrowdPlan(
         flat, every, shapes, tuple(design.name for design, _ in designs), tuple(kinds),
-        _of_centres(places, [every[kind] for kind in kinds]), _law(flat, every, shapes),
+        _of_centres(places, [every[kind] for kind in kinds]), _law(flat, every),
         bodies.ground_of(None if endless else scene.crowd.dish),
     )  # fmt: skip
 
@@ -94,17 +89,13 @@ def _of_centres(places: Array, of_walkers: Sequence[Plan]) -> Array:
     return centres
 
 
-def _law(scene: Scene, every: Sequence[Plan], shapes: Sequence[Shape]) -> bodies.Law:
-    """Law of contacts: springs of the scene or of printed corners, and the tick they need."""
-    given = scene.crowd.stiffness_n_per_m
-    mass = max(plan.world.walker.mass for plan in every)
-    edge = 0.5 * mass * (math.pi / PARTING_S) ** 2 if given is None else 1e6 * given
-    stiffest = max(shape.stiffest for shape in shapes)
-    longest = RESOLVED / math.sqrt(2.0 * edge * 2.0 * stiffest)
+def _law(scene: Scene, every: Sequence[Plan]) -> bodies.Law:
+    """Law of contacts, and the tick that it needs: a number of steps of the walkers' own."""
+    touch = 1e-3 * scene.crowd.touch_ms
     step = min(plan.world.options.step for plan in every)
-    tick = step * 2.0 ** math.floor(math.log2(longest / step))
+    tick = step * 2.0 ** math.floor(math.log2(touch / TICKS / step))
     return bodies.Law(
-        0.5 * edge,
+        0.5 * (math.pi / touch) ** 2,
         (scene.crowd.restitution**2, scene.arena.wall_restitution**2),
         (scene.crowd.friction, scene.arena.wall_friction),
         scene.drive.peak_speed,

@@ -47,8 +47,6 @@ class Shape(NamedTuple):
     """Heights of the body over C."""
     standing: float
     """Height of C over the plate when it stands level."""
-    stiffest: float
-    """Largest inverse mass (1/g) of a point of the outline pushed sideways."""
 
 
 def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
@@ -57,13 +55,11 @@ def shape_of(design: Design, mass: MassProperties, walker: InSpace) -> Shape:
         contour * (1.0, -1.0) + walker.centre[[0, 2]] for contour in outline_of(design, mass)
     ]
     corners, edges, radius = _core(design, contours)
-    inertia = walker.inverse_inertia[1, 1]
     reach = float(np.hypot(*corners.T).max()) + radius
     feet = walker.root[:, 1] + walker.reach[:, 1]
     return Shape(
         corners, edges, radius, reach, sum(Polygon(contour).area for contour in contours),
         float(walker.corners[:, 1].min()), float(walker.corners[:, 1].max()), -float(feet.min()),
-        float(walker.inverse_mass[0] + inertia * reach**2),
     )  # fmt: skip
 
 
