@@ -222,7 +222,6 @@ def test_progress_counts_the_frames():
         ({"seed": -1}, "seed = -1"),
         ({"one": card(velocity_relaxation_s=0.0)}, "velocity_relaxation_s.value = 0"),
         ({"one": silent(corner_radius_mm=5.0)}, "corner_radius_mm = 5"),
-        ({"one": silent(outline_mm=[[[0.0, 0.0], [1.0, 1.0], [2.0, 2.0]]])}, "outline_mm"),
     ],
 )
 def test_what_no_run_can_be_made_of_is_refused_in_a_line(keys, named):
