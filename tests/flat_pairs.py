@@ -1,4 +1,4 @@
-"""Pairs of walkers that meet once, in LAMMPS and by the closed form of a rigid frictional impact."""
+"""Pairs of walkers that meet once, in LAMMPS and by the closed form of a rigid impact."""
 
 import math
 from typing import NamedTuple
@@ -57,7 +57,7 @@ def collide(number, restitution, friction, seed, speed=100.0):
     kinds, places = [], []
     for (kind, mover, rester), (x, y) in zip(pairs, middle, strict=True):
         kinds += [kind, len(offsets)]
-        places += [mover + (x, y, 0.0), rester + (x, y, 0.0)]
+        places += [mover + np.array([x, y, 0.0]), rester + np.array([x, y, 0.0])]
     dish = Dish("rectangle", (side * ROOM + 40.0,) * 2)
     run = crowd.simulate(cards, kinds, dish, places, seconds=0.06, rate_hz=2000.0, seed=seed)
     hits = []
@@ -86,8 +86,8 @@ def _pair(generator, offsets):
 
 def shape(pose):
     """Outline at a pose."""
-    return affinity.translate(affinity.rotate(Polygon(BOX), pose[2], origin=(0, 0), use_radians=True),
-                              pose[0], pose[1])  # fmt: skip
+    turned = affinity.rotate(Polygon(BOX), pose[2], origin=(0, 0), use_radians=True)
+    return affinity.translate(turned, pose[0], pose[1])
 
 
 def _hit(two, mover, rester, offset, speed, kind):
@@ -128,8 +128,8 @@ def _hit(two, mover, rester, offset, speed, kind):
     )
     size = float(np.hypot(*push))
     taken = [
-        -(f_x * (v_x + 0.5 * (H_xx * f_x + H_xy * f_y)) + f_y * (v_y + 0.5 * (H_xy * f_x + H_yy * f_y)))
-        for f_x, f_y in ((F_x, F_y), (law.F_x, law.F_y))
+        -x * (v_x + 0.5 * (H_xx * x + H_xy * y)) - y * (v_y + 0.5 * (H_xy * x + H_yy * y))
+        for x, y in ((F_x, F_y), (law.F_x, law.F_y))
     ]
     scale = 0.5 * v_y**2 / H_yy + 0.5 * v_x**2 / H_xx
     return Hit((v_x, v_y), (H_xx, H_xy, H_yy), (F_x, F_y), (law.F_x, law.F_y),

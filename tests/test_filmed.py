@@ -98,6 +98,22 @@ def test_a_film_of_unknown_scale_and_one_too_short_say_so(folder):
     assert "line 3: brief.csv: no walker has a speed" in seen.bad
 
 
+def test_walkers_seen_too_briefly_for_errors_of_their_own_count_by_their_mean(folder):
+    """As `analyse` prints it, with the error of the scale once; one walker of them is left out."""
+    path = write(folder / "short.csv", 11, 4, seconds=1.0)
+    whole = wg.analyse(path)
+    assert whole.motion.walkers[0].of("speed").se is None
+    seen = read(folder, "tilt_deg,tracks\n10,short.csv\n")
+    assert seen.speed == pytest.approx([whole.speed.value], rel=1e-12)
+    error = math.hypot(whole.speed.se, SHARE * whole.speed.value)
+    assert seen.se == pytest.approx([error], rel=1e-12)
+    assert "short.csv: the mean speed of 4 walkers, one row" in seen.notes[0]
+    seen = read(folder, "tilt_deg,tracks,particle\n10,ten.csv,\n5,short.csv,0\n")
+    assert "short.csv: no walker has a speed" in seen.bad
+    with pytest.raises(InputError, match=r"walker 2 of short.csv is in two rows"):
+        read(folder, "tilt_deg,tracks,particle\n10,short.csv,\n5,short.csv,2\n")
+
+
 @pytest.mark.parametrize(
     ("text", "hint"),
     [

@@ -1,7 +1,8 @@
 """Rows of a file of speeds that name tracks in place of a speed, and the speeds of these tracks.
 
 A row stands for one walker of the tracks, by its number in the column `particle`, or for each of
-them. Its speed and standard error are those that `analyse` gives to that walker by itself.
+them. Its speed and standard error are those that `analyse` gives to that walker by itself. Where
+tracks are so short that none has an error, a row for all is their mean, as `analyse` gives it.
 """
 
 import math
@@ -13,7 +14,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis import doubts, motion, tracks
-from walkergen.analysis.between import Alone
+from walkergen.analysis.estimates import Estimate
 from walkergen.errors import InputError
 from walkergen.files import columns, plain, reading
 from walkergen.files.columns import Columns
@@ -33,8 +34,10 @@ class _Film(NamedTuple):
     """Walkers of a file of tracks."""
 
     path: Path
-    walkers: dict[int, Alone]
-    """Motion of each walker by itself, by its number."""
+    speeds: dict[int, Estimate]
+    """Speed of each walker by itself, mm/s, by its number."""
+    mean: Estimate
+    """Mean speed of all, mm/s."""
     plates: dict[int, float]
     """Peak speed of the plate by walker, mm/s; NaN where the file does not say."""
     scale_se: float | None
@@ -49,27 +52,28 @@ class _Film(NamedTuple):
 
 
 class _Walker(NamedTuple):
-    """Walker that a row of the file of speeds stands for."""
+    """Walker, or the mean of several, that a row of the file of speeds stands for."""
 
     at: int
     """Place of that row among the usable ones."""
     film: _Film
-    alone: Alone
+    particles: tuple[int, ...]
+    estimate: Estimate
+    """Speed, mm/s."""
 
     @property
     def speed(self) -> float | None:
         """Speed, mm/s; None where it, or its error, is not known."""
-        estimate = self.alone.of("speed")
-        return None if estimate.se is None else estimate.value
+        return None if self.estimate.se is None else self.estimate.value
 
     @property
     def reason(self) -> str:
         """Reason why it has no speed, or no error of it."""
-        return self.alone.of("speed").reason
+        return self.estimate.reason
 
     def error(self, crowd: int) -> float:
-        """Standard error of the speed, mm/s, with that of the scale that `crowd` walkers share."""
-        value, se, *_ = self.alone.of("speed")
+        """Standard error of the speed, mm/s, with that of the scale that `crowd` rows share."""
+        value, se, *_ = self.estimate
         assert value is not None
         assert se is not None
         return math.hypot(se, math.sqrt(crowd) * (self.film.scale_se or 0.0) * value)
@@ -129,20 +133,26 @@ def _film(path: Path) -> _Film:
         track.particle: math.nan if track.plate_speed is None else track.plate_speed
         for track in read.tracks
     }
-    walkers = {walker.particle: walker for walker in measured.walkers}
+    speeds = {walker.particle: walker.of("speed") for walker in measured.walkers}
+    mean = measured.estimates["speed"]
     notes = [*measured.doubts, doubts.of_scale(read.scale_se), read.note]
-    return _Film(path, walkers, plates, read.scale_se, [note for note in notes if note])
+    return _Film(path, speeds, mean, plates, read.scale_se, [note for note in notes if note])
 
 
 def _of_row(film: _Film, at: int, number: float, path: Path, table: Columns) -> Iterator[_Walker]:
     """Walkers that a row stands for. Raises InputError for one that the tracks lack."""
+    lone = [_Walker(at, film, (particle,), speed) for particle, speed in film.speeds.items()]
     if math.isnan(number):
-        yield from (_Walker(at, film, alone) for alone in film.walkers.values())
-    elif number in film.walkers:
-        yield _Walker(at, film, film.walkers[int(number)])
+        unknown = all(walker.speed is None for walker in lone)
+        if unknown and len(lone) > 1 and film.mean.se is not None:
+            yield _Walker(at, film, tuple(film.speeds), film.mean)
+        else:
+            yield from lone
+    elif number in film.speeds:
+        yield _Walker(at, film, (int(number),), film.speeds[int(number)])
     else:
-        seen = ", ".join(map(str, list(film.walkers)[:10]))
-        more = " ..." if len(film.walkers) > 10 else ""
+        seen = ", ".join(map(str, list(film.speeds)[:10]))
+        more = " ..." if len(film.speeds) > 10 else ""
         raise InputError(
             f"{path}:{table.lines[at]}: {PARTICLE} = {number:g}: must be a walker of {film.name}: "
             f"{seen}{more}"
@@ -153,20 +163,20 @@ def _refuse_twice(path: Path, walkers: Sequence[_Walker]) -> None:
     """Raise InputError for the first walker that stands in two rows."""
     seen: set[tuple[Path, int]] = set()
     for walker in walkers:
-        key = (walker.film.path, walker.alone.particle)
-        if key in seen:
-            raise InputError(
-                f"{path}: walker {key[1]} of {walker.film.name} is in two rows: give each walker "
-                f"once, by the column {PARTICLE}"
-            )
-        seen.add(key)
+        for key in ((walker.film.path, particle) for particle in walker.particles):
+            if key in seen:
+                raise InputError(
+                    f"{path}: walker {key[1]} of {walker.film.name} is in two rows: give each "
+                    f"walker once, by the column {PARTICLE}"
+                )
+            seen.add(key)
 
 
 def _joined(rest: Columns, table: Columns, known: Sequence[_Walker]) -> Columns:
     """Rows of numbers, then a row of each walker with what else stood in its row."""
     at = np.array([walker.at for walker in known], np.int64)
     crowds = [sum(other.film is walker.film for other in known) for walker in known]
-    of_film = np.array([walker.film.plates[walker.alone.particle] for walker in known])
+    of_film = np.array([walker.film.plates[walker.particles[0]] for walker in known])
     plate = _column(table, PLATE)[at]
     own = {
         SPEED: np.array([walker.speed for walker in known], float),
@@ -199,10 +209,17 @@ def _notes(film: _Film, walkers: Sequence[_Walker]) -> Iterator[str]:
     """What is to be said of a film: walkers left out, doubts, and the error of its scale."""
     own = [walker for walker in walkers if walker.film is film]
     refused = [walker for walker in own if walker.speed is None]
-    if len(refused) < len(own):
+    means = [walker for walker in own if len(walker.particles) > 1]
+    if means:
+        reason = next(iter(film.speeds.values())).reason
+        yield (
+            f"{film.name}: the mean speed of {len(film.speeds)} walkers, one row: no walker's own "
+            f"has an error: {reason}"
+        )
+    elif len(refused) < len(own):
         count = len(own) - len(refused)
         yield f"{film.name}: speeds of {count} walker{'' if count == 1 else 's'}, a row each"
     if 0 < len(refused) < len(own):
-        which = ", ".join(str(walker.alone.particle) for walker in refused[:10])
+        which = ", ".join(str(walker.particles[0]) for walker in refused[:10])
         yield f"{film.name}: left out: walker {which}: {refused[0].reason}"
     yield from (f"{film.name}: {note}" for note in film.notes)

@@ -1,8 +1,6 @@
 """One run of a crowd of cards in a plane: its LAMMPS input, or where everybody was.
 
-    from walkergen.flat import crowd
-    run = crowd.simulate([card], kinds, dish, places, seconds=20.0, rate_hz=50.0, seed=1)
-    run.poses  # (F, N, 3): x, y in mm and heading in rad
+Here LAMMPS is a program like any other; with `files` it is another machine's.
 """
 
 import tempfile

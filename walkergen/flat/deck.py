@@ -89,11 +89,7 @@ def steps_per_frame(crowd: Crowd, parts: Mechanics) -> int:
 
 def files(crowd: Crowd, parts: Mechanics) -> dict[str, bytes]:
     """Files by name: the input, the particles and the bodies. The same crowd gives the same."""
-    texts = {
-        INPUT: _input(crowd, parts),
-        DATA: _data(crowd, parts),
-        BODIES: _bodies(crowd, parts),
-    }
+    texts = {INPUT: _input(crowd, parts), DATA: _data(crowd, parts), BODIES: _bodies(crowd, parts)}
     return {name: text.encode("ascii") for name, text in texts.items()}
 
 
@@ -206,7 +202,9 @@ def _half_box(crowd: Crowd, parts: Mechanics) -> tuple[float, float]:
 def _data(crowd: Crowd, parts: Mechanics) -> str:
     """Particles of all bodies, walker by walker: the one at C, the sideways one, the discs."""
     count = len(crowd.cards)
-    atoms, ellipsoids, members = [], [], []
+    atoms: list[str] = []
+    ellipsoids: list[str] = []
+    members: list[str] = []
     for number, (k, (x, y, angle)) in enumerate(zip(crowd.kinds, crowd.places, strict=True), 1):
         one, body = parts.motions[k], parts.discs[k]
         lever = math.sqrt(one.inertia / one.mass)
@@ -219,10 +217,9 @@ def _data(crowd: Crowd, parts: Mechanics) -> str:
         ]
         for row, (kind, u, v, diameter, ahead, left) in enumerate(rows):
             name = len(atoms) + 1
-            atoms.append(
-                f"{name} {kind} {_n(x + c * u - s * v)} {_n(y + s * u + c * v)} 0 {_n(diameter)} 1 0 "
-                f"{_n(c * ahead - s * left)} {_n(s * ahead + c * left)} 0 {int(row == 0)}"
-            )
+            place = f"{_n(x + c * u - s * v)} {_n(y + s * u + c * v)} 0"
+            force = f"{_n(c * ahead - s * left)} {_n(s * ahead + c * left)} 0"
+            atoms.append(f"{name} {kind} {place} {_n(diameter)} 1 0 {force} {int(row == 0)}")
             members.append(f"{name} {number}")
         # A ball of this radius and the walker's mass has the walker's inertia
         size = _n(2.0 * math.sqrt(2.5) * lever)

@@ -4,6 +4,7 @@ Every disc lies inside the outline and touches it. Straight sides become a row o
 bumps stay below a tolerance; a corner ends in ever smaller ones.
 """
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -62,14 +63,14 @@ def region(card: Card) -> BaseGeometry:
 def rim(card: Card) -> Rim:
     """Points along the outline, equally spaced on each straight piece, none at a corner."""
     ground = region(card)
-    pieces = [ground] if isinstance(ground, Polygon) else list(ground.geoms)  # type: ignore[attr-defined]
+    pieces = [ground] if isinstance(ground, Polygon) else list(ground.geoms)
     contours = [np.asarray(piece.exterior.normalize().coords)[:, :2] for piece in pieces]
     spacing = sum(piece.exterior.length for piece in pieces) / SAMPLES
     points, inwards = [], []
     for contour in contours:
         if np.sum(contour[:-1, 0] * contour[1:, 1] - contour[1:, 0] * contour[:-1, 1]) < 0.0:
             contour = contour[::-1]  # counter-clockwise: inwards is to the left
-        for start, end in zip(contour[:-1], contour[1:], strict=True):
+        for start, end in pairwise(contour):
             length = float(np.hypot(*(end - start)))
             if length < 1e-9:
                 continue

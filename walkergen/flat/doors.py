@@ -76,7 +76,9 @@ def _turning(cards: Sequence[Card], kinds: npt.NDArray[np.int64], seed: int) -> 
     """Mean turning rate of each walker, rad/s: a print's own where the card knows their spread."""
     generator = np.random.default_rng([seed, 1])
     means = np.array([card.turning_rad_s.value for card in cards])
-    spreads = np.array([one.turning_sd_rad_s.value if one.turning_sd_rad_s else 0.0 for one in cards])
+    spreads = np.array(
+        [one.turning_sd_rad_s.value if one.turning_sd_rad_s else 0.0 for one in cards]
+    )
     return np.asarray(means[kinds] + spreads[kinds] * generator.standard_normal(len(kinds)))
 
 
@@ -91,7 +93,7 @@ def _check_rate(asked: deck.Crowd) -> None:
 
 
 def _check_room(asked: deck.Crowd) -> None:
-    """Raise InputError where bodies overlap each other or a wall, or the ground repeats too soon."""
+    """Raise InputError where bodies overlap each other or a wall, or a ground is too small."""
     shapes = [discs.cover(card, deck.tolerance(asked.cards)) for card in asked.cards]
     reach = max(shape.reach for shape in shapes)
     period = asked.dish.period
@@ -145,4 +147,6 @@ def gaps_to_walls(dish: Dish, points: Array, radii: Array) -> Array:
         return np.full(len(radii), np.inf)
     away = np.hypot(*points.T)
     outer = 0.5 * dish.sizes[0] - away - radii
-    return outer if dish.kind == "disc" else np.minimum(outer, away - radii - 0.5 * dish.sizes[1])
+    return np.asarray(
+        outer if dish.kind == "disc" else np.minimum(outer, away - radii - 0.5 * dish.sizes[1])
+    )

@@ -12,7 +12,7 @@ from walkergen.errors import InputError, OutputError
 Array = npt.NDArray[np.float64]
 
 COLUMNS = "id xu yu c_heading[1] c_heading[2]"
-"""Columns that the input asks for: number, place without wrapping, cos and sin of half the heading."""
+"""Columns that the input asks for: number, place, cos and sin of half the heading."""
 
 
 class Frames(NamedTuple):
@@ -59,6 +59,9 @@ def _frame(stream: TextIO, walkers: int) -> tuple[int, Array] | None:
     lines = [stream.readline() for _ in range(walkers)]
     if not lines[-1].endswith("\n"):
         return None
-    rows = np.loadtxt(io.StringIO("".join(lines)), ndmin=2)
+    try:
+        rows = np.loadtxt(io.StringIO("".join(lines)), ndmin=2)
+    except ValueError:  # a row that was cut short
+        return None
     heading = 2.0 * np.arctan2(rows[:, 4], rows[:, 3])
     return int(head[1]), np.column_stack((rows[:, 1:3], heading))

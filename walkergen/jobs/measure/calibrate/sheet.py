@@ -136,7 +136,9 @@ def _friction() -> str:
         "are; not the face that lay on the bed - its length downhill. The walker faces downhill "
         "(feet trail uphill); facing uphill it chatters down earlier.\n"
         "4. Raise one end slowly, tapping beside it with a finger. `slides_deg`: the angle at "
-        "which it keeps sliding. Six times, at different places of the surface."
+        "which it keeps sliding. Six times, at different places of the surface.\n"
+        "5. Or film it as it slides, on a slope of known angle, with a cap (`walkergen track "
+        "--markers aruco`): a row `filmed_deg`, and a column `tracks` that names its tracks.csv."
     )
 
 
