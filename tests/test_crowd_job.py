@@ -219,3 +219,11 @@ def test_a_full_disk_is_told_and_leaves_no_half_file(run, walking, tmp_path):
         assert "No space left" in str(result.exception)
         assert not list(folder.rglob(".*.walkergen-*"))
     assert run("--count", "4", *SHORT, "--out", str(folder)).exit_code == 0
+
+
+def test_a_sweep_of_one_walker_refuses_the_keys_of_crowds(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    words = ["sweep", "--set", "scene.crowd.packing=0.1,0.2"]
+    error = CliRunner().invoke(command_line, words).exception
+    assert "scene.crowd.packing" in str(error)
+    assert "walkergen crowd" in str(error)

@@ -123,7 +123,7 @@ def test_commands_stand_under_their_headings(monkeypatch):
     headings = re.findall(r"^(\w+):$", text, re.MULTILINE)
     assert headings == ["Options", *COMMANDS]
     below = text.partition("Measure:")[2].partition("Trust:")[0]
-    measure = ["track", "analyse", "fit", "calibrate", "weigh", "bench"]
+    measure = ["track", "analyse", "card", "fit", "calibrate", "weigh", "bench"]
     assert re.findall(r"^  (\w+)", below, re.MULTILINE) == measure
     assert "..." not in text.partition("Make:")[2]  # whole sentences
 

@@ -24,6 +24,7 @@ TAKES = {
     ("calibrate", "measurements.csv"): "design scene",
     ("card",): "design scene",
     ("check",): "design printer",
+    ("crowd",): "design scene",
     ("design", "--speed", "40"): "design scene printer",
     ("explain",): "design scene",
     ("export",): "design",

