@@ -18,7 +18,8 @@ from walkergen.card import Card, Known
 from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
-from walkergen.jobs.measure.card import inputs, make, measured, overdamped
+from walkergen.files.progress import silent
+from walkergen.jobs.measure.card import inputs, make, measured, overdamped, walled
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -305,3 +306,32 @@ def test_numbers_that_every_card_has_are_asked_for():
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     with pytest.raises(InputError, match="is not known"):
         make.card_of(scene, walker, solids.mass_of(walker), own)
+
+
+@pytest.mark.slow
+def test_a_wall_turns_a_walker_that_runs_against_it(run, tmp_path):
+    """A flat nose stands head on, or beyond the reach of its corners turns along the wall."""
+    words = ("koumakis2016", "--runs", "12", "--seconds", "3", "--arena", "disc:120", "--json")
+    result = run(*words, "--out", "here")
+    assert result.exit_code == 0, result.exception
+    card = Card.model_validate(json.loads(result.stdout)["card"])
+    assert -1.0 <= card.wall_alignment.value <= 1.0
+    assert card.wall_turning_rad_s.value > 3.0 * card.wall_turning_rad_s.se
+    late = card.turning_relaxation_s.value
+    torque = card.inertia_g_mm2 * card.wall_turning_rad_s.value / late
+    assert card.wall_torque_g_mm2_s2.value == pytest.approx(torque)
+    assert (tmp_path / "here" / "walls.png").exists()
+
+
+def test_dishes_in_which_a_walker_meets_no_wall_are_refused(run, tmp_path):
+    assert "no walls" in refused(run, "--arena", "periodic:100")
+    assert "--arena = 'hexagon:3'" in refused(run, "--arena", "hexagon:3")
+    (tmp_path / "tracks.csv").write_text(csv_of(tracks(1, Inertial(), walkers=2, seconds=0.3)))
+    film = ("tracks.csv", "--design", "rotator", "--arena", "disc:120")
+    assert "--arena: a film tells nothing of walls" in refused(run, *film)
+    scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
+    small = scene.model_copy(update={
+        "crowd": scene.crowd.model_copy(update={"arena_mm": "disc:35"})
+    })  # fmt: skip
+    with pytest.raises(InputError, match="too small"):
+        walled.simulated(small, walker, solids.mass_of(walker), CARD.speed_mm_s, silent)

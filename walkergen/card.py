@@ -78,6 +78,13 @@ class Card(Section):
     """Restitution and friction of body on body."""
     wall_restitution: Fraction = 0.5
     wall_friction: Annotated[float, Field(ge=0, le=1e6)] = 0.25
+    wall_alignment: Known | None = None
+    """Mean of -cos(2 angle) by a wall, of the angle from the way out to the heading: 1 along the
+    wall, 0 for any direction alike, -1 head on."""
+    wall_turning_rad_s: Known | None = None
+    """Mean rate at which a wall turns a walker along itself that runs against it askew."""
+    wall_torque_g_mm2_s2: Known | None = None
+    """Torque of the wall that does this."""
     overdamped: Overdamped | None = None
 
     @field_validator("outline_mm")

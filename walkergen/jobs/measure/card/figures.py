@@ -10,8 +10,9 @@ from walkergen.analysis.motion import Array, Curve
 from walkergen.analysis.relaxation import Relaxation
 from walkergen.analysis.walks import Spread
 from walkergen.card import Card
-from walkergen.files.figures import COLUMN, logarithmic, style, wrapped
+from walkergen.files.figures import COLUMN, logarithmic, panels_of, style, wrapped
 from walkergen.jobs.measure.card.measured import Measured
+from walkergen.jobs.measure.card.walled import Walled
 
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.45"
 
@@ -124,6 +125,27 @@ def _delay(axes: Axes, card: Card, measured: Measured) -> None:
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.2 * (high - low))
     axes.legend(loc="upper right", ncols=2)
+
+
+@style()
+def of_walls(card: Card, walled: Walled) -> Figure:
+    """Draw how often a walker stands to a wall at each angle, and how it turns there."""
+    title = f"{card.name} by the wall of {walled.dish.words}"
+    figure, (often, turns) = panels_of(title, (1.6, 1.9))
+    by_wall = walled.by_wall
+    angles = np.degrees(by_wall.angles)
+    often.stairs(by_wall.density, np.linspace(-180.0, 180.0, len(angles) + 1), color=BLUE,
+                 fill=True, alpha=0.6)  # fmt: skip
+    often.set_ylabel("density (1/rad)")
+    seen = np.isfinite(by_wall.rates) & np.isfinite(by_wall.rates_se)
+    turns.errorbar(angles[seen], by_wall.rates[seen], by_wall.rates_se[seen], fmt="o", color=BLUE,
+                   markersize=3.0, elinewidth=0.8)  # fmt: skip
+    turns.axhline(0.0, color="0.8", linewidth=0.6, zorder=0)
+    turns.set_ylabel("turning by it (rad/s)")
+    turns.set_xlabel("heading from the way out (deg)")
+    turns.set_xlim(-180.0, 180.0)
+    turns.set_xticks(np.arange(-180, 181, 90))
+    return figure
 
 
 def _thinned(curve: Curve) -> Curve:

@@ -14,9 +14,10 @@ from walkergen.card import Card, Known
 from walkergen.errors import InputError
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress
-from walkergen.jobs.measure.card import inputs, measured, overdamped, page, report
+from walkergen.jobs.measure.card import inputs, measured, overdamped, page, report, walled
 from walkergen.jobs.measure.card.measured import Measured
 from walkergen.jobs.measure.card.report import CardReport
+from walkergen.jobs.measure.card.walled import Walled
 from walkergen.scene import Scene
 from walkergen.walker import names, seen_above, solids
 from walkergen.walker.design import Design
@@ -30,11 +31,20 @@ def folder_of(design: Design) -> Path:
     return Path("out") / design.name / f"card_{names.part(design)}"
 
 
-def of_design(scene: Scene, design: Design, progress: Progress) -> CardReport:
-    """Card of simulated runs of a walker alone. Raises InputError before or after they run."""
+def of_design(scene: Scene, design: Design, walls: bool, progress: Progress) -> CardReport:
+    """Card of simulated runs of a walker alone, and if wanted against the wall of the scene's dish.
+
+    Raises InputError before or after they run.
+    """
     mass = solids.mass_of(design)
+    if walls:
+        walled.check(scene.crowd.dish)
     numbers = measured.simulated(scene, design, mass, progress)
-    return report.of(card_of(scene, design, mass, numbers), numbers)
+    card = card_of(scene, design, mass, numbers)
+    if not walls:
+        return report.of(card, numbers)
+    against = walled.simulated(scene, design, mass, card.speed_mm_s, progress)
+    return report.of(with_walls(card, against, numbers), numbers, against)
 
 
 def of_film(path: Path, units: Units, scene: Scene, design: Design) -> CardReport:
@@ -80,6 +90,17 @@ def card_of(scene: Scene, design: Design, mass: MassProperties, numbers: Measure
         wall_restitution=scene.arena.wall_restitution, wall_friction=scene.arena.wall_friction,
         overdamped=overdamped.judge(speed, turning, rotation, numbers.velocity, length),
     )  # fmt: skip
+
+
+def with_walls(card: Card, against: Walled, numbers: Measured) -> Card:
+    """Card that says how walls turn the walker."""
+    by_wall, runs = against.by_wall, against.runs
+    torque = walled.torque(by_wall.turning, numbers.turning.time, card.inertia_g_mm2)
+    return card.model_copy(update={
+        "wall_alignment": _or_none(by_wall.alignment, runs),
+        "wall_turning_rad_s": _or_none(by_wall.turning, runs),
+        "wall_torque_g_mm2_s2": _or_none(torque, runs),
+    })  # fmt: skip
 
 
 def write(result: CardReport, asked: Mapping[str, Any], folder: Path, pictures: bool) -> CardReport:

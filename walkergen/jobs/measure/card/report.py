@@ -1,15 +1,18 @@
 """Report of a card: its numbers with errors, how they were found, and what is assumed."""
 
+import math
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING, NamedTuple
 
+from walkergen.analysis import walls
 from walkergen.card import Card, Known
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
 from walkergen.jobs.measure.card import overdamped
 from walkergen.jobs.measure.card.measured import Measured
+from walkergen.jobs.measure.card.walled import Walled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -24,8 +27,14 @@ QUANTITIES = {
     "turning_sd_rad_s": ("its spread, print to print", "rad/s"),
     "turning_relaxation_s": ("turning relaxes within", "s"),
     "rotational_diffusion_rad2_s": ("rotational diffusion D_R", "rad²/s"),
+    "wall_alignment": ("alignment by a wall", ""),
+    "wall_turning_rad_s": ("turning along it", "rad/s"),
+    "wall_torque_g_mm2_s2": ("torque of the wall", "g mm²/s²"),
 }
 """Names and units that people read, by the keys of a card."""
+
+BY_WALL = tuple(key for key in QUANTITIES if key.startswith("wall_"))
+"""Keys of what only runs against a wall tell."""
 
 CONTACTS = ("restitution", "friction", "wall_restitution", "wall_friction")
 
@@ -48,6 +57,8 @@ class CardReport(Report):
     card: Card
     measured: Measured | None
     """None for a card that was read from a file."""
+    walled: Walled | None
+    """None for a walker that did not run against walls."""
 
 
 COLUMNS = (
@@ -58,14 +69,18 @@ COLUMNS = (
 )
 
 
-def of(card: Card, measured: Measured | None) -> CardReport:
+def of(card: Card, measured: Measured | None, walled: Walled | None = None) -> CardReport:
     """Report of a card; of one that was measured also how."""
-    rows = [_row(card, key, measured) for key in QUANTITIES]
+    known = [key for key in QUANTITIES if key not in BY_WALL or getattr(card, key) is not None]
+    rows = [_row(card, key, measured) for key in known]
     contacts = [(key, getattr(card, key)) for key in CONTACTS]
     draw: dict[str, Callable[[], Figure]] = {}
     if measured is not None:
         draw = {"card": partial(_draw, card, measured)}
-    notes = list(_notes(card, measured))
+    notes = [*_notes(card, measured)]
+    if walled is not None:
+        draw["walls"] = partial(_draw_walls, card, walled)
+        notes.insert(-1, _of_walls(walled))
     return CardReport(
         name="card", title=f"Card of {card.name}",
         caption=", ".join(filter(None, (
@@ -80,6 +95,7 @@ def of(card: Card, measured: Measured | None) -> CardReport:
         ],
         facts={"card": card.model_dump(mode="json"), "notes": notes},
         lines=[f"{note}." for note in notes], figures=draw, card=card, measured=measured,
+        walled=walled,
     )  # fmt: skip
 
 
@@ -149,6 +165,22 @@ def _of_motion(measured: Measured) -> Sequence[str]:
             "the same side: above 0 its velocity leads the heading by them, which the delay counts"
         )
     return own
+
+
+def _of_walls(walled: Walled) -> str:
+    """How motion by a wall was measured, and what an alignment means."""
+    low, high = (round(math.degrees(angle)) for angle in walls.ASKEW)
+    return (
+        f"by the wall of {walled.dish.words}: {walled.runs} runs, let go beside it at angles from "
+        "head on to along it; alignment is -1 head on, 1 along it, over the second half of each; "
+        f"turning and torque are those of walkers that run against it at {low} to {high} degrees"
+    )
+
+
+def _draw_walls(card: Card, walled: Walled) -> "Figure":
+    from walkergen.jobs.measure.card import figures
+
+    return figures.of_walls(card, walled)
 
 
 def _draw(card: Card, measured: Measured) -> "Figure":
