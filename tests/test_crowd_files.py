@@ -1,6 +1,7 @@
 """Crowds as files of other programs, read back: CSV, GSD, extended XYZ, movies, stills."""
 
 import io
+import json
 import re
 import shutil
 
@@ -167,3 +168,39 @@ def test_tables_and_figures_hold_what_was_measured(dish):
     figures = crowd_figures.figures(found, "crowd")
     assert ("crowd_walls" in figures) == (dish == "disc:60")
     assert all(draw().axes for draw in figures.values())
+
+
+def odd(name):
+    """Films in which a number or a curve is missing."""
+    if name == "thin ring":  # no box lies inside it
+        return of(np.repeat(on_ring()[None], 6, axis=0), "ring:60,56")
+    film = gas("disc:60", 2 if name == "two walkers" else 20, 6, 1)
+    places = np.stack([film.x, film.y, film.theta], axis=2)
+    if name == "still":
+        places[:] = places[0]
+    if name == "one never seen":
+        places[:, 3] = np.nan
+    if name == "an empty frame":
+        places[2] = np.nan
+    return of(places, "disc:60", None if name == "no outline" else BOX)
+
+
+def on_ring():
+    angle = np.linspace(0.0, 6.0, 20)
+    return np.column_stack([29.0 * np.cos(angle), 29.0 * np.sin(angle), angle])
+
+
+@pytest.mark.parametrize(
+    "name", ["thin ring", "two walkers", "still", "one never seen", "an empty frame", "no outline"]
+)
+def test_odd_crowds_have_a_page_figures_and_files(name):
+    film = odd(name)
+    found = crowds.measure([film])
+    tables = crowd_tables.tables(found)
+    json.dumps(crowd_tables.facts(found), allow_nan=False)
+    assert all("nan" not in table.csv() for table in tables)
+    for draw in crowd_figures.figures(found, name).values():
+        assert draw().axes
+    assert crowd_movie.still(film, name).startswith(b"\x89PNG")
+    for write in crowd_files.FORMATS.values():
+        assert write(film)

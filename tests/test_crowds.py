@@ -7,7 +7,16 @@ from crowd_films import BOX, DISHES, gas, of
 
 from walkergen import dish as dishes
 from walkergen.analysis import crowds
-from walkergen.analysis.crowds import clusters, fluctuations, ground, order, packing, pairs, walls
+from walkergen.analysis.crowds import (
+    boxes,
+    clusters,
+    fluctuations,
+    ground,
+    order,
+    packing,
+    pairs,
+    walls,
+)
 from walkergen.errors import InputError
 
 
@@ -63,6 +72,30 @@ def test_the_area_beyond_a_depth_is_that_of_the_dish_shrunk(words):
         assert ground.area_beyond(np.array(depth), dish) == pytest.approx(
             shrunk, abs=1e-3 * dish.area
         )
+
+
+@pytest.mark.parametrize("words", DISHES)
+@pytest.mark.parametrize("parts", [3, 7, 12])
+def test_boxes_are_those_that_lie_inside_the_dish(words, parts):
+    dish = dishes.parse(words)
+    grid, ground_ = boxes.whole(dish, parts), polygon_of(dish)
+    assert grid.used.any() or (words, parts) == ("ring:160,60", 3)
+    for (column, row), used in np.ndenumerate(grid.used):
+        x, y = (
+            grid.side * (at - 0.5 * number)
+            for at, number in zip((column, row), grid.used.shape, strict=True)
+        )
+        box = shapely.box(x, y, x + grid.side, y + grid.side)
+        assert used == (box.difference(ground_).area < 1e-3)
+    cut = boxes.cut(dish, parts)
+    assert 0.8 * dish.area < cut.areas.sum() < 1.0001 * dish.area
+
+
+def test_a_fixed_number_in_the_dish_does_not_calm_its_boxes():
+    """The largest boxes hold a ninth of the dish: uncorrected they would vary by 11 % less."""
+    found = fluctuations.measure([gas("periodic:150", 60, 2500, 6)])
+    assert found.variances[0] / found.means == pytest.approx(1.0, abs=0.05)
+    assert found.exponents[0] == pytest.approx(0.5, abs=0.02)
 
 
 def test_a_lattice_hardly_fluctuates():
@@ -146,6 +179,11 @@ def test_all_walkers_at_the_wall_are_as_dense_as_the_strip_is_small():
     assert found.near_density == pytest.approx(1.0 / strip)
     assert np.isnan(found.speed[-1])
     assert found.density[-1] == 0.0
+    # All of the dish is in the bins: the densities weighted with their areas are 1
+    half = 0.5 * (found.at[1] - found.at[0])
+    inner, outer = 42.0 - found.at - half, 42.0 - found.at + half
+    assert found.density @ (outer**2 - inner**2) / 42.0**2 == pytest.approx(1.0)
+    assert inner[-1] == pytest.approx(0.0, abs=1e-9)
 
 
 def chains(side):

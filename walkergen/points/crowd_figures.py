@@ -23,8 +23,13 @@ def figures(statistics: CrowdStatistics, title: str) -> Mapping[str, Callable[[]
     return {
         name: partial(draw, statistics, title)
         for name, (needs, draw) in FIGURES.items()
-        if needs in statistics.series or needs in statistics.curves
+        if needs in statistics.series or _rises(statistics, needs)
     }
+
+
+def _rises(statistics: CrowdStatistics, needs: str) -> bool:
+    """Whether a curve has points above 0 enough to be drawn, on a logarithmic axis as well."""
+    return needs in statistics.curves and int((statistics.curves[needs].value > 0).sum()) > 1
 
 
 @style()
@@ -82,7 +87,7 @@ def fluctuations_figure(statistics: CrowdStatistics, title: str) -> Figure:
     error = np.nan_to_num(se[use]) / (2.0 * deviation)
     colour, _, marker = SERIES[0]
     axes.errorbar(mean[use], deviation, error, fmt=marker, color=colour, label="measured")
-    fine = np.array([mean.min(), mean.max()])
+    fine = np.array([mean[use].min(), mean[use].max()])
     axes.plot(fine, np.sqrt(fine), "--", color=GREY, label="at random: mean$^{1/2}$", zorder=0)
     axes.set_xscale("log")
     axes.set_yscale("log")

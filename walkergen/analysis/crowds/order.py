@@ -50,4 +50,5 @@ def _mean(values: npt.NDArray[np.generic]) -> npt.NDArray[np.generic]:
     """Mean over walkers whose value is known; NaN where there are none."""
     known = ~np.isnan(values)
     count = known.sum(axis=1)
-    return np.asarray(np.where(known, values, 0).sum(axis=1) / np.where(count > 0, count, np.nan))
+    mean = np.where(known, values, 0).sum(axis=1) / np.maximum(count, 1)
+    return np.where(count > 0, mean, np.nan)
