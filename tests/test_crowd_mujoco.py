@@ -47,7 +47,7 @@ AHEAD = np.array([-1.0, 0.0, 0.0])
 def boxes():
     mass = solids.mass_of(Design().variant(tilt_deg=10.0, kind="braced"))
     half = np.array([0.5 * LENGTH, 1.5, 0.5 * DEPTH])
-    box = Box(float(mass.M), mass.spatial.body, half, RADIUS)
+    box = Box(float(mass.M), mass.spatial.body, half, radius=RADIUS)
     return box, box
 
 
