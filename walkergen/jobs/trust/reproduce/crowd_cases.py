@@ -1,0 +1,124 @@
+"""Crowds simulated beside published ones: walkers, dishes, drives, and what varies from one on."""
+
+import math
+from typing import Any, NamedTuple
+
+from walkergen.files import templates
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+FREQUENCIES = (60.0, 90.0, 150.0)
+"""Frequencies of the plate at one peak acceleration, Hz."""
+
+GAMMAS = (1.5, 1.8, 2.4)
+"""Peak accelerations over g at one frequency."""
+
+PACKINGS = (0.06, 0.12, 0.25, 0.4)
+"""Packings in the periodic square: about the stated 0.12, to what is placed without force."""
+
+LEANS = (10.0, 0.0, -5.0)
+"""Tilts of the right legs, deg, where the left ones lean by 10: the walker spins more and more."""
+
+DISC, SQUARE = "disc:150", "periodic:150"
+
+PACKED = 0.25
+"""Packing of the crowds in which the drive varies."""
+
+CONFINED = 0.35
+"""Packing of those that walk or spin between walls."""
+
+
+ALONE = 16
+"""Runs of each walker alone: as many prints."""
+
+
+class Size(NamedTuple):
+    """How much is simulated: runs of each crowd, and their seconds."""
+
+    runs: int
+    seconds: float
+    discard_seconds: float
+    seed: int
+
+
+WHOLE = Size(6, 6.0, 3.0, 1)
+QUICK = Size(3, 1.5, 1.5, 1)
+
+
+class Case(NamedTuple):
+    """One crowd, or one walker alone, and what varies in its series."""
+
+    series: str
+    """frequency, gamma, packing, tapered or lean: a crowd; the same with "alone": one walker."""
+    setting: float
+    design: Design
+    scene: Scene
+    """Its dish, packing, drive and runs, in space."""
+
+
+def crowds(size: Size) -> list[Case]:
+    """All crowds: of the paper's walker, of one with a tapered body, and of oblong ones."""
+    paper = paper_walker()
+    return [
+        *(_case("frequency", hz, paper, size, DISC, PACKED, hz) for hz in FREQUENCIES),
+        *(_case("gamma", gamma, paper, size, SQUARE, PACKED, gamma=gamma) for gamma in GAMMAS),
+        *(_case("packing", share, paper, size, SQUARE, share) for share in PACKINGS),
+        *(_case("tapered", share, tapered(), size, SQUARE, share) for share in PACKINGS[1:3]),
+        *(_case("lean", lean, oblong(lean), size, DISC, CONFINED) for lean in LEANS),
+    ]  # fmt: skip
+
+
+def alone(size: Size) -> list[Case]:
+    """One walker alone for each that a crowd is compared with."""
+    paper, many = paper_walker(), size._replace(runs=ALONE)
+    return [
+        *(_case("frequency alone", hz, paper, many, frequency_hz=hz) for hz in FREQUENCIES),
+        *(_case("lean alone", lean, oblong(lean), many) for lean in LEANS),
+    ]
+
+
+def _case(
+    series: str, setting: float, design: Design, size: Size, dish: str = "", packing: float = 0.0,
+    frequency_hz: float = 90.0, gamma: float = 1.8,
+) -> Case:  # fmt: skip
+    """Case on the template plane-90hz, with the crowd that a dish and a packing ask for."""
+    keys: dict[str, Any] = {f"run.{key}": value for key, value in size._asdict().items()}
+    keys |= {"drive.frequency_hz": frequency_hz, "drive.gamma": gamma, "legs.model": "space"}
+    if dish:
+        keys |= {"crowd.arena_mm": dish, "crowd.packing": packing}
+    scene = templates.load("plane-90hz", "scenes", Scene)
+    return Case(series, setting, design, scene.variant(**keys))
+
+
+def paper_walker() -> Design:
+    """The paper's walker at its fastest tilt."""
+    walker = templates.load("koumakis2016", "walkers", Design)
+    return walker.variant(tilt_deg=10.0, kind="flexible")
+
+
+def tapered() -> Design:
+    """The paper's walker with a body that narrows in two steps ahead of its front leg."""
+    data = paper_walker().model_dump(exclude_unset=True)
+    half = [(-14.0, 4.0), (9.0, 4.0), (9.0, 2.75), (11.5, 2.75), (11.5, 1.5), (14.0, 1.5)]
+    points = [(x, -y) for x, y in half] + half[::-1]
+    body = {"outline": "polygon", "points_mm": [list(point) for point in points],
+            "thickness_mm": 3.0}  # fmt: skip
+    return Design.model_validate(data | {"name": "tapered", "body": body})
+
+
+def oblong(lean_deg: float) -> Design:
+    """Oblong body on the legs of the template rotator, those on its right at another tilt.
+
+    10 deg: it walks; -10 deg: it spins on the spot, as the rotator; all stand level.
+    """
+    rotator = templates.load("rotator", "walkers", Design)
+    data = rotator.model_dump(exclude_unset=True)
+    legs: list[dict[str, Any]] = [dict(leg) for leg in data["legs"]]
+    tilt = math.radians(rotator.leg_tilt_deg or 0.0)
+    for leg in legs:
+        if leg.pop("mirrored", False):
+            leg["tilt_deg"] = lean_deg
+            leg["length_mm"] *= math.cos(tilt) / math.cos(math.radians(lean_deg))
+    body = {"length_mm": 28.0, "depth_mm": 16.0, "thickness_mm": 3.0}
+    name = f"oblong-{'p' if lean_deg >= 0 else 'm'}{abs(lean_deg):g}"
+    return Design.model_validate(data | {"name": name, "body": body, "legs": legs})
