@@ -12,7 +12,7 @@ from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.simulation import experiments
-from walkergen.theory import discrepancy
+from walkergen.theory import tables
 from walkergen.walker.design import Design
 
 KEPT = ("speed", "spread", "persistence", "impacts", "masses", "printability")
@@ -73,9 +73,9 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
-    table = [point.scene.prediction.model_dump(), discrepancy.digest()] if point.predicted else []
+    table = [point.scene.prediction.model_dump(), *tables.digests(point.scene)]
     facts = [
-        *experiments.facts(point.scene, point.design), *table,
+        *experiments.facts(point.scene, point.design), *(table if point.predicted else []),
         point.simulated, sorted(point.keep), point.wanted, printer, digest(),
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]

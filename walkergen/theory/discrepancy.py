@@ -15,6 +15,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import numpy.typing as npt
 
+from walkergen.drive import Drive
 from walkergen.errors import WalkergenError
 from walkergen.numerics import network
 from walkergen.scene import LEAST_LABEL, Plate, Scene
@@ -167,8 +168,12 @@ def place_of(scene: Scene, design: Design, mass: MassProperties) -> Place:
     """
     if not design.alike:
         raise UnknownError("speeds in space are known for two equal legs only, not for [[legs]]")
+    return numbers(scene, design, mass, shaking.of(scene, design, mass).drive)
+
+
+def numbers(scene: Scene, design: Design, mass: MassProperties, drive: Drive) -> Place:
+    """Numbers of a walker, all of whose legs are alike, on a plate of this drive."""
     limb, leg, span = design.limbs[0], mass.legs[0], design.foot_span
-    drive = shaking.of(scene, design, mass).drive
     hinge = mass_ratio = 1.0
     modulus = 1e9 * design.material.youngs_modulus_gpa
     if not mass.rigid:
@@ -210,7 +215,7 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
     for reason, covered in (
         (f"slopes beyond {MOST_SLOPE_DEG:g} deg", abs(plate.slope_deg) <= MOST_SLOPE_DEG),
         ("plate noise in another band than the usual", band or plate.noise_ratio == 0.0),
-        *((key, False) for key in _beyond(scene)),
+        *((key, False) for key in beyond(scene)),
     ):
         if not covered:
             raise UnknownError(f"speeds in space are not known for {reason}")
@@ -219,11 +224,11 @@ def check(scene: Scene, place: Place, braced: bool) -> None:
         low, high = ranges[name]
         value, margin = getattr(place, name), EDGE * (high - low)
         if not low - margin <= value <= high + margin:
-            reason, seen, ends = _in_words(name, value, low, high)
+            reason, seen, ends = in_words(name, value, low, high)
             raise UnknownError(f"speeds in space are known for {reason} in {ends}, not at {seen}")
 
 
-def _beyond(scene: Scene) -> list[str]:
+def beyond(scene: Scene) -> list[str]:
     """Keys and values of a scene, as people write them, that the table does not cover."""
     return [
         f"{name}.{key} = {getattr(table, key)}"
@@ -234,7 +239,7 @@ def _beyond(scene: Scene) -> list[str]:
     ]
 
 
-def _in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:
+def in_words(name: str, value: float, low: float, high: float) -> tuple[str, str, str]:
     """Name, value and range of a number as people write them."""
     words = name.removeprefix("log_").removeprefix("root_").replace("_", " ")
     if name == "root_tilt":

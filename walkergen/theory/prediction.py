@@ -14,8 +14,8 @@ import numpy.typing as npt
 
 from walkergen.files import words
 from walkergen.scene import Scene
-from walkergen.theory import discrepancy, shaking, uncertain
-from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
+from walkergen.theory import shaking, tables, uncertain
+from walkergen.theory.discrepancy import LINEAR_BELOW, UnknownError
 from walkergen.theory.speed import Mode
 from walkergen.theory.stationary import Stationary, stationary
 from walkergen.theory.uncertain import PREDICTION, QUANTILES, Drawn, Input, Share
@@ -136,8 +136,10 @@ class Spread(NamedTuple):
     speed: Array
     """Speeds, mm/s, shape (n,)."""
     by: By
+    stand_in: str = ""
+    """What a plate in place of a motor leaves out, in words; "" where there is none."""
     outside: str = ""
-    """Reason why the table does not hold this walker; "" where it does."""
+    """Reason why no table holds this walker; "" where one does."""
 
 
 def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
@@ -147,64 +149,27 @@ def known_inputs(scene: Scene, design: Design) -> tuple[Input, ...]:
 
 def spread(design: Design, mass: MassProperties, scene: Scene, mode: Mode, drawn: Drawn) -> Spread:
     """Speeds of a walker at values of `known_inputs`."""
-    shaken, model = shaking.of(scene, design, mass), drawn.columns[MODEL.name]
-    pace, moment = of_motor(scene, drawn)
-    plate = shaken.swing if scene.drive.kind == "plate" else shaken.swing * pace * moment
+    pace, moment = tables.of_motor(scene, drawn)
+    model = drawn.columns[MODEL.name]
     try:
-        place = discrepancy.place_of(scene, design, mass)
-        discrepancy.check(scene, place, design.braced)
+        tabled = tables.of(scene, design, mass)
     except UnknownError as error:
+        shaken = shaking.of(scene, design, mass)
+        plate = _paced(scene, shaken.swing, pace, moment)
         theory = theory_speeds(design, mass, scene, mode, drawn)
         unknown = math.hypot(THEORY_SD, shaken.error_sd)
         error_sd = unknown * np.hypot(theory, LINEAR_BELOW * plate)
-        return Spread(theory + error_sd * model, "theory", str(error))
-    places = drawn_places(place, design, scene, drawn, shaken.drive.amplitude)
-    table = discrepancy.speeds(places, design.tilt_deg, design.braced)
-    sense = math.copysign(1.0, design.tilt_deg)  # a walker's mirror image has mirrored errors
-    model_sd = math.hypot(scene.prediction.model_sd, shaken.error_sd)
-    shifted = table._replace(centre=table.centre + sense * model_sd * model)
-    return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table")
+        return Spread(theory + error_sd * model, "theory", shaken.note, str(error))
+    speeds, sense = tabled.speeds(drawn), tabled.sense  # a mirror image has mirrored errors
+    model_sd = math.hypot(scene.prediction.model_sd, tabled.error_sd)
+    shifted = speeds._replace(centre=speeds.centre + sense * model_sd * model)
+    plate = _paced(scene, tabled.swing, pace, moment)
+    return Spread(plate * shifted.at(sense * drawn.columns[PRINT.name]), "table", tabled.note)
 
 
-def of_motor(scene: Scene, drawn: Drawn) -> tuple[Array, Array]:
-    """Ratios of a motor's drawn frequency and moment to its nominal ones."""
-    drive = scene.drive
-    if drive.kind == "plate":
-        return np.ones(drawn.number), np.ones(drawn.number)
-    pace = drawn.of(shaking.FREQUENCY, drive.frequency) / drive.frequency
-    return pace, drawn.of(shaking.MOMENT, drive.eccentric) / drive.eccentric
-
-
-def drawn_places(
-    place: Place, design: Design, scene: Scene, drawn: Drawn, amplitude: float
-) -> Place:
-    """Places in the table at values of the inputs; `amplitude` (mm) is the plate's."""
-    pace, moment = of_motor(scene, drawn)
-    modulus = design.material.youngs_modulus_gpa
-    unevenness = drawn.of("feet.unevenness_um", scene.feet.unevenness_um)
-    return place.drawn(
-        restitution=drawn.of("contact.restitution", float(place.restitution)),
-        friction=drawn.of("contact.friction", scene.contact.friction),
-        thickness=_thickness(design, drawn),
-        modulus=drawn.of("material.youngs_modulus_gpa", modulus) / modulus,
-        body_mass=drawn.of("body mass", 1.0),
-        leg_mass=_leg_masses(design, drawn),
-        unevenness=1e-3 * unevenness / (amplitude * moment),
-    ).driven(pace, moment)
-
-
-def _thickness(design: Design, drawn: Drawn) -> Array:
-    """Ratios of a leg's drawn thickness to its nominal one."""
-    nominal = design.limbs[0].thickness
-    return drawn.of("legs.thickness_mm", nominal) / nominal
-
-
-def _leg_masses(design: Design, drawn: Drawn) -> Array:
-    """Ratios of a leg's drawn mass to its nominal one, which go with its thickness unless a balance
-    told the mass.
-    """
-    weighed = design.weighed.leg_mass_g is not None
-    return drawn.of("leg mass", 1.0) * (1.0 if weighed else _thickness(design, drawn))
+def _paced(scene: Scene, swing: float, pace: Array, moment: Array) -> float | Array:
+    """Peak speeds of the swing (mm/s) at the draws of a motor; that of a plate."""
+    return swing if scene.drive.kind == "plate" else swing * pace * moment
 
 
 def theory_speeds(
@@ -212,14 +177,14 @@ def theory_speeds(
 ) -> Array:
     """Speeds by the theory at values of the inputs, mm/s, shape (count,)."""
     contact = scene.contact
-    masses = scaled(mass, drawn.of("body mass", 1.0), _leg_masses(design, drawn))
+    masses = scaled(mass, drawn.of("body mass", 1.0), tables.leg_masses(design, drawn))
     by_foot = stationary(
         design, masses,
         drawn.of("contact.restitution", contact.restitution),
         drawn.of("contact.friction", contact.friction),
         mode, contact.law, (contact.restitution, contact.friction),
     )  # fmt: skip
-    pace, moment = of_motor(scene, drawn)
+    pace, moment = tables.of_motor(scene, drawn)
     return np.asarray(by_foot.factor) * _impact_speed(scene, design, mass) * pace * moment
 
 
@@ -260,7 +225,7 @@ def predict(
     free = next((leg for leg in mass.legs if leg.m > 0.0), None)
     theory = float(by_foot.factor) * _impact_speed(scene, design, mass)
     notes = [
-        _outside(speeds), shaking.of(scene, design, mass).note, by_foot.note,
+        _outside(speeds), speeds.stand_in, by_foot.note,
         *_notes(by_foot, contact.friction, mode),
         "" if low95 <= theory <= high95 else LEAVES,
     ]  # fmt: skip

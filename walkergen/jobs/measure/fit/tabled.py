@@ -13,10 +13,8 @@ import numpy.typing as npt
 from walkergen.errors import InputError
 from walkergen.jobs.measure.fit.emulated import STILL, Ground, Setting, on_plate
 from walkergen.jobs.measure.fit.parameters import SCATTER
-from walkergen.scene import Scene
-from walkergen.theory import discrepancy, prediction, shaking
-from walkergen.theory.discrepancy import LINEAR_BELOW, Place, UnknownError
-from walkergen.theory.shaking import Shaken
+from walkergen.theory import tables
+from walkergen.theory.discrepancy import LINEAR_BELOW, UnknownError
 from walkergen.theory.uncertain import Drawn
 from walkergen.walker import solids
 
@@ -27,9 +25,7 @@ class Tabled(NamedTuple):
     """Speed of a setting over the parameters, by the table."""
 
     setting: Setting
-    scene: Scene
-    place: Place
-    shaken: Shaken
+    table: tables.Tabled
     inputs: tuple[str, ...]
     """Inputs in the order of the columns."""
 
@@ -39,14 +35,12 @@ class Tabled(NamedTuple):
         Shared are the errors of the interpolation and of the model itself, `prediction.model_sd`.
         """
         drawn = Drawn(dict(zip(self.inputs, x.T, strict=True)), len(x))
-        design, amplitude = self.setting.design, self.shaken.drive.amplitude
-        pace, moment = prediction.of_motor(self.scene, drawn)
+        pace, moment = tables.of_motor(self.table.scene, drawn)
         plate = self.setting.plate_speed * pace * moment
-        places = prediction.drawn_places(self.place, design, self.scene, drawn, amplitude)
-        speeds = discrepancy.speeds(places, design.tilt_deg, design.braced)
+        speeds = self.table.speeds(drawn)
         slope = plate * LINEAR_BELOW * np.cosh(speeds.centre)
         interpolated = np.sqrt(np.maximum(speeds.sd**2 - speeds.between_prints**2, 0.0))
-        model_sd = np.hypot(self.scene.prediction.model_sd, self.shaken.error_sd)
+        model_sd = np.hypot(self.table.scene.prediction.model_sd, self.table.error_sd)
         mean = plate * speeds.at(np.zeros(len(x)))
         learnt = drawn.of(SCATTER, 0.0) * np.hypot(mean, STILL * plate)
         return (
@@ -63,14 +57,11 @@ def responses(ground: Ground, settings: Sequence[Setting]) -> list[Tabled]:
     for setting in settings:
         scene, design = on_plate(ground.scene, setting), setting.design
         try:
-            mass = solids.mass_of(design)
-            place = discrepancy.place_of(scene, design, mass)
-            discrepancy.check(scene, place, design.braced)
+            table = tables.of(scene, design, solids.mass_of(design))
         except UnknownError as error:
             raise InputError(
                 f"{design.name}, tilt {setting.tilt:g} deg: {error}: learn from simulated speeds, "
                 "--model space, or leave that tilt out"
             ) from None
-        shaken = shaking.of(scene, design, mass)
-        by_setting.append(Tabled(setting, scene, place, shaken, names))
+        by_setting.append(Tabled(setting, table, names))
     return by_setting

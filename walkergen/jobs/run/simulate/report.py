@@ -122,7 +122,7 @@ def _row(simulated: Simulated, design: Design) -> Table:
     named = {"name": design.name, "tilt_deg": design.tilt_deg, "legs": design.kind,
              "scene": simulated.scene.name, "model": simulated.point.model,
              "method": simulated.point.method}  # fmt: skip
-    values = named | _flat(simulated.point.summary._asdict())
+    values = named | _flat(tables.of_drive(simulated.point.summary._asdict(), simulated.scene))
     return Table("simulation", [tuple(values.values())], tuple(values))
 
 
@@ -163,8 +163,9 @@ def _figures(simulated: Simulated, design: Design) -> "dict[str, Callable[[], Fi
     return {"runs": draw} if good else {}
 
 
-def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
+def _facts(simulated: Simulated, scene: Scene) -> dict[str, Any]:
     """Summary of the runs for JSON; it is partial when Ctrl-C left some out."""
+    data: dict[str, Any]
     data = tables.model_as_dict(simulated, scene) | simulated.point.summary._asdict()
     data["partial"] = simulated.point.summary.runs < scene.run.runs
     if simulated.motion is not None:
@@ -174,6 +175,7 @@ def _facts(simulated: Simulated, scene: Scene) -> Mapping[str, Any]:
     if simulated.landings:
         data["landings"] = tables.landings_as_dict(simulated)
     data["step"] = tables.step_as_dict(simulated)
+    data = tables.of_drive(data, scene)
     orbit = simulated.orbit
     data["orbit"] = None if orbit is None else tables.orbit_as_dict(orbit)
     chosen = simulated.chosen

@@ -37,6 +37,19 @@ MOST_LISTED = 6
 """Number of legs up to which a summary lists the landings of each; JSON has all."""
 
 
+def of_drive(data: Any, scene: Scene) -> Any:
+    """Data or a name, in which power comes from the motor where a motor drives: the tally's row of
+    the plate's work holds a motor's.
+    """
+    if scene.drive.kind == "plate":
+        return data
+    if isinstance(data, Mapping):
+        return {of_drive(key, scene): of_drive(value, scene) for key, value in data.items()}
+    if isinstance(data, list):
+        return [of_drive(entry, scene) for entry in data]
+    return data.replace("from_plate", "from_motor") if isinstance(data, str) else data
+
+
 def plate_in_words(scene: Scene) -> str:
     """Frequency, peak acceleration and peak speed of the plate, or the motor over a still one."""
     drive = scene.drive
@@ -154,10 +167,8 @@ def statistic_rows(simulated: Simulated) -> Iterator[tuple[str, str]]:
     if simulated.landings:
         yield from _landing_rows(simulated)
     yield "in contact", in_words(observables.CONTACT, 100.0, " % of the time")
-    motor = simulated.scene.drive.kind == "motor"
     powers = (
-        f"{'from_motor' if motor and name == 'from_plate' else name} "
-        f"{in_words(f'{observables.POWERS}.{name}', 1e-6)}"
+        f"{of_drive(name, simulated.scene)} {in_words(f'{observables.POWERS}.{name}', 1e-6)}"
         for name in POWER_ROWS
     )
     unaccounted = 100 * simulated.point.summary.energy_error

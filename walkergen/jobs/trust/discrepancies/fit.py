@@ -109,19 +109,14 @@ def _of_kind(
     scale = np.where(scale > 0.0, scale, 1.0)
     inputs = (inputs - middle) / scale
     features = network.features(inputs)
-    in_time, between = _scatter(features, rows)
-    uneven = Place(*rows.places.T).unevenness_ratio
-    variance = network.smooth(features, in_time) ** 2
-    variance += (uneven * network.smooth(features, between)) ** 2
-    freedom = rows.runs - 1.0
-    noise = (freedom * rows.spread**2 + PRIOR_RUNS * variance) / (freedom + PRIOR_RUNS) / rows.runs
-    weights = 1.0 / (noise + ROUGH**2)
-    training = Values(inputs, factors, rows.y, weights / weights.mean())
-    networks, left_out = _networks(training, HIDDEN[kind], cores, steps)
-    residual = left_out - rows.y
-    error = _log_sd(features, residual, noise)
+    uneven = np.asarray(Place(*rows.places.T).unevenness_ratio)
+    between, noise, weights = scatter(features, uneven, rows)
+    training = Values(inputs, factors, rows.y, weights)
+    tenth = tenths(len(rows.y))
+    trained, left_out = networks(training, tenth, HIDDEN[kind], cores, steps)
+    error = log_sd(features, left_out - rows.y, noise)
     arrays = {
-        **network.arrays_of(networks, kind),
+        **network.arrays_of(trained, kind),
         f"{kind}_middle": middle,
         f"{kind}_scale": scale,
         f"{kind}_error": error,
@@ -133,22 +128,26 @@ def _of_kind(
     return arrays, errors
 
 
-def _networks(
-    training: Values, hidden: tuple[int, ...], cores: int, steps: int
+def tenths(count: int) -> Array:
+    """Number of the tenth that each of so many rows belongs to, shape (count,)."""
+    return np.random.default_rng(TENTHS).permutation(count) % TENTHS
+
+
+def networks(
+    training: Values, tenth: Array, hidden: tuple[int, ...], cores: int, steps: int
 ) -> tuple[list[list[Layer]], Array]:
     """The networks, and values at every row by those that have not seen it."""
-    tenth = np.random.default_rng(TENTHS).permutation(len(training.values)) % TENTHS
     trained_on = [((tenth - k) % TENTHS) >= OUT for k in range(TENTHS)]
     parts = [Values(*(column[rows] for column in training)) for rows in trained_on]
     with ProcessPoolExecutor(cores) as pool:
-        networks = list(
+        trained = list(
             pool.map(_trained, parts, [hidden] * TENTHS, [steps] * TENTHS, range(TENTHS))
         )
     total = np.zeros(len(training.values))
-    for layers, rows in zip(networks, trained_on, strict=True):
+    for layers, rows in zip(trained, trained_on, strict=True):
         outputs = network.evaluated(layers, training.inputs[~rows])
         total[~rows] += (outputs * training.factors[~rows]).sum(axis=1) / OUT
-    return networks, total
+    return trained, total
 
 
 def _trained(training: Values, hidden: tuple[int, ...], steps: int, seed: int) -> list[Layer]:
@@ -159,12 +158,24 @@ def _trained(training: Values, hidden: tuple[int, ...], steps: int, seed: int) -
         return network.trained(training, hidden, DECAY, steps, seed)
 
 
-def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
-    """Logarithms of the scatter of runs in time, and of that of prints over unevenness.
+def scatter(features: Array, uneven: Array, rows: Rows) -> tuple[Array, Array, Array]:
+    """Weights of the scatter of prints over `uneven`, as a smooth function of the features;
+    variances of the rows' means; and what an error of each row counts, 1 on average.
+    """
+    in_time, between = _scatter(features, uneven, rows)
+    variance = network.smooth(features, in_time) ** 2
+    variance += (uneven * network.smooth(features, between)) ** 2
+    freedom = rows.runs - 1.0
+    noise = (freedom * rows.spread**2 + PRIOR_RUNS * variance) / (freedom + PRIOR_RUNS) / rows.runs
+    weights = 1.0 / (noise + ROUGH**2)
+    return between, noise, weights / weights.mean()
+
+
+def _scatter(features: Array, uneven: Array, rows: Rows) -> tuple[Array, Array]:
+    """Logarithms of the scatter of runs in time, and of that of prints over `uneven`.
 
     As weights of smooth features: the likeliest of variances of `rows.runs` normal numbers each.
     """
-    uneven = Place(*rows.places.T).unevenness_ratio
     half, observed = 0.5 * (rows.runs - 1.0), np.maximum(rows.spread**2, 1e-6)
 
     def loss(values: Array) -> tuple[float, Array]:
@@ -183,7 +194,7 @@ def _scatter(features: Array, rows: Rows) -> tuple[Array, Array]:
     return in_time, between
 
 
-def _log_sd(features: Array, residual: Array, noise: Array) -> Array:
+def log_sd(features: Array, residual: Array, noise: Array) -> Array:
     """Logarithm of the standard deviation of residuals beyond their noise's variance, as weights
     of smooth features: the likeliest of normal residuals.
     """
