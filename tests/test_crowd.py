@@ -1,5 +1,6 @@
 """Crowds in space: collisions against closed forms, balances, and the walker alone
-(docs/crowds.md).
+(docs/physics.md section 9). Slow: kernels of crowds take minutes to compile; test_uncompiled.py runs
+the collisions without.
 """
 
 import math
@@ -17,6 +18,8 @@ from walkergen.simulation.crowd import bodies, run
 from walkergen.simulation.space.state import V_X, V_Z, W_X
 from walkergen.walker import solids
 from walkergen.walker.design import Design
+
+pytestmark = pytest.mark.slow
 
 TICKS = 0.02
 """Relative error of a collision's energy by the length of its ticks."""

@@ -4,6 +4,7 @@ import json
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 from typer.testing import CliRunner
@@ -62,3 +63,16 @@ def test_motion_is_the_same_without_the_compiler(
     rows = (tmp_path / "compiled.csv").read_text().splitlines()
     assert rows == (tmp_path / "plain.csv").read_text().splitlines()
     assert len(rows) > 20000 * seconds
+
+
+def test_walkers_collide_by_closed_forms_without_the_compiler():
+    """The collisions of test_crowd.py, whose compiled kernels are tested where time is."""
+    chosen = "head_on or corner or glancing or rough"
+    words = ["-q", "-n0", "-m", "slow", "-k", chosen, "tests/test_crowd.py"]
+    tested = subprocess.run(
+        [sys.executable, "-m", "pytest", *words], cwd=Path(__file__).parent.parent,
+        env={**os.environ, "NUMBA_DISABLE_JIT": "1"}, capture_output=True, text=True, check=False,
+        timeout=300,  # 7 s measured
+    )  # fmt: skip
+    assert tested.returncode == 0, tested.stdout
+    assert "7 passed" in tested.stdout
