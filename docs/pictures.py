@@ -54,6 +54,7 @@ SIMULATED = (
 )
 REPRODUCE = "walkergen reproduce --seconds 6 --gamma 1.5,1.8"
 VALIDATE = "walkergen validate"
+CROWD = "walkergen crowd koumakis2016 --count 30 --arena disc:170 --seconds 2 --runs 2"
 OTHERS = {
     "two-materials": "rough foot behind, smooth ahead",
     "unequal-legs": "short leg near the middle",
@@ -171,6 +172,9 @@ PICTURES = (
     Picture("figure6.png", REPRODUCE,
             (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/reproduce/*.py"), 0,
             "figure6.png"),
+    Picture("crowd.png", CROWD,
+            (*STYLE, *SIMULATION, *SCENES, "walkergen/jobs/run/crowd/*.py", "walkergen/points/crowd*.py"),
+            40, "crowd.png"),
     Picture("validation.png", VALIDATE,
             (*STYLE, *PREDICTION, *SIMULATION, *MEASURES, "walkergen/jobs/trust/validate/*.py"),
             180, "validation.png", beside=("validation.md",), program="prusa-slicer",
