@@ -99,6 +99,17 @@ def test_a_run_that_ends_badly_says_so_in_a_line(lammps, line, error, named):
 
 
 @posix
+def test_an_mpirun_of_another_mpi_is_named_before_its_runs_write_over_each_other(lammps, tmp_path):
+    lammps("echo '  1 by 1 by 1 MPI processor grid'", "sleep 30")
+    with pytest.raises(InputError, match="ranks = 2: needs mpirun"):
+        simulate(ranks=2)
+    (tmp_path / "bin" / "mpirun").write_text('#!/bin/sh\nshift 2\n"$@" & "$@"\n')
+    (tmp_path / "bin" / "mpirun").chmod(0o755)
+    with pytest.raises(InputError, match="of another MPI"):
+        simulate(ranks=2)
+
+
+@posix
 def test_a_dump_that_a_full_disk_cut_short_is_named_with_its_frame(lammps):
     frame = "ITEM: TIMESTEP\n{}\nITEM: NUMBER OF ATOMS\n2\nITEM: BOX BOUNDS\n0 1\n0 1\n0 1\n"
     rows = f"ITEM: ATOMS {dump.COLUMNS}\n1 0 0 1 0\n4 1 1 1 0\n"

