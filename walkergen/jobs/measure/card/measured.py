@@ -80,12 +80,11 @@ def simulated(
     places = [trajectory.sampled(result)[:, 1:4] for result in good]
     shift = centre(mass)
     own = tracks.of_places([_moved(rows, shift) for rows in places], interval, lane=False)
-    notes = [
+    note = (
         f"{len(good)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
-        f"({words.number(1e3 * interval)} ms), so that the bouncing itself is not seen: {ended}",
-        f"{words.number(results.summary.cpu_s)} s of a core",
-    ]
-    return of_tracks(own, True, tuple(notes))
+        f"({words.number(1e3 * interval)} ms), so that the bouncing itself is not seen: {ended}"
+    )
+    return of_tracks(own, True, (note,))
 
 
 def filmed(path: Path, units: Units, scene: Scene) -> Measured:
