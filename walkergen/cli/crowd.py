@@ -120,10 +120,8 @@ def crowd(
         seconds=seconds, runs=runs, seed=seed, step=step, packing=packing, arena=arena,
         count=sum(share.walkers for share in shares) if shares else asked,
     )  # fmt: skip
-    if movie is not None and movie.suffix.lower() not in crowd_movie.SUFFIXES:
-        raise InputError(
-            f"--movie {str(movie)[:80]!r}: must end in one of {', '.join(crowd_movie.SUFFIXES)}"
-        )
+    if movie is not None:
+        crowd_movie.check(movie, "--movie")
     ground = inputs.scene(scene, runs=RUNS)
     if shares is not None and design is not None:
         raise InputError(f"{design[:60]}: --count {count} names the designs: leave one of them out")

@@ -2,6 +2,7 @@
 
 import io
 import math
+import shutil
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, Literal, NamedTuple
@@ -62,6 +63,19 @@ class _Bodies(NamedTuple):
     corners: Array
     """Shape (corners, 2), mm."""
     drawn: PolyCollection
+
+
+def check(path: Path, source: str) -> None:
+    """Raise InputError, which begins with `source`, for a suffix that names no form, and for an MP4
+    without ffmpeg.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise InputError(f"{source} {str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
+    if suffix == ".mp4" and shutil.which("ffmpeg") is None:
+        raise InputError(
+            f"{source} {str(path)[:80]!r}: ffmpeg is not installed; name a .gif instead"
+        )
 
 
 def write(

@@ -84,8 +84,8 @@ def check(key: str, source: str) -> None:
     bare_key = key.removeprefix(SCENE)
     if bare_key != key and bare_key.partition(".")[0] == "crowd":
         raise InputError(
-            f"{source}: a sweep is of one walker, which meets nobody: run `walkergen crowd` for each "
-            "value, with an --out of its own"
+            f"{source}: a sweep is of one walker, which meets nobody: run `walkergen crowd` for "
+            "each value, with an --out of its own"
         )
     if bare_key == key:
         assignments.check(bare_key, Design, source)

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from walkergen.analysis.crowds import CrowdFilm, CrowdStatistics
+from walkergen.analysis.crowds.measuring import FEWEST_FRAMES
 from walkergen.card import Card
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress
@@ -81,13 +82,18 @@ class Simulated(NamedTuple):
 
 
 def checked(job: Job) -> Job:
-    """Return a job. Raises InputError for kinds of one name, and for too many frames."""
+    """Return a job. Raises InputError for kinds of one name, too few frames and too many."""
     names = [kind.name for kind in job.kinds]
     if len(set(names)) < len(names):
         raise InputError(
             f"--count: two designs are called {max(names, key=names.count)!r}: rename one"
         )
     run = job.scene.run
+    if not run.seconds * job.rate_hz >= FEWEST_FRAMES:
+        raise InputError(
+            f"--rate {job.rate_hz:g} of {run.seconds:g} s: statistics need {FEWEST_FRAMES} frames "
+            "of a run at least: raise --rate or --seconds"
+        )
     check(job.scene, 1.0 / (job.rate_hz * len(job.numbers)), run.runs)
     return job
 
