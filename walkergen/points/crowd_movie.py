@@ -84,11 +84,13 @@ def write(
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
     A GIF of thousands that all move takes some 0.13 MB a frame, an MP4 a fifth of it. Raises
-    InputError for another suffix, and for an MP4 without ffmpeg.
+    InputError for another suffix, for an MP4 without ffmpeg, and for a GIF of 30 frames a second.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
+    if suffix == ".gif" and 100 % fps:
+        raise InputError(f"{fps} frames per second of a GIF: must divide 100; take 20, 25 or 50")
     if suffix == ".png":
         output.write(path, still(film, title, colour))
         return 1

@@ -145,7 +145,7 @@ def _words(film: CrowdFilm) -> str:
 
 def _of(film: CrowdFilm) -> _Run:
     """All statistics of one run but the fluctuations, which are about the mean of all runs."""
-    few = film.at(np.unique(np.linspace(0, len(film.times) - 1, MOST_FRAMES).astype(np.int64)))
+    few = film.at(np.arange(0, len(film.times), -(-len(film.times) // MOST_FRAMES)))
     run = _Run({}, {}, {})
     _add_motion(run, film)
     _add_pairs(run, few)

@@ -1,7 +1,9 @@
 """Pairs of walkers by their distance: pair correlation g(r), and how alike their headings are.
 
 g is 1 at every distance for walkers that ignore each other, in every dish: what of each ring about
-a walker lies outside the dish counts for nothing (exact areas; no walker is left out at walls).
+a walker lies outside the dish counts for nothing (exact areas; no walker is left out at walls). It
+is over the density of the whole dish: where walkers gather at walls, or bodies keep their centres
+off these, g stays above 1 at distances as large as the dish.
 """
 
 from typing import NamedTuple
