@@ -52,6 +52,9 @@ MOST_FRAMES = 2000
 
 SUFFIXES = (".mp4", ".gif", ".png")
 
+GIF_FPS = (1, 2, 4, 5, 10, 20, 25, 50)
+"""Frames per second that a GIF can have: it counts in hundredths of a second."""
+
 HOLD_S = 1.5
 """Time for which the last frame of a GIF stays, s."""
 
@@ -83,19 +86,20 @@ def write(
 ) -> int:
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
-    A GIF of thousands that all move takes some 0.13 MB a frame, an MP4 a fifth of it. Raises
-    InputError for another suffix, for an MP4 without ffmpeg, and for a GIF of 30 frames a second.
+    A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
+    MP4 a fifth of it. Raises
+    InputError for another suffix, and for an MP4 without ffmpeg.
     """
     suffix = path.suffix.lower()
     if suffix not in SUFFIXES:
         raise InputError(f"{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
-    if suffix == ".gif" and 100 % fps:
-        raise InputError(f"{fps} frames per second of a GIF: must divide 100; take 20, 25 or 50")
     if suffix == ".png":
         output.write(path, still(film, title, colour))
         return 1
     every = math.ceil(len(film.times) / MOST_FRAMES)
     shown = film.at(np.arange(0, len(film.times), every))
+    if suffix == ".gif":
+        fps = min(GIF_FPS, key=lambda rate: abs(math.log(rate / fps)))
     draw, count = drawer(shown, title, colour, fps), len(shown.times)
     if suffix == ".gif":
         keep = ["#" + "".join(f"{round(255 * part):02x}" for part in hue) for hue in hues()]
