@@ -6,6 +6,7 @@ single precision there, wrapped with their images in a periodic square, times in
 `log/particles/id` numbers the walkers that a frame has.
 """
 
+import importlib.util
 import tempfile
 from collections.abc import Callable
 from pathlib import Path
@@ -106,6 +107,12 @@ def check(path: Path) -> None:
         )
     if path.suffix.lower() == ".gsd":
         extras.require("crowd", f"--trajectory {str(path)[:80]!r}")
+
+
+def writable() -> tuple[str, ...]:
+    """Suffixes of the formats that can be written here: GSD with its package alone."""
+    missing = importlib.util.find_spec("gsd") is None
+    return tuple(suffix for suffix in FORMATS if not (suffix == ".gsd" and missing))
 
 
 def write(path: Path, film: CrowdFilm) -> None:

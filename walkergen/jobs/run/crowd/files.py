@@ -11,9 +11,6 @@ from walkergen.jobs.run.crowd.job import Job
 from walkergen.jobs.run.crowd.report import CrowdReport, caption_of, title_of
 from walkergen.points import crowd_files, crowd_movie
 
-FORMATS = (".csv", ".xyz")
-"""Files of every run."""
-
 MOST_ROWS = 2_000_000
 """Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""
 
@@ -28,7 +25,7 @@ def write(report: CrowdReport, folder: Path, pictures: bool, progress: Progress)
         for number, film in enumerate(simulated.films):
             if film.x.size > MOST_ROWS:
                 continue
-            for suffix in FORMATS:
+            for suffix in crowd_files.writable():
                 progress("writing tracks", 99, 100)
                 target.write(f"tracks/run-{number}{suffix}", crowd_files.FORMATS[suffix](film))
         target.finish(facts(simulated.job))
