@@ -230,3 +230,20 @@ def test_a_sweep_of_one_walker_refuses_the_keys_of_crowds(tmp_path, monkeypatch)
     error = CliRunner().invoke(command_line, words).exception
     assert "scene.crowd.packing" in str(error)
     assert "walkergen crowd" in str(error)
+
+
+@pytest.mark.slow
+def test_walkers_in_space_are_the_same_bytes_on_any_number_of_threads(run, tmp_path):
+    written = []
+    for threads in ("1", "2"):
+        words = ("--count", "polar-disc:3,rotator:2", "--arena", "disc:90", "--seconds", "0.4")
+        more = ("--runs", "2", "--no-pictures", "--threads", threads, "--out", threads)
+        result = run(*words, *more, "--json")
+        assert result.exit_code == 0, result.output
+        files = sorted(path for path in (tmp_path / threads).rglob("*") if path.is_file())
+        written.append({path.relative_to(tmp_path / threads): path.read_bytes() for path in files})
+    assert written[0] == written[1]
+    facts = json.loads(result.stdout)
+    assert facts["outcomes"] == {"ok": 10}
+    assert facts["numbers"]["speed_mm_s"]["value"] > 1.0
+    assert max(row["energy_error"] for row in facts["contacts"]) < 0.05
