@@ -150,13 +150,13 @@ def test_pushed_box_bears_its_share_of_the_push(boxes):
 
 
 def simulated(motions, seconds, push=None, **keys):
-    """Pair of the kernel with these motions, advanced; and its motions then.
+    """Pair of the kernel with these motions, in touch for 0.2 ms, advanced; and its motions then.
 
     `push`: acceleration of the first, mm/s^2 along x.
     """
     pair = Pair(
         [(m.place[0], m.place[2], math.atan2(m.turn[0, 2], m.turn[0, 0])) for m in motions],
-        [(m.velocity[0], m.velocity[2]) for m in motions], **keys,
+        [(m.velocity[0], m.velocity[2]) for m in motions], touch_ms=0.2, **keys,
     )  # fmt: skip
     if push is not None:
         (world, state), second = pair.walkers
@@ -210,7 +210,7 @@ def test_kernel_collides_as_mujoco_and_as_the_closed_form(own, case, label):
     rival, deepest, _ = collide(own, motions, law, 8e-4, STEP)
     assert pair.crowd.book[bodies.TOUCHES] == 1
     assert pair.crowd.book[bodies.DEEPEST] == pytest.approx(deepest, rel=0.05)
-    # 0.5 %: ticks of a twentieth of a contact
+    # 0.5 %: ticks of a thirteenth of a contact
     size = SPEED + slide
     np.testing.assert_allclose(velocities(found), velocities(rival), rtol=0, atol=5e-3 * size)
     point = np.array([0.0, own[0].heights[0] + 1.5, across])
