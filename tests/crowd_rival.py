@@ -3,7 +3,8 @@
 Bodies are free boxes with the masses and tensors of a walker's mesh, in the frame of a walker: x
 along the heading, y up, z to the right, from C. Lengths in mm, masses in g, times in s. The law
 of a contact is that of simulation.crowd: an upright edge pushes with a stiffness as it is pressed
-on, with e^2 times that as it comes back, and rubs by Coulomb; in MuJoCo it is an outer force.
+on, with e^2 times that as it comes back, and rubs by Coulomb; in MuJoCo it is an outer force. The
+stiffness is that with which bodies part after one time, whatever mass the contact moves.
 """
 
 import math
@@ -30,9 +31,10 @@ class Box(NamedTuple):
 
 
 class Law(NamedTuple):
-    """Contact of one edge, all its heights together: stiffness (g/s^2), restitution, friction."""
+    """Contact of one edge, all its heights together."""
 
-    stiffness: float
+    spring: float
+    """Stiffness over the mass that it moves, 1/s^2."""
     restitution: float
     friction: float
 
@@ -247,27 +249,25 @@ def _force(boxes, now, one, point, normal, give, law, step):
     """Force on an edge of box `one` that gives: Coulomb's at most what stops it in a step."""
     arms = [point - motion.place for motion in now]
     slip = _speed_at(now[one], arms[one]) - _speed_at(now[1 - one], arms[1 - one])
-    approach = float(slip @ normal)
-    press = law.stiffness / len(boxes[one].heights) * give
+    approach, H = float(slip @ normal), inverse_mass(boxes, now, point)
+    press = law.spring / len(boxes[one].heights) / float(normal @ H @ normal) * give
     if approach > 0.0:
         press *= law.restitution**2
     along = slip - approach * normal
     size = math.sqrt(along @ along)
     if law.friction == 0.0 or size == 0.0:
         return press * normal
-    H = inverse_mass(boxes, now, point)
     stopping = size**3 / step / float(along @ H @ along)
     return press * normal - min(law.friction * press, stopping) * along / size
 
 
-def meet(boxes, motions, seconds, step, stiffness):
+def meet(boxes, motions, seconds, step, spring):
     """Motions after MuJoCo's own contact of its boxes, elastic and without friction.
 
-    Its contacts set the acceleration of the gap, here as a spring's of a stiffness (g/s^2) on one
-    gram: of an elastic contact nothing depends on it.
+    Its contacts set the acceleration of the gap, here as a spring's over the mass that it moves.
     """
     contact = f"""<pair geom1="geom0" geom2="geom1" condim="1" margin="0"
-      solref="{_numbers((-stiffness, 0.0))}" solimp="0.9999 0.9999 1 0.5 1"/>"""
+      solref="{_numbers((-spring, 0.0))}" solimp="0.9999 0.9999 1 0.5 1"/>"""
     model, data = model_of(boxes, step, contact)
     placed(data, motions)
     mujoco.mj_forward(model, data)

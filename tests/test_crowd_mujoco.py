@@ -18,8 +18,8 @@ from walkergen.simulation.space.state import C_X, V_X, W_X, work_for
 from walkergen.walker import solids
 from walkergen.walker.design import Design
 
-STIFFNESS, STEP = 1e8, 4e-7
-"""Of an upright edge, g/s^2, and of MuJoCo, s: a five-hundredth of a contact."""
+SPRING, STEP = (math.pi / 2e-4) ** 2, 4e-7
+"""Of an upright edge, 1/s^2: contacts of 0.2 ms; and of MuJoCo, s: a five-hundredth of one."""
 
 GAP = 1e-3
 """Between the bodies at the start, mm."""
@@ -91,13 +91,12 @@ CASES = {
 def test_one_contact_is_the_closed_form_with_bodies_of_mujoco(boxes, case, label):
     across, slide, friction = CASES[case]
     motions, point = meeting(across, slide)
-    met, law = when_met(motions), Law(STIFFNESS, label, friction)
+    met, law = when_met(motions), Law(SPRING, label, friction)
     expected = velocities(struck(boxes, met, point, AHEAD, law))
     found, deepest, _ = collide(boxes, motions, law, 8e-4, STEP)
     # 0.6 %: bodies roll, and the place of an edge slides on by 0.05 of its arm meanwhile
     np.testing.assert_allclose(velocities(found), expected, rtol=0, atol=6e-3 * (SPEED + slide))
-    hardness = float(AHEAD @ inverse_mass(boxes, met, point) @ AHEAD)
-    given = SPEED / math.sqrt(STIFFNESS * hardness)
+    given = SPEED / math.sqrt(SPRING)
     assert deepest == pytest.approx(given, rel=0.01 if friction == 0.0 else 0.3)
 
 
@@ -107,9 +106,9 @@ def test_contact_of_mujoco_itself_ends_as_ours_where_it_is_elastic(boxes, across
     sharp = [box._replace(radius=0.0) for box in boxes]
     first, _ = meeting(across, 0.0)[0]
     second = still(0.5 * math.hypot(LENGTH, DEPTH), across, -math.atan2(DEPTH, LENGTH))
-    point, law = np.array([0.0, 0.0, across]), Law(STIFFNESS, 1.0, 0.0)
+    point, law = np.array([0.0, 0.0, across]), Law(SPRING, 1.0, 0.0)
     expected = velocities(struck(boxes, when_met((first, second)), point, AHEAD, law))
-    found = meet(sharp, (first, second), 5e-4, STEP, STIFFNESS)
+    found = meet(sharp, (first, second), 5e-4, STEP, SPRING)
     np.testing.assert_allclose(velocities(found), expected, rtol=0, atol=2e-3 * SPEED)
 
 
@@ -125,7 +124,7 @@ def facing(shift):
 @pytest.mark.parametrize("shift", [0.5, 3.0])
 def test_edge_on_edge_two_edges_press_at_once(boxes, shift, label):
     motions, points = facing(shift)
-    law = Law(STIFFNESS, label, 0.0)
+    law = Law(SPRING, label, 0.0)
     expected = flush(boxes, motions, points, AHEAD, law)
     found, _, _ = collide(boxes, motions, law, 8e-4, STEP)
     np.testing.assert_allclose(
@@ -134,29 +133,30 @@ def test_edge_on_edge_two_edges_press_at_once(boxes, shift, label):
 
 
 def test_pushed_box_bears_its_share_of_the_push(boxes):
-    motions, _ = facing(0.5)
+    motions, points = facing(0.5)
     rest = [
         m._replace(place=m.place + 0.5 * GAP * toward * AHEAD, velocity=np.zeros(3))
         for m, toward in zip(motions, (-1.0, 1.0), strict=True)
     ]
-    force, law = 2e4, Law(STIFFNESS, 0.3, 0.0)
+    force, law = 2e4, Law(SPRING, 0.3, 0.0)
     found, deepest, mean = collide(boxes, rest, law, 3e-3, STEP, push=np.array([force, 0.0, 0.0]))
     share = boxes[1].mass / (boxes[0].mass + boxes[1].mass)
     assert mean[0] == pytest.approx(share * force, rel=0.03)
     both = [m.velocity[0] for m in found]
     expected = force * 3e-3 / (boxes[0].mass + boxes[1].mass)
     assert both == pytest.approx([expected, expected], rel=0.03)
-    assert deepest == pytest.approx(share * force / STIFFNESS, rel=0.1)  # twice that at rest
+    softness = float(AHEAD @ inverse_mass(boxes, rest, points[0]) @ AHEAD)
+    assert deepest == pytest.approx(share * force * softness / SPRING, rel=0.1)  # twice at rest
 
 
 def simulated(motions, seconds, push=None, **keys):
-    """Pair of the kernel with these motions, advanced; and its motions then.
+    """Pair of the kernel with these motions, in touch for 0.2 ms, advanced; and its motions then.
 
     `push`: acceleration of the first, mm/s^2 along x.
     """
     pair = Pair(
         [(m.place[0], m.place[2], math.atan2(m.turn[0, 2], m.turn[0, 0])) for m in motions],
-        [(m.velocity[0], m.velocity[2]) for m in motions], **keys,
+        [(m.velocity[0], m.velocity[2]) for m in motions], touch_ms=0.2, **keys,
     )  # fmt: skip
     if push is not None:
         (world, state), second = pair.walkers
@@ -206,11 +206,11 @@ def test_kernel_collides_as_mujoco_and_as_the_closed_form(own, case, label):
     across, slide, friction = CASES[case]
     motions = onto_edge(own[0], across, slide)
     pair, found = simulated(motions, 8e-4, restitution=label, friction=friction)
-    law = Law(2.0 * pair.plan.law.stiffness, label, friction)
+    law = Law(2.0 * pair.plan.law.spring, label, friction)
     rival, deepest, _ = collide(own, motions, law, 8e-4, STEP)
     assert pair.crowd.book[bodies.TOUCHES] == 1
     assert pair.crowd.book[bodies.DEEPEST] == pytest.approx(deepest, rel=0.05)
-    # 0.5 %: ticks of a twentieth of a contact
+    # 0.5 %: ticks of a thirteenth of a contact
     size = SPEED + slide
     np.testing.assert_allclose(velocities(found), velocities(rival), rtol=0, atol=5e-3 * size)
     point = np.array([0.0, own[0].heights[0] + 1.5, across])
@@ -227,7 +227,7 @@ def test_kernel_collides_edge_on_edge_as_mujoco(own, shift):
         still(front, 0.5 * shift, math.pi, (-0.5 * SPEED, 0.0)),
     )
     pair, found = simulated(motions, 8e-4, restitution=0.5, friction=0.3)
-    law = Law(2.0 * pair.plan.law.stiffness, 0.5, 0.3)
+    law = Law(2.0 * pair.plan.law.spring, 0.5, 0.3)
     rival, _, _ = collide(own, motions, law, 8e-4, STEP)
     np.testing.assert_allclose(velocities(found), velocities(rival), rtol=0, atol=6e-3 * SPEED)
 
@@ -237,12 +237,14 @@ def test_kernel_pushes_as_mujoco(own):
     """Flush, given from the start by as much as springs alone would."""
     push, apart = 2e5, own[0].half[0] + own[0].ahead
     pair, _ = simulated((still(-apart - 1.0, 0.0), still(apart + 1.0, 0.0, math.pi)), 1e-6)
-    stiffness = 2.0 * pair.plan.law.stiffness
-    given = 0.5 * own[0].mass * push / (2.0 * stiffness)
+    spring, middle = 2.0 * pair.plan.law.spring, np.array([0.0, 0.0, 0.5 * DEPTH])
+    flush_boxes = (still(-apart, 0.0), still(apart, 0.0, math.pi))
+    softness = float(AHEAD @ inverse_mass(own, flush_boxes, middle) @ AHEAD)
+    given = 0.5 * own[0].mass * push / (2.0 * spring / softness)
     motions = (still(0.5 * given - apart, -0.25), still(apart - 0.5 * given, 0.25, math.pi))
     pair, found = simulated(motions, 2e-3, push, restitution=0.3, friction=0.3)
     force = np.array([own[0].mass * push, 0.0, 0.0])
-    rival, deepest, mean = collide(own, motions, Law(stiffness, 0.3, 0.3), 2e-3, STEP, push=force)
+    rival, deepest, mean = collide(own, motions, Law(spring, 0.3, 0.3), 2e-3, STEP, push=force)
     assert mean[0] == pytest.approx(0.5 * force[0], rel=0.02)
     np.testing.assert_allclose(velocities(found), velocities(rival), rtol=0, atol=0.01 * 200.0)
     # A contact let go a little gives back less than it bore: gives stay some times a spring's
