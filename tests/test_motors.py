@@ -82,7 +82,7 @@ def test_errors_stored_are_those_of_rows_left_out():
         ({}, {"drive.axis": [0.0, 1.0, 1.0]}, "an axis along, across or up"),
         ({}, {"plate.roughness_um": 1.0}, "no plate.roughness_um"),
         ({"legs.kind": "braced"}, {}, "flexible legs"),
-        ({"legs.length_mm": 20.0}, {}, "length ratio in"),
+        ({"legs.length_mm": 20.0}, {}, "hinge ratio in"),
     ],
 )
 def test_beyond_the_table_a_prediction_is_as_without_it_and_says_why(keys, scene, named):

