@@ -19,7 +19,9 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.card import inputs, make, measured, overdamped, walled
+from walkergen.jobs.measure.card import inputs, make, walled
+from walkergen.points import overdamped, walker_card
+from walkergen.points import walker_motion as measured
 from walkergen.scene import Scene
 from walkergen.walker import solids
 from walkergen.walker.design import Design
@@ -304,7 +306,7 @@ def test_numbers_that_every_card_has_are_asked_for():
     own = measured.of_tracks(tracks(1, Inertial(), walkers=2, seconds=0.4), True, ())
     scene, walker = templates.load("plane-90hz", "scenes", Scene), design()
     with pytest.raises(InputError, match="is not known"):
-        make.card_of(scene, walker, solids.mass_of(walker), own)
+        walker_card.of(scene, walker, solids.mass_of(walker), own)
 
 
 @pytest.mark.slow

@@ -36,9 +36,7 @@ def test_rows_of_the_table_are_what_the_model_in_space_gives():
     """Chaotic runs: equal to the bit on one machine, elsewhere within errors of four runs."""
     stored, compared = make.read(), 0
     for case in list(cases.cases(cases.COUNT))[:6]:
-        row = make.row(
-            make.PLATES, case, evaluate(Point(case.design, case.scene, simulated=True))
-        )
+        row = make.row(make.PLATES, case, evaluate(Point(case.design, case.scene, simulated=True)))
         if row is None:
             continue
         nearest = stored[np.argmin(np.abs(stored[:, :17] - row[:17]).sum(axis=1))]

@@ -11,8 +11,8 @@ from walkergen.analysis.relaxation import Relaxation
 from walkergen.analysis.walks import Spread
 from walkergen.card import Card
 from walkergen.files.figures import COLUMN, logarithmic, panels_of, style, wrapped
-from walkergen.jobs.measure.card.measured import Measured
 from walkergen.jobs.measure.card.walled import Walled
+from walkergen.points.walker_motion import Measured
 
 BLUE, ORANGE, GREY = "#0072B2", "#D55E00", "0.45"
 

@@ -10,9 +10,9 @@ from walkergen.analysis import walls
 from walkergen.card import Card, Known
 from walkergen.files import report, words
 from walkergen.files.report import Column, Report, Table
-from walkergen.jobs.measure.card import overdamped
-from walkergen.jobs.measure.card.measured import Measured
 from walkergen.jobs.measure.card.walled import Walled
+from walkergen.points import overdamped
+from walkergen.points.walker_motion import Measured
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure

@@ -79,7 +79,7 @@ def simulated(
         raise InputError(f"no run ended well ({ended}): another scene, or other feet")
     places = [trajectory.sampled(result)[:, 1:4] for result in good]
     shift = centre(mass)
-    own = tracks.of_places([_moved(rows, shift) for rows in places], interval, lane=False)
+    own = tracks.of_places([moved(rows, shift) for rows in places], interval, lane=False)
     note = (
         f"{len(good)} runs of {scene.run.seconds:g} s, seen once in a period of the drive "
         f"({words.number(1e3 * interval)} ms), so that the bouncing itself is not seen: {ended}"
@@ -143,7 +143,7 @@ def _whole(mass: MassProperties) -> tuple[Array, Array]:
     return masses.joined(mass.spatial, mass.legs, each, centres)
 
 
-def _moved(rows: Array, shift: Array) -> Array:
+def moved(rows: Array, shift: Array) -> Array:
     """Places and headings of a point that lies forward and to the left of those of `rows`."""
     cos, sin = np.cos(rows[:, 2]), np.sin(rows[:, 2])
     x = rows[:, 0] + cos * shift[0] - sin * shift[1]

@@ -1,0 +1,125 @@
+"""Checks of crowds in a plane: meetings that are known in closed form, and the command's table."""
+
+import csv
+import math
+
+import numpy as np
+import pytest
+from flat_cards import BOX, silent, with_lammps
+from typer.testing import CliRunner
+
+from walkergen.analysis.values import Value
+from walkergen.cli import command_line
+from walkergen.errors import InputError
+from walkergen.flat import engine
+from walkergen.jobs.trust.crowd_checks import compared, make, meetings, pairs, setting, single
+from walkergen.jobs.trust.crowd_checks.meetings import MEETINGS
+from walkergen.jobs.trust.crowd_checks.setting import RATE_HZ
+
+OUTLINE = np.array(BOX)
+
+
+def filmed(meeting, restitution, frames=90):
+    """Two that walk at 60 mm/s, and at their first touch keep a share of their approach."""
+    two = meetings.places(meeting, OUTLINE, np.random.default_rng(1))
+    way = meetings.approach(meeting)
+    velocity = 60.0 * np.stack([(np.cos(a), np.sin(a)) for a in two[:, 2]])
+    poses = []
+    for _ in range(frames):
+        poses.append(two.copy())
+        together = (velocity[0] - velocity[1]) @ way
+        if together > 0.0 and meetings.gaps(OUTLINE, two[0], two[1]) < 0.5:
+            change = 0.5 * (1.0 + restitution) * together * way
+            velocity += np.stack((-change, change))
+        two[:, :2] += velocity / RATE_HZ
+    return np.array(poses)
+
+
+@pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
+def test_two_meet_in_every_way_and_keep_what_their_blow_leaves(meeting):
+    found = meetings.seen(meeting, OUTLINE, filmed(meeting, 0.4))
+    assert found["velocity kept"] == pytest.approx(0.4, abs=0.25)
+    assert found["turn in 0.3 s"] == 0.0
+    assert found["time together"] < 0.6
+
+
+@pytest.mark.parametrize("meeting", MEETINGS, ids=lambda meeting: meeting.name)
+def test_both_have_as_far_to_go_and_touch_where_they_should(meeting):
+    two = meetings.places(meeting, OUTLINE, np.random.default_rng(2))
+    ways = []
+    for way in np.linspace(0.0, 20.0, 2001):
+        now = two.copy()
+        now[:, :2] += way * np.stack([(np.cos(a), np.sin(a)) for a in two[:, 2]])
+        if meetings.gaps(OUTLINE, now[0], now[1]) <= 0.0:
+            ways.append(way)
+    assert meetings.NEAREST - 0.02 <= min(ways) <= meetings.FARTHEST + 0.02
+
+
+def test_two_that_miss_each_other_are_no_meeting():
+    poses = filmed(MEETINGS[0], 0.4)
+    poses[:, 1, 1] += 50.0
+    assert meetings.seen(MEETINGS[0], OUTLINE, poses) is None
+
+
+def test_pairs_of_a_run_are_out_of_each_others_reach():
+    one = silent()
+    places = pairs.places(setting.QUICK, one, 0)
+    middles = places.reshape(-1, 2, 3)[:, :, :2].mean(axis=1)
+    apart = np.hypot(*(middles[:, None] - middles[None]).transpose(2, 0, 1))
+    assert apart[~np.eye(len(middles), dtype=bool)].min() > 100.0
+
+
+def test_a_verdict_is_by_the_errors_of_the_difference():
+    agreeing = compared.row("collective", "", "speed", "mm/s", Value(10.0, 3.0), Value(20.0, 4.0))
+    assert (agreeing.errors_apart, agreeing.verdict, agreeing.why) == (2.0, "agrees", "")
+    apart = compared.row("collective", "", "speed", "mm/s", Value(10.0, 0.3), Value(20.0, 0.4))
+    assert apart.verdict == "disagrees"
+    assert apart.why
+    # The plane's input is the number of space: its own error alone parts them
+    alone = compared.row("single", "alone", "speed", "mm/s", Value(10.0, 3.0), Value(11.0, 0.25))
+    assert alone.errors_apart == pytest.approx(4.0)
+
+
+def test_without_lammps_nothing_is_simulated(monkeypatch):
+    def absent():
+        raise InputError("needs LAMMPS")
+
+    monkeypatch.setattr(engine, "locate", absent)
+    result = CliRunner().invoke(command_line, ["validate", "--crowds"])
+    assert "needs LAMMPS" in str(result.exception)
+    assert "--only" in str(
+        CliRunner().invoke(command_line, ["validate", "--crowds", "--only", "paper"]).exception
+    )
+
+
+@with_lammps
+@pytest.mark.slow
+def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
+    one = silent(turning_rad_s=0.5, velocity_relaxation_s=0.05)
+    found = single.numbers(single.in_plane(setting.QUICK._replace(alone_seconds=2.0), one))
+    assert found["speed"].mean == pytest.approx(56.0, rel=1e-3)
+    assert found["turning"].mean == pytest.approx(0.5, rel=1e-3)
+
+
+@with_lammps
+@pytest.mark.slow
+def test_without_drag_head_on_pairs_keep_the_restitution_of_the_card():
+    """Closed form: masses that meet head on part with e times their approach."""
+    one = silent(velocity_relaxation_s=1e6, restitution=0.6, friction=0.0)
+    found = pairs.in_plane(setting.QUICK._replace(pair_runs=1), one)
+    assert found["head on", "velocity kept"].mean == pytest.approx(0.6, abs=0.1)
+
+
+@with_lammps
+@pytest.mark.slow
+def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
+    tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 1)
+    written = []
+    for folder in ("a", "b"):
+        report = make.make(tiny, "test", tmp_path / folder, lambda *_: None)
+        written.append((tmp_path / folder / "crowd_checks.csv").read_bytes())
+    assert written[0] == written[1]
+    rows = list(csv.DictReader(written[0].decode().splitlines()))
+    assert {row["check"] for row in rows} == {"single", "binary", "collective"}
+    assert all(math.isfinite(float(row["space"])) for row in rows)
+    assert "errors apart" in report.markdown()

@@ -1,0 +1,1 @@
+"""Whether a walker has in a plane what it has in space: alone, in pairs, in a crowd."""

@@ -1,0 +1,52 @@
+"""What is run for the checks of crowds in a plane: the walker, its plate, the dish, how much."""
+
+from typing import Any, NamedTuple
+
+from walkergen.files import templates
+from walkergen.scene import Scene
+from walkergen.walker.design import Design
+
+WALKER, PLATE = "koumakis2016", "plane-90hz"
+
+COUNT, DISH = 60, "disc:240"
+"""Walkers of the collective check, and their dish: a packing of 0.3."""
+
+RATE_HZ = 90.0
+"""Frames a second of pairs: one in a period of the plate, so that the bouncing is not seen."""
+
+CROWD_RATE_HZ = 30.0
+"""Frames a second of crowds: one in three periods of the plate."""
+
+
+class Size(NamedTuple):
+    """How much is simulated."""
+
+    alone_runs: int
+    """Runs of a walker alone in space, whose card is the plane's input."""
+    alone_seconds: float
+    pair_runs: int
+    """Runs in space, each with `pairs` of every meeting; four times as many in the plane."""
+    pairs: int
+    crowd_runs: int
+    """Runs of the crowd in space; twice as many in the plane."""
+    crowd_seconds: float
+    crowd_discard_seconds: float
+    seed: int
+
+
+WHOLE = Size(16, 10.0, 8, 8, 4, 6.0, 3.0, 1)
+QUICK = Size(16, 4.0, 4, 4, 4, 2.0, 1.0, 1)
+
+
+def walker() -> Design:
+    """The paper's walker."""
+    return templates.load(WALKER, "walkers", Design)
+
+
+def scene(size: Size, seconds: float, discard_seconds: float, runs: int) -> Scene:
+    """Scene of so many runs in space."""
+    keys: dict[str, Any] = {
+        "run.seconds": seconds, "run.discard_seconds": discard_seconds, "run.runs": runs,
+        "run.seed": size.seed, "legs.model": "space", "crowd.arena_mm": DISH,
+    }  # fmt: skip
+    return templates.load(PLATE, "scenes", Scene).variant(**keys)
