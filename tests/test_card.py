@@ -19,7 +19,7 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError, WalkergenError
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.measure.card import inputs, make, walled
+from walkergen.jobs.measure.card import inputs, walled
 from walkergen.points import overdamped, walker_card
 from walkergen.points import walker_motion as measured
 from walkergen.scene import Scene

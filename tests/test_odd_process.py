@@ -1,4 +1,4 @@
-"""A process that its first inputs turn about: odd, near its function, and honest about its error."""
+"""A process that its first inputs turn about: odd, near its function, honest about its error."""
 
 import numpy as np
 import pytest
