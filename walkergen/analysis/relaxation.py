@@ -16,7 +16,7 @@ import numpy as np
 import numpy.typing as npt
 from scipy import optimize, signal
 
-from walkergen.analysis import lagged, moments
+from walkergen.analysis import lagged, moments, walks
 from walkergen.analysis.estimates import FEWEST_SAMPLES, Estimate
 from walkergen.analysis.motion import Curve
 from walkergen.analysis.tracks import Track, Tracks
@@ -25,6 +25,10 @@ from walkergen.numerics import statistics
 
 Array = npt.NDArray[np.float64]
 Complex = npt.NDArray[np.complex128]
+
+FALLEN = math.exp(-1.0)
+"""Share of the first correlation at which its fit ends. Later lags lower no error: of ten ensembles
+of one walker, times scatter by as much as their errors say."""
 
 FINE, FINEST = 4, 40
 """Steps of a following velocity in a time of relaxation, at least, and in a sample, at most."""
@@ -154,10 +158,10 @@ def fluctuations(
     ]
     errors = statistics.jackknife_error(np.array(without))
     curve = Curve(interval * lags.astype(float), whole, errors)
-    falls = _falls([whole, *without], errors, interval, first)
-    if falls is not None and falls[0][1] > interval:
-        times = np.array([time for _, time in falls])
-        height, time = falls[0]
+    fits = _fits([whole, *without], errors, interval, first)
+    if fits is not None and fits[0][1] > interval:
+        times = np.array([time for _, time in fits])
+        height, time = fits[0]
         x = interval / time
         variance = height * x**2 / (2.0 * (math.cosh(x) - 1.0))
         at_once = variance * 2.0 * (x - 1.0 + math.exp(-x)) / x**2
@@ -201,28 +205,32 @@ def _time_of(square: float, diffusion: float, interval: float) -> float:
     return interval / float(optimize.brentq(excess, 1e-6, 1e9))
 
 
-def _falls(
+def _fits(
     values: Sequence[Array], errors: Array, interval: float, first: int
 ) -> list[tuple[float, float]] | None:
-    """Height at no lag, and time (s) in which it falls to 1/e, of all samples and without each.
+    """Height and time (s) of an exponential, of all samples and without each; None where none fits.
 
-    Between the first lag and that at which it has fallen that far, on a logarithmic scale; exact
-    for exponentials. None where the first lag shows no correlation, or the last no fall.
+    Fitted from the first lag to that at which the first values have fallen to FALLEN.
     """
     whole = values[0]
     if not whole[first] > 3.0 * errors[first] > 0.0:
         return None
-    falls = []
+    low = np.flatnonzero(whole[first:] < FALLEN * whole[first])
+    end = first + (max(int(low[0]) + 1, 3) if len(low) else len(whole))
+    window = slice(first, min(end, len(whole)))
+    lag: Array = interval * np.arange(len(whole), dtype=float)[window]
+
+    def model(at: Array, height: float, rate: float) -> Array:
+        return np.asarray(height * np.exp(-rate * at))
+
+    start = float(whole[first]), 1.0 / (interval * end)
+    fits = []
     for value in values:
-        low = np.flatnonzero(value[first:] < math.exp(-1.0) * value[first])
-        if not len(low) or not value[first] > 0.0:
+        fitted = walks.fit(model, lag, value[window], errors[window], start)
+        if fitted is None or not fitted[1] > 0.0:
             return None
-        end = first + int(low[0])
-        above, below = math.log(value[end - 1]), math.log(max(value[end], 1e-9 * value[first]))
-        wanted = math.log(value[first]) - 1.0
-        time = interval * (end - 1 - first + (above - wanted) / (above - below))
-        falls.append((float(value[first]) * math.exp(first * interval / time), time))
-    return falls
+        fits.append((float(fitted[0]), 1.0 / float(fitted[1])))
+    return fits
 
 
 def _samples(rest: Sequence[Complex]) -> list[Complex]:

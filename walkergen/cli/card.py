@@ -72,18 +72,18 @@ def card(
 
     path = Path(what)
     kind = path.suffix.lower()
-    against = {"--arena": arena}
     of_film = {"--design": design, "--fps": fps, "--mm-per-px": mm_per_px,
                "--y-down": y_down or None}  # fmt: skip
-    inputs = loading.inputs(keys, "design scene", seconds=seconds, runs=runs, seed=seed)
+    inputs = loading.inputs(
+        keys, "design scene", seconds=seconds, runs=runs, seed=seed, arena=arena
+    )  # fmt: skip
     if kind == ".json":
-        _refuse("a card is read as it is", {**of_film, **against, "--tilt": tilt, "--legs": legs},
-                inputs)  # fmt: skip
+        _refuse("a card is read as it is", {**of_film, "--tilt": tilt, "--legs": legs}, inputs)
         result = make.of_file(path)
         asked: dict[str, Any] = {"card": path.name}
         folder = output.results(path, out, "card")
     elif kind == ".csv":
-        _refuse("a film tells nothing of walls", against, None)
+        inputs.refuse([loading.FLAGS["arena"]], "a film tells nothing of walls; leave it out")
         inputs.refuse([loading.FLAGS[key] for key in ("seconds", "runs", "seed")],
                       "tracks of a film are as long as they are; leave it out")  # fmt: skip
         result, asked = _filmed(path, of_film, inputs.scene(scene), inputs, tilt, legs)
@@ -91,22 +91,11 @@ def card(
     else:
         _refuse("is for tracks of a film", of_film, None)
         chosen, plane = inputs.one(what, tilt, legs), inputs.scene(scene)
-        if arena is not None:
-            plane = _in_dish(plane, arena)
         with show.progress("card", wanted=not quiet) as progress:
             result = make.of_design(plane, chosen, arena is not None, progress)
         asked = {"design": chosen.model_dump(mode="json"), "scene": plane.model_dump(mode="json")}
         folder = out or make.folder_of(chosen)
     show.report(make.write(result, asked, folder, pictures), json, quiet)
-
-
-def _in_dish(scene: "Scene", arena: str) -> "Scene":
-    """Scene with this dish. Raises InputError for what is none."""
-    from walkergen import dish
-
-    dish.parse(arena)
-    crowd = scene.crowd.model_copy(update={"arena_mm": arena})
-    return scene.model_copy(update={"crowd": crowd})
 
 
 def _filmed(

@@ -151,8 +151,8 @@ def _of_motion(measured: Measured) -> Sequence[str]:
     own, delayed, leaning = [measured.motion.method], measured.delay.mean, measured.leaning
     spread = measured.velocity.deviation
     own.append(
-        f"velocities fluctuate by {words.number(spread)} mm/s along each axis; within the "
-        "relaxation their correlation falls to 1/e, once what the heading explains is taken off"
+        f"velocities fluctuate by {words.number(spread)} mm/s along each axis; the relaxation is "
+        "that of their correlation, once what the heading explains is taken off"
     )
     if delayed.value is not None:
         own.append(
