@@ -37,7 +37,7 @@ def walk(plan, number, rate_hz, stopped=lambda: False, progress=lambda seconds: 
     progress(run.seconds)
     return CrowdRun(
         number, (outcome,) * n, tuple(plan.names[kind] for kind in plan.kinds),
-        np.arange(frames) / rate_hz, poses, 10 * n, 0.004, 1e-4,
+        np.arange(frames) / rate_hz, poses, 10 * n, 0.004, 1e-4, 1e-3,
         {"normal": 1.0, "friction": 2.0}, 0.0,
     )  # fmt: skip
 

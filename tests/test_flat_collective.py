@@ -56,6 +56,5 @@ def test_discs_that_only_diffuse_touch_as_often_as_hard_discs_do(packing):
     ])  # fmt: skip
     error = contact.std(ddof=1) / math.sqrt(len(contact))
     expected = (1.0 - 7.0 * filled / 16.0) / (1.0 - filled) ** 2
-    print(contact.mean(), error, expected, soft)
     assert error < 0.04 * expected
     assert abs(contact.mean() - expected) < 4.0 * error + 0.01 * expected

@@ -137,7 +137,8 @@ def simulate(
         rows[:, :, 1:].transpose(1, 0, 2),
         int(crowd.book[bodies.TOUCHES]),
         float(crowd.book[bodies.DEEPEST]),
-        max(*balanced, _unbalanced(crowd.book, float(steps.stored(crowd)) - held)),
+        max(balanced),
+        _unbalanced(crowd.book, float(steps.stored(crowd)) - held),
         {"normal": float(crowd.book[bodies.LOST]), "friction": float(crowd.book[bodies.RUBBED])},
         time.thread_time() - started,
     )
