@@ -86,7 +86,7 @@ CASES = {
 """Places beside the axis (mm), sideways speeds (mm/s) and frictions."""
 
 
-@pytest.mark.parametrize("label", [0.3, 0.5, 1.0])
+@pytest.mark.parametrize("label", [0.3, 1.0])
 @pytest.mark.parametrize("case", CASES)
 def test_one_contact_is_the_closed_form_with_bodies_of_mujoco(boxes, case, label):
     across, slide, friction = CASES[case]

@@ -41,8 +41,8 @@ class Size(NamedTuple):
     seed: int
 
 
-WHOLE = Size(6, 6.0, 3.0, 1)
-QUICK = Size(3, 1.5, 1.5, 1)
+WHOLE = Size(5, 4.0, 3.0, 1)
+QUICK = Size(3, 1.0, 1.0, 1)
 
 
 class Case(NamedTuple):

@@ -18,8 +18,8 @@ FEWEST_RUNS = 3
 SHORTEST_S = 0.5
 """Shortest runs of a crowd, s: some times of what its numbers are means over."""
 
-CPU_PER_S = 0.04
-"""CPU time of a simulated second of a walker, s, in space and among others."""
+CPU_PER_S = 0.09
+"""CPU time of a simulated second of a walker, s, in jams, where contacts take each tick."""
 
 MEAN_WALKERS = 22
 """Walkers of a crowd, mean of all cases."""
