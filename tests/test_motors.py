@@ -146,7 +146,7 @@ def test_the_moment_comes_back_from_simulated_speeds(tmp_path):
     learnt = learn.learn(tmp_path / "speeds.csv", job, lambda *progress: None)
     (moment,) = (row for row in learnt.rows if row.name == "eccentric_g_mm")
     assert moment.mean == pytest.approx(0.3, abs=2.0 * moment.sd)
-    assert 0.0 < moment.sd < 1.05 * 0.12
+    assert moment.sd < 0.7 * 0.12  # learnt: 0.26 +- 0.07
     assert learnt.scene.drive.eccentric_g_mm == pytest.approx(moment.mean)
 
 
