@@ -18,10 +18,10 @@ FEWEST_RUNS = 3
 SHORTEST_S = 0.5
 """Shortest runs of a crowd, s: some times of what its numbers are means over."""
 
-CPU_PER_S = 0.09
+CPU_PER_S = 0.07
 """CPU time of a simulated second of a walker, s, in jams, where contacts take each tick."""
 
-MEAN_WALKERS = 22
+MEAN_WALKERS = 15
 """Walkers of a crowd, mean of all cases."""
 
 
