@@ -12,8 +12,7 @@ from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.cli.loading import Inputs
-    from walkergen.files.progress import Progress
-    from walkergen.jobs.run.crowd.job import Job, Simulated
+    from walkergen.points.crowd_job import Job
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
@@ -109,10 +108,10 @@ def crowd(
     the same bytes on any number of threads. A card, as `walkergen card` writes it, in place of a
     design makes a crowd in a plane, of thousands.
     """
-    from walkergen.jobs.run.crowd import files, members, report
-    from walkergen.points import crowd_movie
+    from walkergen.jobs.run.crowd import files, make, report
+    from walkergen.points import crowd_members, crowd_movie
 
-    asked = None if count is None else members.parse(count)
+    asked = None if count is None else crowd_members.parse(count)
     shares = asked if isinstance(asked, list) else None
     inputs = loading.inputs(
         keys, "design scene",
@@ -136,7 +135,7 @@ def crowd(
         show.report(files.write_inputs(job, folder), json, quiet)
         return
     with show.progress("crowd", wanted=not quiet) as progress:
-        simulated = _simulate(job, threads, progress)
+        simulated = make.simulate(job, threads, progress)
         result = files.write(report.of(simulated, folder), folder, pictures, progress)
         if movie is not None:
             film, fps = simulated.films[0], min(max(round(rate), 1), MOST_FPS)
@@ -176,9 +175,9 @@ def _in_space(
     tilt: float | None, legs: str | None,
 ) -> "Job":  # fmt: skip
     """Crowd of designs."""
-    from walkergen.jobs.run.crowd import make
+    from walkergen.points import crowd_space
 
-    return make.asked(scene, _walkers(inputs, names, tilt, legs), counts, rate)
+    return crowd_space.asked(scene, _walkers(inputs, names, tilt, legs), counts, rate)
 
 
 def _flat(
@@ -196,15 +195,6 @@ def _flat(
     settled = [key for key in inputs.values if not key.startswith(("scene.crowd.", "scene.run."))]
     inputs.refuse([*settled, "scene.run.step_us"], why)
     return plane.asked(scene, [card.read(Path(name)) for name in names], counts, rate)
-
-
-def _simulate(job: "Job", threads: int | None, progress: "Progress") -> "Simulated":
-    """Simulate a crowd by its model."""
-    from walkergen.jobs.run.crowd import make, plane
-
-    if job.model == "flat":
-        return plane.simulate(job, threads, progress)
-    return make.simulate(job, threads, progress)
 
 
 def _walkers(
