@@ -16,7 +16,7 @@ from walkergen.errors import InputError
 from walkergen.files.progress import silent
 from walkergen.jobs.run.sweep import ask, make
 from walkergen.points import crowd_space
-from walkergen.points.crowd_job import RATE_HZ
+from walkergen.points.crowd_members import RATE_HZ
 from walkergen.points.store import Store
 from walkergen.simulation.crowd import run as crowds
 

@@ -13,7 +13,7 @@ from walkergen.files.progress import Progress, silent
 from walkergen.jobs.run.crowd import files, make, plane, report
 from walkergen.jobs.run.crowd.report import CrowdReport
 from walkergen.points import crowd_members, crowd_space
-from walkergen.points.crowd_job import RATE_HZ, RUNS
+from walkergen.points.crowd_members import RATE_HZ, RUNS
 
 PAPER, SCENE = "koumakis2016", "plane-90hz"
 

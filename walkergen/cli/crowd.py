@@ -16,9 +16,6 @@ if TYPE_CHECKING:
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
 
-RUNS = 4
-"""Independent runs unless asked otherwise."""
-
 MODELS = ("space", "flat")
 
 PLANE = "plane-90hz"
@@ -121,7 +118,7 @@ def crowd(
     )  # fmt: skip
     if movie is not None:
         crowd_movie.check(movie, "--movie")
-    ground = inputs.scene(scene, runs=RUNS)
+    ground = inputs.scene(scene, runs=crowd_members.RUNS)
     if shares is not None and design is not None:
         raise InputError(f"{design[:60]}: --count {count} names the designs: leave one of them out")
     names = [share.name for share in shares] if shares else [design or opt.PAPER]

@@ -28,9 +28,6 @@ Made = TypeVar("Made")
 
 Model = Literal["space", "flat"]
 
-RUNS, RATE_HZ = 4, 25.0
-"""Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
-
 WELL = tuple(outcome.value for outcome in ENDED_WELL)
 
 CLEARANCE_MM = 0.2

@@ -7,7 +7,8 @@ from walkergen.analysis.crowds.measuring import TIMELESS, UNITS
 from walkergen.files import words
 from walkergen.files.progress import silent
 from walkergen.points import crowd_space
-from walkergen.points.crowd_job import RATE_HZ, Simulated
+from walkergen.points.crowd_job import Simulated
+from walkergen.points.crowd_members import RATE_HZ
 from walkergen.points.point import OK, STATUS, Point, Record
 from walkergen.simulation.run import Outcome
 
