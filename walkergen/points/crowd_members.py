@@ -1,4 +1,4 @@
-"""Walkers of a crowd, how many of which design, as people write it or as a packing says; its runs."""
+"""Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
 
 from typing import NamedTuple
 
