@@ -17,7 +17,9 @@ from walkergen.cli import command_line
 from walkergen.errors import InputError
 from walkergen.files import templates
 from walkergen.files.progress import silent
-from walkergen.jobs.run.crowd import make, members
+from walkergen.jobs.run.crowd import make
+from walkergen.points import crowd_members as members
+from walkergen.points import crowd_space
 from walkergen.scene import Scene
 from walkergen.simulation.crowd import placing
 from walkergen.simulation.crowd import run as crowds
@@ -65,7 +67,7 @@ def job_of(names, counts, **keys):
         **{"run.seconds": 1.0, "run.runs": 3, **keys}
     )
     designs = [templates.load(name, "walkers", Design) for name in names]
-    return make.asked(scene, designs, counts, 10.0)
+    return crowd_space.asked(scene, designs, counts, 10.0)
 
 
 @pytest.mark.parametrize(
@@ -124,7 +126,7 @@ def test_a_disc_with_a_hole_has_nobody_in_its_hole(tmp_path):
     small = templates.load("polar-disc", "walkers", Design)
     scene = templates.load("plane-90hz", "scenes", Scene)
     scene = scene.variant(**{"crowd.arena_mm": "disc:61"})
-    job = make.asked(scene, [holed, small], [1, 2], 10.0)
+    job = crowd_space.asked(scene, [holed, small], [1, 2], 10.0)
     with pytest.raises(InputError, match="no room"):
         make.simulate(job, 1, silent)
 
@@ -222,14 +224,6 @@ def test_a_full_disk_is_told_and_leaves_no_half_file(run, walking, tmp_path):
         assert "No space left" in str(result.exception)
         assert not list(folder.rglob(".*.walkergen-*"))
     assert run("--count", "4", *SHORT, "--out", str(folder)).exit_code == 0
-
-
-def test_a_sweep_of_one_walker_refuses_the_keys_of_crowds(tmp_path, monkeypatch):
-    monkeypatch.chdir(tmp_path)
-    words = ["sweep", "--set", "scene.crowd.packing=0.1,0.2"]
-    error = CliRunner().invoke(command_line, words).exception
-    assert "scene.crowd.packing" in str(error)
-    assert "walkergen crowd" in str(error)
 
 
 @pytest.mark.slow

@@ -64,7 +64,7 @@ def test_one_key_is_a_line_with_its_bounds_as_bars():
     found, (axes,) = drawn(table)
     (line,) = lines_of(axes)
     np.testing.assert_array_equal(line.get_xdata(), [0, 5, 10, 30])  # uneven steps stay uneven
-    np.testing.assert_array_equal(line.get_ydata(), table.speed)
+    np.testing.assert_array_equal(line.get_ydata(), table.value)
     (bars,) = axes.containers
     ends = np.array([segment[:, 1] for segment in bars.lines[2][0].get_segments()])
     np.testing.assert_allclose(ends, np.transpose([table.low, table.high]))
@@ -128,7 +128,7 @@ def test_few_values_of_one_key_are_lines_of_their_own(order):
     for tilt, line in zip(values["tilt"], lines, strict=True):
         rows = np.array(table.keys[TILT]) == tilt
         np.testing.assert_array_equal(line.get_xdata(), np.array(table.keys[DRIVE])[rows])
-        np.testing.assert_array_equal(line.get_ydata(), table.speed[rows])
+        np.testing.assert_array_equal(line.get_ydata(), table.value[rows])
     assert axes.get_xlabel() == "peak speed of the plate (mm/s)"
     assert said(found) == ["tilt of the legs 5 deg", "10 deg", "15 deg", "20 deg"]
     handles = found.legends[0].legend_handles
@@ -141,7 +141,7 @@ def test_two_keys_are_a_map_with_labelled_contours():
     table = columns(tilt=tilts, mu=frictions)
     found, (axes,) = drawn(table)
     (mesh,) = [one for one in axes.collections if isinstance(one, QuadMesh)]
-    np.testing.assert_array_equal(mesh.get_array(), table.speed.reshape(6, 6).T)
+    np.testing.assert_array_equal(mesh.get_array(), table.value.reshape(6, 6).T)
     across, up = mesh.get_coordinates()[0, :, 0], mesh.get_coordinates()[:, 0, 1]
     np.testing.assert_allclose(across, [-2.5, 2.5, 7.5, 15, 30, 42.5, 47.5])
     np.testing.assert_allclose(up, [0.05, 0.15, 0.25, 0.4, 0.55, 0.65, 0.75])
@@ -160,7 +160,7 @@ def test_a_map_hatches_what_failed_and_leaves_out_what_is_not_there():
     inside = np.arange(42) < 36  # as when it was killed
     table = Columns(
         {key: np.array(values)[inside].tolist() for key, values in table.keys.items()},
-        table.speed[inside], table.low[inside], table.high[inside], table.status[:36],
+        table.value[inside], table.low[inside], table.high[inside], table.status[:36],
     )  # fmt: skip
     found, (axes,) = drawn(table)
     (mesh,) = [one for one in axes.collections if isinstance(one, QuadMesh)]
@@ -182,10 +182,10 @@ def test_three_keys_are_small_multiples_of_maps_with_one_scale_of_colours():
     ]
     meshes = [one for axes in panels_ for one in axes.collections if isinstance(one, QuadMesh)]
     assert len(meshes) == 3
-    assert {mesh.get_clim() for mesh in meshes} == {(table.speed.min(), table.speed.max())}
+    assert {mesh.get_clim() for mesh in meshes} == {(table.value.min(), table.value.max())}
     for number, mesh in enumerate(meshes):
         rows = np.array(table.keys[MU]) == (0.1, 0.2, 0.3)[number]
-        np.testing.assert_array_equal(mesh.get_array(), table.speed[rows].reshape(7, 7).T)
+        np.testing.assert_array_equal(mesh.get_array(), table.value[rows].reshape(7, 7).T)
     assert len(found.axes) == 4
 
 
@@ -228,7 +228,7 @@ def test_samples_of_two_keys_are_coloured_by_their_speed():
     kept = np.ones(40, dtype=bool)
     kept[[3, 5, 6]] = False
     np.testing.assert_allclose(good.get_offsets()[:, 0], np.array(table.keys[TILT])[kept])
-    np.testing.assert_allclose(good.get_array(), table.speed[kept])
+    np.testing.assert_allclose(good.get_array(), table.value[kept])
     assert rings.get_offsets().shape == (2, 2)
     assert len(rings.get_facecolor()) == 0
     (crosses,) = marks_of(axes, "x")

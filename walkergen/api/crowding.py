@@ -10,20 +10,19 @@ from walkergen.api.loading import Ground, Name, Walker, scene_of, walker_of
 from walkergen.card import Card
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
-from walkergen.jobs.run.crowd import files, make, members, plane, report
+from walkergen.jobs.run.crowd import files, make, plane, report
 from walkergen.jobs.run.crowd.report import CrowdReport
+from walkergen.points import crowd_members, crowd_space
+from walkergen.points.crowd_members import RATE_HZ, RUNS
 
 PAPER, SCENE = "koumakis2016", "plane-90hz"
-
-RUNS = 4
-"""Independent runs unless asked otherwise."""
 
 
 def crowd(
     design: Walker | Card = PAPER, scene: Ground = SCENE, *,
     count: int | Mapping[Name, int] | None = None, packing: float | None = None,
     arena: str | None = None, seconds: float | None = None, runs: int = RUNS,
-    seed: int | None = None, rate_hz: float = 25.0, threads: int | None = None,
+    seed: int | None = None, rate_hz: float = RATE_HZ, threads: int | None = None,
     out: Name | None = None, progress: Progress | None = None,
 ) -> CrowdReport:  # fmt: skip
     """Let many walkers run in a dish and meet: order, clusters and packing with their errors.
@@ -41,7 +40,7 @@ def crowd(
     total = sum(counts) if counts is not None else count
     if total is not None:
         assert not isinstance(total, Mapping)
-        members.check(total, f"count={count!r}")
+        crowd_members.check(total, f"count={count!r}")
     values = {
         "crowd.count": total, "crowd.packing": packing, "crowd.arena_mm": arena,
         "run.seconds": seconds, "run.runs": runs, "run.seed": seed,
@@ -53,10 +52,10 @@ def crowd(
     shown = progress or silent
     if all(flat):
         known = [own if isinstance(own, Card) else cards.read(Path(own)) for own in sources]
-        simulated = plane.simulate(plane.asked(ground, known, counts, rate_hz), threads, shown)
+        job = plane.asked(ground, known, counts, rate_hz)
     else:
-        job = make.asked(ground, [walker_of(own) for own in sources], counts, rate_hz)
-        simulated = make.simulate(job, threads, shown)
+        job = crowd_space.asked(ground, [walker_of(own) for own in sources], counts, rate_hz)
+    simulated = make.simulate(job, threads, shown)
     folder = None if out is None else Path(out)
     result = report.of(simulated, folder)
     return result if folder is None else files.write(result, folder, True, shown)

@@ -10,7 +10,6 @@ from typing import Any
 import numpy as np
 
 from walkergen.api.loading import Ground, Machine, Walker, printer_of, scene_of, walker_of
-from walkergen.api.predicting import SCENE
 from walkergen.errors import InputError
 from walkergen.files.progress import Progress, silent
 from walkergen.jobs.run.sweep import ask, make
@@ -18,15 +17,14 @@ from walkergen.jobs.run.sweep.ask import Ask
 from walkergen.jobs.run.sweep.report import SweepReport
 from walkergen.points import axes, tolerance, worker_pool
 from walkergen.points.axes import Sample, Space, Span
-from walkergen.points.point import PREDICTION
 from walkergen.points.store import Store
 
 
 def sweep(
-    design: Walker, scene: Ground = SCENE, values: Mapping[str, Any] | None = None, *,
+    design: Walker, scene: Ground | None = None, values: Mapping[str, Any] | None = None, *,
     between: Mapping[str, tuple[float, float]] | None = None, sample: str | None = None,
-    seed: int = 1, model: str = PREDICTION, error: str | None = None,
-    keep: Sequence[str] = ("speed",), printer: Machine | None = None, workers: int | None = None,
+    seed: int = 1, model: str | None = None, error: str | None = None,
+    keep: Sequence[str] | None = None, printer: Machine | None = None, workers: int | None = None,
     folder: str | os.PathLike[str] | None = None, progress: Progress | None = None,
 ) -> SweepReport:  # fmt: skip
     """Map speeds over all combinations of the `values` of any keys, the last key fastest.
@@ -34,11 +32,12 @@ def sweep(
     Keys are dotted, those of the scene begin with "scene.": {"legs.tilt_deg": [5, 10],
     "scene.drive.gamma": np.arange(1.5, 2.5, 0.1)}. Keys `between` two bounds, {"legs.tilt_deg":
     (2, 40)}, are sampled: `sample` is "sobol:256" or "latin:99", with a `seed`; every combination
-    of the values has every sample. `model` is "prediction" or one to simulate, within
-    `error`, "5%" by default. Points that were evaluated before are not evaluated again. With
-    `workers` that many processes share the points (a script then needs `if __name__ ==
-    "__main__":`), by default they are evaluated here. With a `folder` table, pictures and manifest
-    are written there. Raises InputError.
+    of the values has every sample. `model` is "prediction", the default, or one to simulate, within
+    `error`, "5%" by default; where a key begins with "scene.crowd." it is "crowd", and `keep` names
+    statistics of crowds. The scene is "lane-90hz" by default, of crowds "plane-90hz". Points that
+    were evaluated before are not evaluated again. With `workers` that many processes share the
+    points (a script then needs `if __name__ == "__main__":`), by default they are evaluated here.
+    With a `folder` table, pictures and manifest are written there. Raises InputError.
     """
     listed = tuple(_axis(key, value) for key, value in (values or {}).items())
     space = Space(listed, _sample(between or {}, sample, seed))
@@ -47,9 +46,9 @@ def sweep(
             raise InputError(f"between: {key}: is in values too: leave one of them out")
     tolerated = None if error is None else tolerance.parse(error)
     machine = None if printer is None else printer_of(printer)
-    asked = Ask(
-        walker_of(design), None, scene_of(scene), machine, space, (), model, tolerated, keep
-    )
+    model = ask.model_of(model, space.keys)
+    ground = scene_of(ask.scene_for(model) if scene is None else scene)
+    asked = Ask(walker_of(design), None, ground, machine, space, (), model, tolerated, keep)
     request, tell = asked.request(), progress or silent
     hired = nullcontext() if workers is None else worker_pool.local(workers)
     job = make.Job(request, asked.title(), kept=True)

@@ -12,13 +12,9 @@ from walkergen.errors import InputError
 
 if TYPE_CHECKING:
     from walkergen.cli.loading import Inputs
-    from walkergen.files.progress import Progress
-    from walkergen.jobs.run.crowd.job import Job, Simulated
+    from walkergen.points.crowd_job import Job
     from walkergen.scene import Scene
     from walkergen.walker.design import Design
-
-RUNS = 4
-"""Independent runs unless asked otherwise."""
 
 MODELS = ("space", "flat")
 
@@ -109,10 +105,10 @@ def crowd(
     the same bytes on any number of threads. A card, as `walkergen card` writes it, in place of a
     design makes a crowd in a plane, of thousands.
     """
-    from walkergen.jobs.run.crowd import files, members, report
-    from walkergen.points import crowd_movie
+    from walkergen.jobs.run.crowd import files, make, report
+    from walkergen.points import crowd_members, crowd_movie
 
-    asked = None if count is None else members.parse(count)
+    asked = None if count is None else crowd_members.parse(count)
     shares = asked if isinstance(asked, list) else None
     inputs = loading.inputs(
         keys, "design scene",
@@ -122,7 +118,7 @@ def crowd(
     )  # fmt: skip
     if movie is not None:
         crowd_movie.check(movie, "--movie")
-    ground = inputs.scene(scene, runs=RUNS)
+    ground = inputs.scene(scene, runs=crowd_members.RUNS)
     if shares is not None and design is not None:
         raise InputError(f"{design[:60]}: --count {count} names the designs: leave one of them out")
     names = [share.name for share in shares] if shares else [design or opt.PAPER]
@@ -136,7 +132,7 @@ def crowd(
         show.report(files.write_inputs(job, folder), json, quiet)
         return
     with show.progress("crowd", wanted=not quiet) as progress:
-        simulated = _simulate(job, threads, progress)
+        simulated = make.simulate(job, threads, progress)
         result = files.write(report.of(simulated, folder), folder, pictures, progress)
         if movie is not None:
             film, fps = simulated.films[0], min(max(round(rate), 1), MOST_FPS)
@@ -176,9 +172,9 @@ def _in_space(
     tilt: float | None, legs: str | None,
 ) -> "Job":  # fmt: skip
     """Crowd of designs."""
-    from walkergen.jobs.run.crowd import make
+    from walkergen.points import crowd_space
 
-    return make.asked(scene, _walkers(inputs, names, tilt, legs), counts, rate)
+    return crowd_space.asked(scene, _walkers(inputs, names, tilt, legs), counts, rate)
 
 
 def _flat(
@@ -196,15 +192,6 @@ def _flat(
     settled = [key for key in inputs.values if not key.startswith(("scene.crowd.", "scene.run."))]
     inputs.refuse([*settled, "scene.run.step_us"], why)
     return plane.asked(scene, [card.read(Path(name)) for name in names], counts, rate)
-
-
-def _simulate(job: "Job", threads: int | None, progress: "Progress") -> "Simulated":
-    """Simulate a crowd by its model."""
-    from walkergen.jobs.run.crowd import make, plane
-
-    if job.model == "flat":
-        return plane.simulate(job, threads, progress)
-    return make.simulate(job, threads, progress)
 
 
 def _walkers(

@@ -39,8 +39,14 @@ def sweep(
         typer.Option("--scene", metavar="SCENE", help="Scene: a template or a TOML file."),
     ] = None,
     model: Annotated[
-        str, typer.Option("--model", metavar="MODEL", help="prediction, or a model to simulate by.")
-    ] = "prediction",
+        str | None,
+        typer.Option(
+            "--model",
+            metavar="MODEL",
+            help="prediction, the default; a model to simulate by; or crowd, for keys of crowds.",
+            show_default=False,
+        ),
+    ] = None,
     error: Annotated[
         str | None,
         typer.Option(
@@ -57,13 +63,15 @@ def sweep(
         int, typer.Option("--seed", metavar="N", min=0, help="Seed of the samples.")
     ] = 1,
     keep: Annotated[
-        str,
+        str | None,
         typer.Option(
             "--keep",
             metavar="GROUPS",
-            help="Numbers to keep: speed,spread,persistence,impacts,masses,printability.",
+            help="Numbers to keep: speed,spread,persistence,impacts,masses,printability; of crowds "
+            "their statistics, as polar_order,largest_cluster.",
+            show_default=False,
         ),
-    ] = "speed",
+    ] = None,
     printer: Annotated[
         str | None,
         typer.Option("--printer", metavar="PRINTER", help="Printer of --keep printability."),
@@ -86,7 +94,10 @@ def sweep(
     json: opt.AsJson = False,
     quiet: opt.Quiet = False,
 ) -> None:
-    """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped."""
+    """Map speeds over any keys of design and scene: a table and pictures, resumed when stopped.
+
+    Keys that begin with scene.crowd. map what crowds do.
+    """
     from walkergen.jobs.run.sweep import ask, make
     from walkergen.points.point import PREDICTION
     from walkergen.points.store import Store
@@ -115,15 +126,15 @@ def sweep(
 
 
 def _ask(
-    design: str | None, values: list[str], scene: str | None, printer: str | None, model: str,
-    error: str | None, sample: str | None, seed: int, keep: str,
+    design: str | None, values: list[str], scene: str | None, printer: str | None,
+    model: str | None, error: str | None, sample: str | None, seed: int, keep: str | None,
 ) -> "Ask":  # fmt: skip
     """Sweep that a command line asks for. Raises InputError."""
     from walkergen.jobs.run.sweep import ask
     from walkergen.points.tolerance import parse
 
     space, constants = ask.space_of(values, sample, seed)
-    groups = [word.strip() for word in keep.split(",")]
+    groups = None if keep is None else [word.strip() for word in keep.split(",")]
     wanted = None if error is None else parse(error)
     names = design, scene, printer
     return ask.of(names, Path(), space, constants, model, wanted, groups, "--set")

@@ -118,7 +118,11 @@ def _chance(row: CrowdNumber) -> str:
 
 
 def _name(row: CrowdNumber) -> str:
-    name = next(name for name, key in KEYS.items() if key == row.quantity)
+    return in_words(next(name for name, key in KEYS.items() if key == row.quantity))
+
+
+def in_words(name: str) -> str:
+    """Name of a number in words, with its unit."""
     return name.replace("_", " ") + READ_UNITS[UNITS[name]]
 
 

@@ -1,4 +1,4 @@
-"""Evaluation of a point: its masses, its predicted speed, and what a simulation says of it."""
+"""Evaluation of a point: masses, predicted speed, what a simulation says; or those of a crowd."""
 
 from collections.abc import Sequence
 
@@ -36,6 +36,10 @@ def refused(error: WalkergenError) -> Record:
 
 
 def _evaluated(point: Point) -> Record:
+    if point.crowd:
+        from walkergen.points import crowd_numbers  # takes a tenth of a second
+
+        return crowd_numbers.evaluate(point)
     design, scene, keep = point.design, point.scene, point.keep
     mass = solids.mass_of(design)
     record: Record = _simulated(point, mass) if point.simulated else {STATUS: OK}

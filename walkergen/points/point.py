@@ -23,6 +23,9 @@ PREDICTION = "prediction"
 
 MODELS = (PREDICTION, "rigid", "relaxed", "compliant", "space", "auto")
 
+CROWD = "crowd"
+"""Model of a point that is a crowd in space, of as many walkers as its scene says."""
+
 Value = float | int | str | None
 Record = dict[str, Value]
 """Numbers of a point by the names of their columns, with units; None where there is none."""
@@ -47,6 +50,8 @@ class Point(NamedTuple):
     """Error up to which runs are added; None for the runs of the scene."""
     printer: Printer | None = None
     """Printer of the group "printability"."""
+    crowd: bool = False
+    """True for many walkers that meet. Its numbers are all that crowds have, whatever is kept."""
 
     @property
     def predicted(self) -> bool:
@@ -56,11 +61,15 @@ class Point(NamedTuple):
 
 def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
     """Refuse groups and models that are not known, or do not go together. Raises InputError."""
+    if model not in (*MODELS, CROWD):
+        every = ", ".join((*MODELS, CROWD))
+        raise InputError(f"--model {model[:30]!r}: must be one of {every}")
+    groups = kept(model)
     for name in keep:
-        if name not in KEPT:
-            raise InputError(f"--keep {name[:30]!r}: must be one of {', '.join(KEPT)}")
-    if model not in MODELS:
-        raise InputError(f"--model {model[:30]!r}: must be one of {', '.join(MODELS)}")
+        if name not in groups:
+            raise InputError(f"--keep {name[:30]!r}: must be one of {', '.join(groups)}")
+    if model == CROWD:
+        return
     for name in ("persistence", "impacts"):
         if name in keep and model == PREDICTION:
             raise InputError(f"--keep {name}: needs a simulation: --model compliant, or space")
@@ -70,13 +79,22 @@ def check(keep: Sequence[str], model: str, printer: Printer | None) -> None:
         raise InputError("--keep printability: needs a printer: --printer prusa-mk3s")
 
 
+def kept(model: str) -> tuple[str, ...]:
+    """Groups of numbers that a model has: of a walker alone KEPT, of a crowd its statistics."""
+    if model != CROWD:
+        return KEPT
+    from walkergen.analysis.crowds.measuring import UNITS  # takes a tenth of a second
+
+    return tuple(UNITS)
+
+
 def key(point: Point) -> str:
     """Hash of all that a point's numbers depend on, the program's sources too, 32 digits."""
     printer = point.printer.model_dump(exclude={"name", "description"}) if point.printer else None
     table = [point.scene.prediction.model_dump(), *tables.digests(point.scene)]
     facts = [
         *experiments.facts(point.scene, point.design), *(table if point.predicted else []),
-        point.simulated, sorted(point.keep), point.wanted, printer, digest(),
+        point.simulated, sorted(point.keep), point.wanted, printer, point.crowd, digest(),
     ]  # fmt: skip
     return hashlib.sha256(json.dumps(facts, sort_keys=True).encode()).hexdigest()[:32]
 
@@ -88,7 +106,7 @@ def digest() -> str:
     Pictures, commands and jobs do not count: they change no number of a point.
     """
     package, hasher = Path(__file__).parent.parent, hashlib.sha256()
-    counted = ("*.py", "analysis/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
+    counted = ("*.py", "analysis/**/*.py", "points/*.py", "numerics/*.py", "printing/*.py",
                "shapes/*.py", "simulation/**/*.py", "theory/*.py", "walker/*.py")  # fmt: skip
     for source in sorted(path for pattern in counted for path in package.glob(pattern)):
         hasher.update(source.read_bytes())

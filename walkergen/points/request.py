@@ -9,7 +9,7 @@ from walkergen.files import assignments
 from walkergen.points import point
 from walkergen.points.axes import Space
 from walkergen.points.evaluate import refused
-from walkergen.points.point import PREDICTION, Point
+from walkergen.points.point import CROWD, PREDICTION, Point
 from walkergen.points.run import Asked
 from walkergen.points.tolerance import Tolerance
 from walkergen.printing.printers import Printer
@@ -27,7 +27,7 @@ class Request(NamedTuple):
     scene: Scene
     space: Space
     model: str = PREDICTION
-    """One of `point.MODELS`."""
+    """One of `point.MODELS`, or CROWD."""
     keep: tuple[str, ...] = ("speed",)
     wanted: Tolerance | None = None
     printer: Printer | None = None
@@ -42,8 +42,14 @@ class Request(NamedTuple):
             raise InputError(
                 f"--error {self.wanted}: the prediction has no runs: --model compliant"
             )
+        if self.wanted is not None and self.model == CROWD:
+            raise InputError(
+                f"--error {self.wanted}: is of the speed of one walker: set scene.run.runs"
+            )
         for key in self.space.keys:
             check(key, f"--set {key}")
+            if self.model != CROWD:
+                check_alone(key, f"--set {key}")
         for axis in self.space.axes:
             for value in axis.values:
                 if isinstance(value, (str, bool)):
@@ -54,7 +60,7 @@ class Request(NamedTuple):
         try:
             changed(self.design, self.scene, {key: value}, "--set", self.data)
         except InputError as error:
-            if f"{key} = {value!r}" in str(error):
+            if of_crowds(key) or f"{key} = {value!r}" in str(error):
                 raise
 
     def at(self, values: Mapping[str, Any]) -> Asked:
@@ -67,6 +73,8 @@ class Request(NamedTuple):
     def point(self, values: Mapping[str, Any]) -> Point:
         """Point at values of the keys. Raises InputError for one that cannot be built."""
         design, scene = changed(self.design, self.scene, values, data=self.data)
+        if self.model == CROWD:
+            return Point(design, scene, True, (), crowd=True)
         if self.model != PREDICTION:
             legs = scene.legs.model_copy(update={"model": self.model})
             scene = scene.model_copy(update={"legs": legs})
@@ -82,15 +90,24 @@ class Request(NamedTuple):
 def check(key: str, source: str) -> None:
     """Raise InputError, which begins with `source`, for a key that neither design nor scene has."""
     bare_key = key.removeprefix(SCENE)
-    if bare_key != key and bare_key.partition(".")[0] == "crowd":
-        raise InputError(
-            f"{source}: a sweep is of one walker, which meets nobody: run `walkergen crowd` for "
-            "each value, with an --out of its own"
-        )
     if bare_key == key:
         assignments.check(bare_key, Design, source)
     else:
         assignments.check(bare_key, Scene, source, SCENE)
+
+
+def of_crowds(key: str) -> bool:
+    """Whether a key says something of crowds alone."""
+    return key.startswith(f"{SCENE}crowd.")
+
+
+def check_alone(key: str, source: str) -> None:
+    """Raise InputError, which begins with `source`, for a key that a walker alone never reads."""
+    if of_crowds(key):
+        raise InputError(
+            f"{source}: is of crowds, and a walker alone meets nobody: `walkergen sweep` without "
+            "--model, or with --model crowd, is of crowds"
+        )
 
 
 def changed(

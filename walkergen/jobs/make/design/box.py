@@ -69,6 +69,7 @@ def of_options(texts: Sequence[str], design: Design) -> Box:
     spans = []
     for text, entry in zip(texts, parsed, strict=True):
         request.check(entry.key, f"--vary {entry.key}")
+        request.check_alone(entry.key, f"--vary {entry.key}")
         if isinstance(entry, Axis):
             raise InputError(f"--vary {text[:60]!r}: write a range, {entry.key}=LOW:HIGH")
         spans.append(entry)

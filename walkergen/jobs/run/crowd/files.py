@@ -7,9 +7,9 @@ from walkergen.files.output import Folder, versions
 from walkergen.files.progress import Progress
 from walkergen.files.report import Report
 from walkergen.jobs.run.crowd import plane
-from walkergen.jobs.run.crowd.job import Job
 from walkergen.jobs.run.crowd.report import CrowdReport, caption_of, title_of
 from walkergen.points import crowd_files, crowd_movie
+from walkergen.points.crowd_job import Job
 
 MOST_ROWS = 2_000_000
 """Walkers times frames of a run up to which its tracks are written, some 100 bytes each."""

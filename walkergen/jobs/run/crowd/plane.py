@@ -11,9 +11,9 @@ from walkergen.analysis.crowds.film import of_places
 from walkergen.card import Card
 from walkergen.files.progress import Progress
 from walkergen.flat import crowd as flat
-from walkergen.jobs.run.crowd import job as jobs
-from walkergen.jobs.run.crowd import members
-from walkergen.jobs.run.crowd.job import Array, Job, Kind, Simulated
+from walkergen.points import crowd_job as jobs
+from walkergen.points import crowd_members as members
+from walkergen.points.crowd_job import Array, Job, Kind, Simulated
 from walkergen.scene import Scene
 from walkergen.walker import seen_above
 

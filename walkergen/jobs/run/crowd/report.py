@@ -1,6 +1,5 @@
 """Report of a crowd: order, clusters and packing with errors, runs, what contacts took."""
 
-from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
@@ -9,12 +8,10 @@ from typing import NamedTuple
 from walkergen.analysis.crowds import CrowdStatistics
 from walkergen.files import report, words
 from walkergen.files.report import Report, Table
-from walkergen.jobs.run.crowd.job import Job, Simulated
 from walkergen.points import crowd_figures, crowd_tables
+from walkergen.points.crowd_job import WELL, Job, Simulated
 from walkergen.simulation.crowd.result import CrowdRun
-from walkergen.simulation.run import ENDED_WELL, Outcome
-
-WELL = tuple(outcome.value for outcome in ENDED_WELL)
+from walkergen.simulation.run import Outcome
 
 
 @dataclass(frozen=True, kw_only=True, repr=False)
@@ -103,7 +100,7 @@ def facts(simulated: Simulated) -> dict[str, object]:
         **crowd_tables.facts(simulated.statistics),
         "contacts": [_contacts(run, simulated.statistics.seconds)._asdict()
                      for run in simulated.runs],
-        "outcomes": dict(_outcomes(simulated)),
+        "outcomes": dict(simulated.outcomes),
     }  # fmt: skip
 
 
@@ -115,18 +112,13 @@ def _contacts(run: CrowdRun, seconds: float) -> Contacts:
     )  # fmt: skip
 
 
-def _outcomes(simulated: Simulated) -> Counter[str]:
-    return Counter(outcome for run in simulated.runs for outcome in run.outcomes)
-
-
 def _warnings(simulated: Simulated) -> Iterator[str]:
     """What makes the numbers doubtful."""
-    bad = {name: count for name, count in _outcomes(simulated).items() if name not in WELL}
-    if bad:
-        told = ", ".join(f"{count} {name}" for name, count in bad.items())
+    if fallen := simulated.fallen:
+        told = ", ".join(f"{count} {name}" for name, count in fallen.items())
         yield f"of all walkers in all runs: {told}; they lie where they fell"
     allowed = simulated.job.scene.run.energy_tolerance
-    worst = max((run.energy_error for run in simulated.runs), default=0.0)
+    worst = simulated.energy_error
     if worst > allowed:
         yield (
             f"{Outcome.ENERGY.value}: {words.number(100.0 * worst, 2)} % of the energy exchanged "

@@ -9,16 +9,20 @@ from walkergen.files import assignments, columns, templates
 from walkergen.jobs.run.sweep import sweep_file
 from walkergen.points import axes, request
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
-from walkergen.points.point import PREDICTION
+from walkergen.points.crowd_members import RUNS
+from walkergen.points.point import CROWD, PREDICTION
 from walkergen.points.request import SCENE as SCENES
-from walkergen.points.request import Request
+from walkergen.points.request import Request, check_alone, of_crowds
 from walkergen.points.tolerance import Tolerance, parse
 from walkergen.printing.printers import Printer
 from walkergen.scene import Scene
 from walkergen.walker.design import Design
 
-PAPER, LANE = "koumakis2016", "lane-90hz"
-"""Templates of the design and the scene that a file need not name."""
+PAPER, LANE, PLANE = "koumakis2016", "lane-90hz", "plane-90hz"
+"""Templates of the design and the scene that a file need not name; PLANE is that of crowds."""
+
+KEPT = "packing", "polar_order", "nematic_order", "speed", "largest_cluster", "wall_density"
+"""Statistics of crowds that a table has unless asked for others; of a walker alone its speed."""
 
 ERROR = parse("5%")
 """Error of simulated speeds unless asked otherwise."""
@@ -37,26 +41,34 @@ class Ask(NamedTuple):
     """Keys that design and scene have set for all points."""
     model: str
     error: Tolerance | None
-    keep: Sequence[str]
+    keep: Sequence[str] | None
 
     def request(self) -> Request:
         """Checked request. Raises InputError.
 
-        Simulated speeds meet ERROR unless another is asked for, or the runs are set.
+        Simulated speeds meet ERROR unless another is asked for, or the runs are set; crowds have
+        RUNS runs unless these are set.
         """
         keys = (*self.space.keys, *self.constants)
         own_runs = any(key in ("scene.run.runs", "scene.run.seconds") for key in keys)
-        default = None if self.model == PREDICTION or own_runs else ERROR
+        default = None if self.model in (PREDICTION, CROWD) or own_runs else ERROR
+        scene, keep = self.scene, self.keep or (KEPT if self.model == CROWD else ("speed",))
+        if self.model == CROWD and "scene.run.runs" not in keys:
+            scene = scene.variant(**{"run.runs": RUNS})
         request = Request(
-            self.design, self.scene, self.space, self.model, tuple(dict.fromkeys(self.keep)),
+            self.design, scene, self.space, self.model, tuple(dict.fromkeys(keep)),
             default if self.error is None else self.error, self.printer, self.data,
         )  # fmt: skip
+        for key in self.constants:
+            if self.model != CROWD:
+                check_alone(key, f"--set {key}")
         request.check()
         return request
 
     def title(self) -> str:
         """Title of the pictures: the walker, where it runs, and by what."""
-        model = "predicted" if self.model == PREDICTION else f"model {self.model}"
+        words = {PREDICTION: "predicted", CROWD: "crowds"}
+        model = words.get(self.model, f"model {self.model}")
         return f"{self.design.name}, {self.scene.name}, {model}"
 
     def name(self) -> str:
@@ -67,8 +79,8 @@ class Ask(NamedTuple):
 
 def of(
     names: tuple[str | None, str | None, str | None], near: Path, space: Space,
-    constants: Mapping[str, Any], model: str, error: Tolerance | None, keep: Sequence[str],
-    source: str,
+    constants: Mapping[str, Any], model: str | None, error: Tolerance | None,
+    keep: Sequence[str] | None, source: str,
 ) -> Ask:  # fmt: skip
     """Sweep of a design, a scene and a printer by name, with keys set for all points.
 
@@ -79,8 +91,9 @@ def of(
         request.check(key, f"{source} {key}")
     own = {key: value for key, value in constants.items() if not key.startswith(SCENES)}
     scenes = {key.removeprefix(SCENES): constants[key] for key in constants if key not in own}
+    model = model_of(model, (*space.keys, *constants))
     walkers = templates.path_of(design or PAPER, "walkers", near)
-    ground = templates.path_of(scene or LANE, "scenes", near)
+    ground = templates.path_of(scene or scene_for(model), "scenes", near)
     walker, data = assignments.with_data(walkers, Design, own, source)
     return Ask(
         walker,
@@ -95,9 +108,20 @@ def of_file(path: Path) -> Ask:
     """Sweep that a file asks for. Raises InputError."""
     file = sweep_file.read(path)
     names = file.design, file.scene, file.printer
-    model, keep = file.model or PREDICTION, file.keep or ("speed",)
-    near, error = file.folder, file.error
-    return of(names, near, file.space, file.constants, model, error, keep, f"{path}: set")
+    return of(
+        names, file.folder, file.space, file.constants, file.model, file.error, file.keep,
+        f"{path}: set",
+    )  # fmt: skip
+
+
+def model_of(model: str | None, keys: Sequence[str]) -> str:
+    """Model of a sweep over these keys where none is named: crowds where a key is theirs."""
+    return model or (CROWD if any(map(of_crowds, keys)) else PREDICTION)
+
+
+def scene_for(model: str) -> str:
+    """Template of the scene where none is named."""
+    return PLANE if model == CROWD else LANE
 
 
 def space_of(texts: Sequence[str], sample: str | None, seed: int) -> tuple[Space, dict[str, Any]]:

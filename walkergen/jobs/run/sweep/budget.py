@@ -8,7 +8,7 @@ from walkergen.files import words
 from walkergen.files.progress import Progress
 from walkergen.points import run
 from walkergen.points.measure import FIRST_RUNS, LONGEST_S, with_runs
-from walkergen.points.point import PREDICTION, Point, Record, key
+from walkergen.points.point import CROWD, PREDICTION, Point, Record, key
 from walkergen.points.request import Request
 from walkergen.points.run import Asked
 from walkergen.points.store import Store
@@ -68,6 +68,8 @@ def check(request: Request) -> None:
     """Refuse a budget that buys nothing. Raises InputError."""
     if request.model == PREDICTION:
         raise InputError("--budget: predictions have no runs to add: --model compliant, or space")
+    if request.model == CROWD:
+        raise InputError("--budget: is for speeds of one walker: set scene.run.runs of crowds")
     if request.space.points > MOST_POINTS:
         raise InputError(
             f"--budget: {request.space.points} points; at most {MOST_POINTS} share a budget"

@@ -1,6 +1,6 @@
 """Figures of a sweep: lines for one key, a map for two, small multiples for three, or clouds.
 
-Every figure can be read without colours, and shows the points that have no speed.
+Every figure can be read without colours, and shows the points that have no number.
 """
 
 import math
@@ -28,20 +28,19 @@ MOST_LINES, MOST_PANELS = 5, 12
 FILLED = 0.5
 """Share of all combinations of the values beyond which points are taken to lie on a grid."""
 
-SPEED = "speed (mm/s)"
 BARS: Any = {"lines.markersize": 3.5, "errorbar.capsize": 1.5}
 """What differs from other figures: points are many."""
 
 
 def figure(columns: Columns, keys: Sequence[str], title: str) -> Figure:
-    """Draw speed over the keys, of which those with one value are left out.
+    """Draw a number over the keys, of which those with one value are left out.
 
-    One key at least has two values, and one point a speed.
+    One key at least has two values, and one point a value.
     """
     scales = [scale_of(key, columns.keys[key]) for key in keys]
     scales = [scale for scale in scales if len(scale.values) > 1]
     combinations = math.prod(len(scale.values) for scale in scales)
-    gridded = FILLED * combinations < len(columns.speed) and len(scales) <= 3
+    gridded = FILLED * combinations < len(columns.value) and len(scales) <= 3
     with style(), matplotlib.rc_context(BARS):
         if not gridded:
             return _clouds(columns, scales, title)
@@ -57,15 +56,15 @@ def _single(
 ) -> Figure:
     """Figure of one panel: lines, or a map."""
     with _sheet(title, 1) as (drawn, (axes,), _):
-        rows = np.ones(len(columns.speed), dtype=bool)
+        rows = np.ones(len(columns.value), dtype=bool)
         if _lined(scales):
             draw.lines(axes, columns, ranked[0], ranked[1] if ranked[1:] else None, rows)
-            axes.set_ylabel(draw.speed_label(columns))
+            axes.set_ylabel(draw.value_label(columns))
             handles = _line_handles(columns, ranked[1:])
         else:
             norm = _norm(columns)
             draw.map(axes, columns, scales[0], scales[1], rows, norm)
-            _colour_bar(drawn, [axes], norm)
+            _colour_bar(drawn, [axes], norm, columns.label)
             handles = _mark_handles(columns, hatched=True)
         _legend(drawn, handles)
     return drawn
@@ -100,23 +99,23 @@ def _multiples(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
             if place % wide:
                 axes.yaxis.label.set_visible(False)
             elif _lined(others):
-                axes.set_ylabel(draw.speed_label(columns))
+                axes.set_ylabel(draw.value_label(columns))
         if _lined(others):
             handles = _line_handles(columns, ranked[1:])
         else:
-            _colour_bar(drawn, panels, norm)
+            _colour_bar(drawn, panels, norm, columns.label)
             handles = _mark_handles(columns, hatched=True)
         _legend(drawn, handles)
     return drawn
 
 
 def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
-    """Figure of points that lie on no grid: two keys with the speed as colour, else one a panel."""
+    """Figure of points on no grid: two keys with the number as colour, else one a panel."""
     if len(scales) == 2:
         with _sheet(title, 1) as (drawn, (axes,), _):
             norm = _norm(columns)
             draw.scatter(axes, columns, scales[0], scales[1], norm)
-            _colour_bar(drawn, [axes], norm)
+            _colour_bar(drawn, [axes], norm, columns.label)
             _legend(drawn, _mark_handles(columns))
         return drawn
     if left := len(scales) - MOST_PANELS:
@@ -125,11 +124,11 @@ def _clouds(columns: Columns, scales: Sequence[Scale], title: str) -> Figure:
     with _sheet(title, len(scales)) as (drawn, panels, wide):
         for place, (axes, scale) in enumerate(zip(panels, scales, strict=True)):
             draw.dots(
-                axes, columns, scale, np.ones(len(columns.speed), dtype=bool), STYLES[0], 0, False
+                axes, columns, scale, np.ones(len(columns.value), dtype=bool), STYLES[0], 0, False
             )
             dress(axes, "x", scale)
             if place % wide == 0:
-                axes.set_ylabel(draw.speed_label(columns, draw.MOST_SEEN))
+                axes.set_ylabel(draw.value_label(columns, draw.MOST_SEEN))
         _legend(drawn, _mark_handles(columns))
     return drawn
 
@@ -144,8 +143,9 @@ def _spread(count: int, most: int) -> list[int]:
 def _only(columns: Columns, rows: Mask, scales: Sequence[Scale]) -> tuple[Any, ...]:
     """Columns and scales of some rows."""
     kept = Columns(
-        {}, columns.speed[rows], columns.low[rows], columns.high[rows],
+        {}, columns.value[rows], columns.low[rows], columns.high[rows],
         [status for status, inside in zip(columns.status, rows, strict=True) if inside],
+        columns.label,
     )  # fmt: skip
     return (kept, *(scale._replace(which=scale.which[rows]) for scale in scales))
 
@@ -173,14 +173,14 @@ def _sheet(title: str, count: int) -> Iterator[tuple[Figure, list[Axes], int]]:
 
 
 def _norm(columns: Columns) -> Normalize:
-    """Colours of all speeds of a figure."""
-    low, high = float(np.nanmin(columns.speed)), float(np.nanmax(columns.speed))
+    """Colours of all numbers of a figure."""
+    low, high = float(np.nanmin(columns.value)), float(np.nanmax(columns.value))
     return Normalize(low, high) if low < high else Normalize(low - 0.5, high + 0.5)
 
 
-def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize) -> None:
+def _colour_bar(drawn: Figure, panels: Sequence[Axes], norm: Normalize, label: str) -> None:
     colours = matplotlib.cm.ScalarMappable(norm, COLOURS)
-    drawn.colorbar(colours, ax=list(panels), label=SPEED, pad=0.02, aspect=25)
+    drawn.colorbar(colours, ax=list(panels), label=label, pad=0.02, aspect=25)
 
 
 def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
@@ -194,11 +194,12 @@ def _line_handles(columns: Columns, by: Sequence[Scale]) -> list[Any]:
 
 
 def _mark_handles(columns: Columns, hatched: bool = False) -> list[Any]:
-    """Entries of a legend for points without a speed, and for those in doubt."""
+    """Entries of a legend for points without a number, and for those in doubt."""
+    name = columns.label.partition(" (")[0]
     missing, doubtful = int(columns.missing.sum()), int(columns.doubtful.sum())
     handles: list[Any] = []
     if missing:
-        told_of = f"no speed: {missing} of {len(columns.speed)}"
+        told_of = f"no {name}: {missing} of {len(columns.value)}"
         handles.append(
             Patch(**HATCHED, label=told_of) if hatched
             else Line2D([], [], color="black", linestyle="none", marker="x", label=told_of)

@@ -3,7 +3,7 @@
 import hashlib
 import json
 import time
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -44,7 +44,8 @@ class Job(NamedTuple):
 def make(
     job: Job, path: Path, store: Store, pool: WorkerPool | None, progress: Progress
 ) -> SweepReport:
-    """Evaluate all points of a request into a folder: table.csv, table.parquet, sweep.png and .pdf.
+    """Evaluate all points of a request into a folder: table.csv, table.parquet, and pictures,
+    sweep.png and .pdf, of crowds one of each statistic.
 
     Points that the store already has are not evaluated again; the table grows row by row, and what
     was finished is kept whatever happens. Raises InputError where another sweep writes there or a
@@ -107,12 +108,17 @@ def _finished(job: Job, folder: Folder) -> SweepReport | None:
     facts, again = folder.earlier(), job.kept or job.budget_s is not None
     if again or facts.get("request") != _hash_of(job.request):
         return None
-    if not folder.untouched() or (job.pictures and "sweep.png" not in facts["files"]):
+    if not folder.untouched() or (job.pictures and not _pictured(facts["files"])):
         return None
     count = job.request.space.points
     points = Points(_names(job), False, count, count, facts["bad"])
     result = report.of(job.request, job.title, points)
     return report.written(result, folder.path, list(facts["files"]))
+
+
+def _pictured(names: Iterable[str]) -> bool:
+    """Whether a picture is among files."""
+    return any(name.endswith(".png") for name in names)
 
 
 def _hash_of(request: Request) -> str:

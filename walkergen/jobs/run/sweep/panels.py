@@ -1,6 +1,6 @@
 """Panels of the figures of a sweep: lines, a map or a cloud of points in given axes.
 
-Points that have no speed are crosses, or hatched cells; those in doubt have open symbols.
+Points that have no number are crosses, or hatched cells; those in doubt have open symbols.
 """
 
 from collections.abc import Mapping, Sequence
@@ -47,10 +47,10 @@ MARK: Any = {
     "linestyle": "none", "marker": "o", "markerfacecolor": "white", "markeredgecolor": "black",
     "markeredgewidth": 0.6, "markersize": 3.0,
 }  # fmt: skip
-"""Look of the open symbols of points whose speed is in doubt."""
+"""Look of the open symbols of points whose number is in doubt."""
 
 HATCHED: Any = {"facecolor": "0.92", "edgecolor": "0.35", "hatch": "xxxx", "linewidth": 0.0}
-"""Look of the cells of points that have no speed."""
+"""Look of the cells of points that have no number."""
 
 
 class Columns(NamedTuple):
@@ -58,23 +58,25 @@ class Columns(NamedTuple):
 
     keys: Mapping[str, Sequence[Any]]
     """Values of each key, numbers or words."""
-    speed: Array
-    """Speeds, mm/s; NaN for points that have none."""
+    value: Array
+    """Numbers that are shown, mostly speeds; NaN for points that have none."""
     low: Array
     high: Array
-    """Bounds of 95 % of the speeds, mm/s; NaN where they are unknown."""
+    """Bounds of 95 % of the numbers; NaN where they are unknown."""
     status: Sequence[str]
     """"ok", or what is wrong with a point."""
+    label: str = "speed (mm/s)"
+    """Number in words, with its unit."""
 
     @property
     def missing(self) -> Mask:
-        """Points that have no speed."""
-        missing: Mask = np.isnan(self.speed)
+        """Points that have no number."""
+        missing: Mask = np.isnan(self.value)
         return missing
 
     @property
     def doubtful(self) -> Mask:
-        """Points whose speed is not to be taken as it is."""
+        """Points whose number is not to be taken as it is."""
         doubtful: Mask = np.array([status != OK for status in self.status], dtype=bool)
         return doubtful & ~self.missing
 
@@ -83,14 +85,14 @@ class Columns(NamedTuple):
 
 
 def lines(axes: Axes, columns: Columns, x: Scale, by: Scale | None, rows: Mask) -> None:
-    """Draw speed over x, a line for each value of another key."""
+    """Draw a number over x, a line for each value of another key."""
     count = 1 if by is None else len(by.values)
     for number in range(count):
         chosen = rows if by is None else rows & (by.which == number)
         shift = 0.14 * (number - 0.5 * (count - 1)) if x.words else 0.0
         dots(axes, columns, x, chosen, STYLES[number], number, not x.words, shift)
     dress(axes, "x", x)
-    shown = columns.speed[~columns.missing]
+    shown = columns.value[~columns.missing]
     if x.words:
         axes.set_xlim(-0.6, len(x.values) - 0.4)
     if shown.min() < 0 < shown.max():
@@ -103,51 +105,51 @@ def dots(
 ) -> None:  # fmt: skip
     """Draw points with their bounds, joined by a line where that has a meaning.
 
-    Those without a speed stand as crosses at the foot, the higher the later their line.
+    Those without a number stand as crosses at the foot, the higher the later their line.
     """
     colour, dash, marker = style
     order = np.flatnonzero(rows)[np.argsort(x.at[rows], kind="stable")]
-    places, speed = x.at[order] + shift, columns.speed[order]
+    places, value = x.at[order] + shift, columns.value[order]
     low, high = columns.low[order], columns.high[order]
-    bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(speed)
+    bounded = np.isfinite(low) & np.isfinite(high) & np.isfinite(value)
     crowded = len(order) > MOST_BARS
     if joined:
-        axes.plot(places, speed, linestyle=dash, color=colour)
+        axes.plot(places, value, linestyle=dash, color=colour)
     if crowded and joined and bounded.any():
         axes.fill_between(places, low, high, color=colour, alpha=0.2, linewidth=0)
     elif bounded.any() and len(order) <= MOST_SEEN:
-        ends = np.abs([speed[bounded] - low[bounded], high[bounded] - speed[bounded]])
-        axes.errorbar(places[bounded], speed[bounded], ends, fmt="none", ecolor=colour,
+        ends = np.abs([value[bounded] - low[bounded], high[bounded] - value[bounded]])
+        axes.errorbar(places[bounded], value[bounded], ends, fmt="none", ecolor=colour,
                       elinewidth=0.8, alpha=0.5 if crowded else 1.0)  # fmt: skip
     doubtful = columns.doubtful[order]
-    plain = np.flatnonzero(~doubtful & np.isfinite(speed))
+    plain = np.flatnonzero(~doubtful & np.isfinite(value))
     if crowded and joined:  # enough of them to tell the lines apart
         plain = plain[:: max(1, len(plain) // 12)]
     dots: Any = {"linestyle": "none", "marker": marker, "color": colour, "zorder": 3,
                  "rasterized": len(order) > MOST_SEEN}  # fmt: skip
-    axes.plot(places[plain], speed[plain], **dots)
-    axes.plot(places[doubtful], speed[doubtful], markerfacecolor="white", **dots)
-    missing = places[np.isnan(speed)]
+    axes.plot(places[plain], value[plain], **dots)
+    axes.plot(places[doubtful], value[doubtful], markerfacecolor="white", **dots)
+    missing = places[np.isnan(value)]
     if len(missing):
         height = np.full(len(missing), 0.03 + 0.05 * number)
         foot = axes.get_xaxis_transform()
         axes.plot(missing, height, "x", color=colour, transform=foot, clip_on=False)
 
 
-def speed_label(columns: Columns, most: int | None = None) -> str:
-    """Label of an axis of speeds, with what the bars and bands are, if there are any."""
+def value_label(columns: Columns, most: int | None = None) -> str:
+    """Label of an axis of numbers, with what the bars and bands are, if there are any."""
     bounded = np.isfinite(columns.low).any() and (most is None or len(columns.low) <= most)
-    return "speed (mm/s), bounds of 95 %" if bounded else "speed (mm/s)"
+    return f"{columns.label}, bounds of 95 %" if bounded else columns.label
 
 
 # Maps
 
 
 def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Normalize) -> None:
-    """Draw speed over two keys: a cell for each point, and contours where both are numbers."""
-    speed = np.full((len(y.values), len(x.values)), np.nan)
-    speed[y.which[rows], x.which[rows]] = columns.speed[rows]
-    mesh = axes.pcolormesh(edges(x), edges(y), speed, cmap=COLOURS, norm=norm, rasterized=True)
+    """Draw a number over two keys: a cell for each point, and contours where both are numbers."""
+    value = np.full((len(y.values), len(x.values)), np.nan)
+    value[y.which[rows], x.which[rows]] = columns.value[rows]
+    mesh = axes.pcolormesh(edges(x), edges(y), value, cmap=COLOURS, norm=norm, rasterized=True)
     dress(axes, "x", x)
     dress(axes, "y", y)
     missing, doubtful = rows & columns.missing, rows & columns.doubtful
@@ -156,13 +158,13 @@ def map(axes: Axes, columns: Columns, x: Scale, y: Scale, rows: Mask, norm: Norm
     if doubtful.any():
         axes.plot(x.at[doubtful], y.at[doubtful], **MARK, zorder=4)
     smooth = not x.words and not y.words and min(len(x.values), len(y.values)) >= SMOOTH
-    if smooth and np.nanmin(speed, initial=np.inf) < np.nanmax(speed, initial=-np.inf):
-        _contours(axes, x, y, np.ma.masked_invalid(speed), norm)
+    if smooth and np.nanmin(value, initial=np.inf) < np.nanmax(value, initial=-np.inf):
+        _contours(axes, x, y, np.ma.masked_invalid(value), norm)
     mesh.set_edgecolor("none")
 
 
 def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
-    """Hatch the cells of points that have no speed."""
+    """Hatch the cells of points that have no number."""
     across, up = edges(x), edges(y)
     cells = [
         [
@@ -177,17 +179,17 @@ def _hatch(axes: Axes, x: Scale, y: Scale, missing: Mask) -> None:
 
 
 def _contours(
-    axes: Axes, x: Scale, y: Scale, speed: npt.NDArray[np.float64], norm: Normalize
+    axes: Axes, x: Scale, y: Scale, value: npt.NDArray[np.float64], norm: Normalize
 ) -> None:
-    """Draw labelled lines of equal speed, light on dark and dark on light, dashed below zero."""
+    """Draw labelled lines of equal value, light on dark and dark on light, dashed below zero."""
     assert norm.vmin is not None
     assert norm.vmax is not None
     levels = MaxNLocator(7).tick_values(norm.vmin, norm.vmax)
-    levels = levels[(levels > speed.min()) & (levels < speed.max())]
+    levels = levels[(levels > value.min()) & (levels < value.max())]
     if not len(levels):
         return
     lines = axes.contour(
-        x.places, y.places, speed, levels=levels, linewidths=0.8,
+        x.places, y.places, value, levels=levels, linewidths=0.8,
         colors=["white" if norm(level) < 0.5 else "black" for level in levels],
         linestyles=["--" if level < 0 else "-" for level in levels],
     )  # fmt: skip
@@ -223,14 +225,14 @@ def _places(axes: Axes, lines: Sequence[Array]) -> list[Array]:
 
 
 def scatter(axes: Axes, columns: Columns, x: Scale, y: Scale, norm: Normalize) -> None:
-    """Draw points in a plane of two keys, coloured by their speed."""
+    """Draw points in a plane of two keys, coloured by their number."""
     good = ~columns.missing & ~columns.doubtful
     look: Any = {"cmap": COLOURS, "norm": norm, "s": 14, "rasterized": len(good) > 5000}
-    axes.scatter(x.at[good], y.at[good], c=columns.speed[good], edgecolors="black",
+    axes.scatter(x.at[good], y.at[good], c=columns.value[good], edgecolors="black",
                  linewidths=0.3, **look)  # fmt: skip
     if columns.doubtful.any():
         ring = axes.scatter(x.at[columns.doubtful], y.at[columns.doubtful],
-                            c=columns.speed[columns.doubtful], linewidths=1.2, **look)  # fmt: skip
+                            c=columns.value[columns.doubtful], linewidths=1.2, **look)  # fmt: skip
         ring.set_facecolor("none")
     axes.plot(x.at[columns.missing], y.at[columns.missing], "x", color="black")
     dress(axes, "x", x)

@@ -2,12 +2,15 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from walkergen.files.report import Report, Table
+from walkergen.jobs.run.sweep import table
+from walkergen.jobs.run.sweep.table import Quantity
 from walkergen.points.point import OK, STATUS
 from walkergen.points.request import Request
 from walkergen.points.run import Done
@@ -45,7 +48,7 @@ class Points:
 
 @dataclass(frozen=True, kw_only=True, repr=False)
 class SweepReport(Report):
-    """Points of a sweep, a row each: the keys that vary, then speeds with their bounds."""
+    """Points of a sweep, a row each: the keys that vary, then numbers with their bounds."""
 
     keys: tuple[str, ...]
     """Keys that vary."""
@@ -61,10 +64,11 @@ def of(request: Request, title: str, points: Points, warnings: Sequence[str] = (
     """
     keys = request.space.keys
     rows = Table("table", points.rows, (*keys, *points.names), title=title)
+    quantities = table.quantities(request.model, request.keep)
     return SweepReport(
         name="sweep", title=title, tables=[rows], lines=_lines(points),
         facts={"points": points.count, "known": points.stored, "bad": points.bad, "files": []},
-        figures=_figures(rows, keys), keys=keys, warnings=warnings,
+        figures=_figures(rows, keys, quantities), keys=keys, warnings=warnings,
     )  # fmt: skip
 
 
@@ -83,26 +87,31 @@ def _lines(points: Points) -> list[str]:
     return [counted, *(f"{count} of them: {name} (see the column status)" for name, count in bad)]
 
 
-def _figures(rows: Table, keys: Sequence[str]) -> "Mapping[str, Callable[[], Figure]]":
-    """What draws speed over the keys: lines, a map or clouds.
+def _figures(
+    rows: Table, keys: Sequence[str], quantities: Sequence[Quantity]
+) -> "Mapping[str, Callable[[], Figure]]":
+    """What draws each quantity over the keys: lines, a map or clouds.
 
-    Nothing where no key has two values, or no point a speed: there is nothing to compare.
+    Nothing where no key has two values, or no point the number: there is nothing to compare.
     """
     columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=False))
-    varied = any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys)
-    if not varied or all(speed is None for speed in columns["speed_mm_s"]):
+    if not any(len(set(map(str, columns.get(key, ())))) > 1 for key in keys):
         return {}
+    return {
+        quantity.name: partial(_draw, rows, keys, quantity)
+        for quantity in quantities
+        if any(value is not None for value in columns[quantity.value])
+    }
 
-    def draw() -> "Figure":
-        from walkergen.jobs.run.sweep import figures
-        from walkergen.jobs.run.sweep.panels import Columns
 
-        unknown = np.full(len(rows), np.nan)
-        low, high = (
-            rows[end] if end in columns else unknown for end in ("low_95_mm_s", "high_95_mm_s")
-        )
-        values = {key: columns[key] for key in keys}
-        drawn = Columns(values, rows["speed_mm_s"], low, high, columns[STATUS])
-        return figures.figure(drawn, keys, rows.title)
+def _draw(rows: Table, keys: Sequence[str], quantity: Quantity) -> "Figure":
+    """Draw a quantity over the keys."""
+    from walkergen.jobs.run.sweep import figures
+    from walkergen.jobs.run.sweep.panels import Columns
 
-    return {"sweep": draw}
+    columns = dict(zip(rows.keys, zip(*rows.rows, strict=True), strict=True))
+    unknown = np.full(len(rows), np.nan)
+    low, high = (rows[end] if end in columns else unknown for end in (quantity.low, quantity.high))
+    values = {key: columns[key] for key in keys}
+    drawn = Columns(values, rows[quantity.value], low, high, columns[STATUS], quantity.label)
+    return figures.figure(drawn, keys, rows.title)

@@ -16,7 +16,7 @@ from walkergen.files import config, plain
 from walkergen.files.config import Section
 from walkergen.points import axes, request, tolerance
 from walkergen.points.axes import Axis, Method, Sample, Space, Span
-from walkergen.points.point import KEPT, MODELS
+from walkergen.points.point import CROWD, KEPT, MODELS, kept
 from walkergen.points.tolerance import Tolerance
 
 Table = dict[str, Any]
@@ -61,16 +61,18 @@ class Contents(Section):
     @field_validator("model")
     @classmethod
     def _known_model(cls, name: str | None) -> str | None:
-        if name is not None and name not in MODELS:
-            raise ValueError(f"{name[:30]!r}: must be one of {', '.join(MODELS)}")
+        if name is not None and name not in (*MODELS, CROWD):
+            every = ", ".join((*MODELS, CROWD))
+            raise ValueError(f"{name[:30]!r}: must be one of {every}")
         return name
 
     @field_validator("keep")
     @classmethod
     def _known_groups(cls, names: list[str] | None) -> list[str] | None:
         for name in names or ():
-            if name not in KEPT:
-                raise ValueError(f"{name[:30]!r}: must be one of {', '.join(KEPT)}")
+            if name not in KEPT and name not in kept(CROWD):
+                every = f"{', '.join(KEPT)}; of crowds {', '.join(kept(CROWD))}"
+                raise ValueError(f"{name[:30]!r}: must be one of {every}")
         return names
 
 

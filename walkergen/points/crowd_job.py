@@ -1,6 +1,7 @@
-"""A crowd that is asked for, and what came of it: the same in space and in a plane."""
+"""Crowd that is asked for, its runs on threads, and what came of it: in space and in a plane."""
 
 import os
+from collections import Counter
 from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_COMPLETED, Future, ThreadPoolExecutor, wait
 from typing import Literal, NamedTuple, TypeVar
@@ -16,6 +17,7 @@ from walkergen.files.progress import Progress
 from walkergen.scene import Scene
 from walkergen.simulation.crowd.placing import place
 from walkergen.simulation.crowd.result import CrowdRun
+from walkergen.simulation.run import ENDED_WELL
 from walkergen.simulation.trajectory import check
 from walkergen.walker import seen_above
 from walkergen.walker.design import Design
@@ -25,6 +27,8 @@ Array = npt.NDArray[np.float64]
 Made = TypeVar("Made")
 
 Model = Literal["space", "flat"]
+
+WELL = tuple(outcome.value for outcome in ENDED_WELL)
 
 CLEARANCE_MM = 0.2
 """Least distance of bodies at the start: they drop turned by up to a milliradian."""
@@ -79,6 +83,21 @@ class Simulated(NamedTuple):
     """The runs themselves, by their numbers; none of a crowd in a plane."""
     statistics: CrowdStatistics
     wall_s: float
+
+    @property
+    def outcomes(self) -> Counter[str]:
+        """Walkers of all runs by how it ended for them."""
+        return Counter(outcome for run in self.runs for outcome in run.outcomes)
+
+    @property
+    def fallen(self) -> dict[str, int]:
+        """Walkers of all runs that did not come to the end, by how it ended for them."""
+        return {name: count for name, count in self.outcomes.items() if name not in WELL}
+
+    @property
+    def energy_error(self) -> float:
+        """Largest energy of a run that nothing accounts for, over the energy exchanged."""
+        return max((run.energy_error for run in self.runs), default=0.0)
 
 
 def checked(job: Job) -> Job:

@@ -1,4 +1,4 @@
-"""Walkers of a crowd: how many of which design, as people write it or as a packing says."""
+"""Walkers of a crowd: how many of which design, as people write it or a packing says; its runs."""
 
 from typing import NamedTuple
 
@@ -10,6 +10,9 @@ DEFAULT = 10
 """Walkers of a crowd unless something says how many."""
 
 FEWEST, MOST = 2, 100_000
+
+RUNS, RATE_HZ = 4, 25.0
+"""Independent runs of a crowd, and frames a second of them, unless asked otherwise."""
 
 
 class Share(NamedTuple):
