@@ -199,6 +199,11 @@ def test_the_input_alone_needs_no_lammps_and_is_the_same_each_time(tmp_path, mon
     assert {path.name: path.read_bytes() for path in paths} == crowd.files(*asked, **keys)
 
 
+def test_a_walker_a_hair_off_the_seam_of_a_periodic_square_is_inside_it():
+    one, seam = silent(outline_mm=[DISC]), Dish("periodic", (100.0,))
+    assert crowd.files([one], [0], seam, [[0.0, -1e-15, 0.0]], seconds=1.0, rate_hz=10.0, seed=1)
+
+
 @with_lammps
 def test_the_dump_of_written_files_is_read_back_as_the_run(tmp_path):
     dish, keys = Dish("periodic", (150.0,)), {"seconds": 0.04, "rate_hz": 50.0, "seed": 4}

@@ -107,7 +107,7 @@ def _check_room(asked: deck.Crowd) -> None:
             f"places[{walker}] = {asked.places[walker].round(3).tolist()}: is "
             f"{-gaps.min():.3g} mm inside a wall of {asked.dish.words}; move it"
         )
-    tree = cKDTree(np.mod(points, period) if period else points, boxsize=period or None)
+    tree = cKDTree(_wrapped(points, period), boxsize=period or None)
     pairs = tree.query_pairs(2.0 * float(radii.max()), output_type="ndarray")
     pairs = pairs[owners[pairs[:, 0]] != owners[pairs[:, 1]]]
     apart = points[pairs[:, 0]] - points[pairs[:, 1]]
@@ -120,6 +120,14 @@ def _check_room(asked: deck.Crowd) -> None:
             f"places[{first}] and places[{second}]: the bodies overlap by {overlaps.max():.3g} mm; "
             "move them apart"
         )
+
+
+def _wrapped(points: Array, period: float) -> Array:
+    """Points in a square from 0 to its side, which is outside; as they are without a period."""
+    if not period:
+        return points
+    wrapped = np.mod(points, period)
+    return np.where(wrapped < period, wrapped, 0.0)  # a hair below 0 is rounded up to the side
 
 
 def _spread(

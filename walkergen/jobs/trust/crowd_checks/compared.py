@@ -40,7 +40,21 @@ def row(check: str, case: str, quantity: str, unit: str, space: Value, plane: Va
     return Row(check, case, quantity, unit, *space, *plane, apart, word, why)
 
 
-REASONS = {
+SIDEWAYS = (
+    "a walker that is pushed sideways gives way half as fast in space, while a card has one drag "
+    "for all directions"
+)
+
+REASONS: dict[tuple[str, str, str], str] = {
+    ("single", "", "delay"):
+        "pushes that turn this walker in space also move its centre to the same side, so that its "
+        "velocity leads its heading; the plane knows inertia alone",
+    ("binary", "head on", ""):
+        "less of an approach comes back than the restitution of the contact says, as feet rub on "
+        "the plate during the blow: a plane with 0.1 to 0.3 in place of 0.5 turns them as little",
+    ("binary", "corner on face", ""): SIDEWAYS,
+    ("binary", "glancing", ""): SIDEWAYS,
+    ("collective", "", ""): SIDEWAYS,
 }  # fmt: skip
 """What we take for the reason, by check, case and quantity: the most special that is given."""
 

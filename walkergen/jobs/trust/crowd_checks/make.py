@@ -10,10 +10,10 @@ from walkergen.analysis.values import Value
 from walkergen.card import Card
 from walkergen.files.output import Folder
 from walkergen.files.progress import Progress, silent
+from walkergen.files.report import Report
 from walkergen.flat import engine
 from walkergen.jobs.trust.crowd_checks import many, meetings, pairs, report, setting, single
 from walkergen.jobs.trust.crowd_checks.compared import Row, row
-from walkergen.jobs.trust.crowd_checks.report import Report
 from walkergen.jobs.trust.crowd_checks.setting import Size
 from walkergen.points.walker_motion import Measured
 from walkergen.walker import solids

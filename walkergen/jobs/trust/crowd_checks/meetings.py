@@ -11,8 +11,9 @@ from walkergen.jobs.trust.crowd_checks.setting import RATE_HZ
 
 Array = npt.NDArray[np.float64]
 
-NEAREST, FARTHEST = 12.0, 18.0
-"""Way (mm) that each of both has to go until they meet, drawn evenly between."""
+NEAREST, FARTHEST = 18.0, 24.0
+"""Way (mm) that each of both has to go until they meet, drawn evenly between: those in space, which
+are let go at rest, have by then all of their speed but 1 %."""
 
 NEAR = 0.7
 """Gap (mm) below which two touch: at one frame in a period of the plate no blow is missed."""
@@ -52,9 +53,10 @@ QUANTITIES = {
     "turn in 0.3 s": "deg",
     "time together": "",
     "way in 0.3 s": "mm",
+    "aside in 0.3 s": "mm",
 }
 """Units of what is seen of a meeting: velocity apart over that of the approach, along it; turns of
-both; share of 0.3 s in which they touch; way of each."""
+both; share of 0.3 s in which they touch; way of each, and its part across the heading at the touch."""
 
 
 def approach(meeting: Meeting) -> Array:
@@ -111,11 +113,12 @@ def seen(meeting: Meeting, outline: Array, two: Array) -> dict[str, float] | Non
         turns = np.degrees(two[start + frames, :, 2] - two[start, :, 2])
         return float(np.abs(turns).mean() if meeting.turns is None else turns @ meeting.turns)
 
-    later = two[start : start + LATER + 1]
+    ways = two[start + LATER, :, :2] - two[start, :, :2]
+    across = np.array([_ahead(angle + 0.5 * math.pi) for angle in two[start, :, 2]])
     numbers = (
         -velocity(AFTER) / velocity(BEFORE), turn(SOON), turn(LATER),
         float((apart[start : start + LATER + 1] < NEAR).mean()),
-        float(np.hypot(*(later[-1, :, :2] - later[0, :, :2]).T).mean()),
+        float(np.hypot(*ways.T).mean()), float(np.abs((ways * across).sum(axis=1)).mean()),
     )  # fmt: skip
     return dict(zip(QUANTITIES, numbers, strict=True))
 

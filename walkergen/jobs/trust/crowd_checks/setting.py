@@ -35,7 +35,7 @@ class Size(NamedTuple):
 
 
 WHOLE = Size(16, 10.0, 8, 8, 4, 6.0, 3.0, 1)
-QUICK = Size(16, 4.0, 4, 4, 4, 2.0, 1.0, 1)
+QUICK = Size(16, 4.0, 4, 5, 4, 1.5, 1.0, 1)
 
 
 def walker() -> Design:
