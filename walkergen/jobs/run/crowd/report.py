@@ -40,6 +40,8 @@ class Contacts(NamedTuple):
     """Energy that contacts of bodies took along their normals."""
     lost_friction_nj: float
     energy_error: float
+    contact_error: float
+    """What contacts took along their normals, less what restitution says, over it."""
     fallen: int
     """Walkers that did not come to the end."""
 
@@ -52,6 +54,7 @@ CONTACTS = (
     report.number("lost to impact (nJ)", "lost_normal_nj", 3, wide=True),
     report.number("to friction (nJ)", "lost_friction_nj", 3, wide=True),
     report.number("energy error", "energy_error", 2),
+    report.number("off restitution", "contact_error", 2),
     report.text("fallen", "fallen"),
 )
 
@@ -107,7 +110,7 @@ def facts(simulated: Simulated) -> dict[str, object]:
 def _contacts(run: CrowdRun, seconds: float) -> Contacts:
     return Contacts(
         run.number, run.touches, run.touches / (len(run.kinds) * seconds), 1e3 * run.deepest,
-        run.losses["normal"], run.losses["friction"], run.energy_error,
+        run.losses["normal"], run.losses["friction"], run.energy_error, run.contact_error,
         sum(outcome not in WELL for outcome in run.outcomes),
     )  # fmt: skip
 
