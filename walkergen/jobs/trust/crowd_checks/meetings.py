@@ -56,7 +56,8 @@ QUANTITIES = {
     "aside in 0.3 s": "mm",
 }
 """Units of what is seen of a meeting: velocity apart over that of the approach, along it; turns of
-both; share of 0.3 s in which they touch; way of each, and its part across the heading then."""
+both; share of 0.3 s in which they touch; way of each, and of it what is across the heading that it
+had at the touch."""
 
 
 def approach(meeting: Meeting) -> Array:
