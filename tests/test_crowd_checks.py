@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from flat_cards import BOX, silent, with_lammps
+from flat_cards import BOX, DISC, silent, with_lammps
 from typer.testing import CliRunner
 
 from walkergen.analysis.values import Value
@@ -103,11 +103,12 @@ def test_without_noise_walkers_alone_have_their_cards_speed_and_turning():
 
 @with_lammps
 @pytest.mark.slow
-def test_without_drag_head_on_pairs_keep_the_restitution_of_the_card():
+def test_without_drag_round_ones_that_meet_head_on_keep_the_restitution_of_the_card():
     """Closed form: masses that meet head on part with e times their approach."""
-    one = silent(velocity_relaxation_s=1e6, restitution=0.6, friction=0.0)
+    one = silent(outline_mm=[DISC], velocity_relaxation_s=1e6, restitution=0.6, friction=0.0)
     found = pairs.in_plane(setting.QUICK._replace(pair_runs=1), one)
-    assert found["head on", "velocity kept"].mean == pytest.approx(0.6, abs=0.1)
+    # Sixteen steps in a touch cost up to 0.035, always downwards
+    assert found["head on", "velocity kept"].mean == pytest.approx(0.58, abs=0.02)
 
 
 @with_lammps

@@ -41,9 +41,9 @@ def row(check: str, case: str, quantity: str, unit: str, space: Value, plane: Va
 
 
 SIDEWAYS = (
-    "feet resist more across the run than along it: alone in space a push is forgotten within 49 "
-    "ms across and 80 ms along, while a card has one time for both, so that walkers in the plane slip "
-    "past each other too easily"
+    "feet resist more across the run than along it: alone in space a push is forgotten within "
+    "49 ms across and 80 ms along, while a card has one time for both, so that walkers in the "
+    "plane slip past each other too easily"
 )
 
 REASONS: dict[tuple[str, str, str], str] = {

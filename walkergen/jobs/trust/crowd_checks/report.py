@@ -24,7 +24,7 @@ def table(rows: Sequence[Row]) -> Table:
     columns = (
         report.text("check", "check"),
         report.text("case", "case"),
-        Column("number", lambda row: _titled(row)),
+        Column("number", _titled),
         report.with_error("space", "space", "space_se"),
         report.with_error("plane", "plane", "plane_se"),
         report.fixed("errors apart", "errors_apart", 1),
@@ -60,5 +60,5 @@ def _named(row: Row) -> str:
 
 
 def _titled(row: Row) -> str:
-    quantity = row.quantity.replace("_", " ")
+    quantity = row.quantity.replace("_", " ") if row.check == "collective" else row.quantity
     return f"{quantity} ({row.unit})" if row.unit else quantity
