@@ -219,7 +219,7 @@ def test_a_wish_for_one_walker_varies_no_key_of_crowds(tmp_path, monkeypatch):
 def test_two_packings_on_two_workers_are_what_the_command_crowd_finds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run = ("--set", "scene.run.discard_seconds=0.1")
-    words = ("--set", "scene.crowd.packing=0.06,0.12", "--set", "scene.run.seconds=0.3", *run,
+    words = ("--set", "scene.crowd.packing=0.1,0.15", "--set", "scene.run.seconds=0.3", *run,
              "--set", "scene.run.runs=2", "--set", 'scene.crowd.arena_mm="disc:90"',
              "--keep", "polar_order,speed,wall_density", "--workers", "2")  # fmt: skip
     result = CliRunner().invoke(command_line, ["sweep", "polar-disc", *words, "--out", "map"])
