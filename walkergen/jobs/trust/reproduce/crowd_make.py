@@ -52,7 +52,7 @@ def make(size: Size, folder: Path, progress: Progress) -> Report:
 
 
 def _crowd(case: Case, progress: Progress) -> Numbers:
-    return crowd_runs.numbers(crowd_runs.films(case, progress), case.design.size.length)
+    return crowd_runs.numbers(crowd_runs.simulated(case, progress), case.design.size.length)
 
 
 def _written(found: Found, size: Size, folder: Path) -> Report:
