@@ -112,7 +112,7 @@ def test_without_drag_round_ones_that_meet_head_on_keep_the_restitution_of_the_c
 
 
 @with_lammps
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_the_command_makes_the_table_and_the_same_again(tmp_path, monkeypatch):
     tiny = setting.Size(16, 2.0, 2, 1, 2, 0.5, 0.2, 1)
     written = []

@@ -215,7 +215,7 @@ def test_a_wish_for_one_walker_varies_no_key_of_crowds(tmp_path, monkeypatch):
     assert "scene.crowd.packing" in str(error)
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_packings_on_two_workers_are_what_the_command_crowd_finds(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     run = ("--set", "scene.run.discard_seconds=0.1")

@@ -120,7 +120,7 @@ def test_walkers_that_stand_have_no_fluctuations():
     assert delay.measure(stand).mean.value is None
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("case", "least"), [("as a printed walker", 0.82), ("filmed with noise", 0.72)]
 )

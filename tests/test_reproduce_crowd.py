@@ -112,7 +112,7 @@ def test_what_does_not_go_together_is_refused(words, named, tmp_path):
     assert not (tmp_path / "no").exists()
 
 
-@pytest.mark.slow
+@pytest.mark.nightly
 def test_two_crowds_give_a_folder_and_the_same_bytes_again(tmp_path, monkeypatch):
     cases = crowd_cases.crowds(SIZE)[6:8]
     monkeypatch.setattr(crowd_make, "crowds", lambda size: cases)
