@@ -31,6 +31,7 @@ CALLS = {
     "simulate": "simulating",
     "family": "making",
     "export": "making",
+    "crowd": "crowding",
     "sweep": "sweeping",
     "track": "tracking",
     "analyse": "analysing",
