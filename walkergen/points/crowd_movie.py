@@ -87,12 +87,10 @@ def write(
     """Write a movie as .mp4 or .gif, or the last frame as .png; returns the number of frames.
 
     A GIF has the nearest of its rates. Of thousands that all move it takes some 0.13 MB a frame, an
-    MP4 a fifth of it. Raises
-    InputError for another suffix, and for an MP4 without ffmpeg.
+    MP4 a fifth of it. Raises InputError as `check` does.
     """
+    check(path, "movie")
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise InputError(f"{str(path)[:80]!r}: must end in one of {', '.join(SUFFIXES)}")
     if suffix == ".png":
         output.write(path, still(film, title, colour))
         return 1
